@@ -1,0 +1,155 @@
+!> A flank as a plane curve by arc length: root fillet, active flank and tip rounding in one.
+!>
+!> The curve is piecewise polynomial in its arc length s. Along growing s the material lies on the
+!> right: with the unit tangent t the unit normal out of the material is n = (-t_y, t_x).
+module flankload_flank_curve
+    use flankload_kinds, only: wp
+    implicit none
+    private
+
+    public :: flank_curve_type, frame_type
+    public :: new_flank_curve, new_frame, curve_point, placed_point, curve_length
+
+    !> Polynomials over intervals of arc length, in the frame of the body.
+    type :: flank_curve_type
+        !> Arc length at the ends of the intervals [mm], ascending, shape (0:n)
+        real(wp), allocatable :: breaks(:)
+        !> Coefficients of x and y, ascending powers of s - breaks(k-1) [mm], shape (0:degree, 2, n)
+        real(wp), allocatable :: coefficients(:, :, :)
+        !> True where the curve has a sharp corner, shape (0:n)
+        logical, allocatable :: corners(:)
+    end type flank_curve_type
+
+    !> Where a body stands: its frame turned by an angle about its axis.
+    type :: frame_type
+        !> Axis of the body in the common frame [mm], shape (2)
+        real(wp) :: origin(2) = 0.0_wp
+        !> Cosine and sine of the turn
+        real(wp) :: cosine = 1.0_wp
+        real(wp) :: sine = 0.0_wp
+    end type frame_type
+
+contains
+
+    !> Make a curve from the arrays that a body hands over.
+    pure function new_flank_curve(breaks, coefficients, corners) result(curve)
+        !> Arc length at the ends of the intervals [mm], shape (n + 1)
+        real(wp), intent(in) :: breaks(:)
+        !> Coefficients, shape (degree + 1, 2, n)
+        real(wp), intent(in) :: coefficients(:, :, :)
+        !> Nonzero where the curve has a sharp corner, shape (n + 1)
+        integer, intent(in) :: corners(:)
+        type(flank_curve_type) :: curve
+
+        integer :: n, degree
+
+        n = size(breaks) - 1
+        degree = size(coefficients, 1) - 1
+        allocate (curve%breaks(0:n), source=breaks)
+        allocate (curve%coefficients(0:degree, 2, n), source=coefficients)
+        allocate (curve%corners(0:n), source=corners /= 0)
+    end function new_flank_curve
+
+    !> Make the frame of a body.
+    pure function new_frame(origin, angle) result(frame)
+        !> Axis of the body [mm], shape (2)
+        real(wp), intent(in) :: origin(2)
+        !> Turn of the body [rad]
+        real(wp), intent(in) :: angle
+        type(frame_type) :: frame
+
+        frame%origin = origin
+        frame%cosine = cos(angle)
+        frame%sine = sin(angle)
+    end function new_frame
+
+    !> Arc length of the whole curve [mm].
+    pure function curve_length(curve) result(length)
+        !> The curve
+        type(flank_curve_type), intent(in) :: curve
+        real(wp) :: length
+
+        length = curve%breaks(ubound(curve%breaks, 1))
+    end function curve_length
+
+    !> Place, unit tangent and curvature of the curve in the frame of the body.
+    pure subroutine curve_point(curve, s, point, tangent, curvature)
+        !> The curve
+        type(flank_curve_type), intent(in) :: curve
+        !> Arc length [mm]; outside the curve the end interval goes on
+        real(wp), intent(in) :: s
+        !> Place [mm], shape (2)
+        real(wp), intent(out) :: point(2)
+        !> Unit tangent towards growing s, shape (2)
+        real(wp), intent(out) :: tangent(2)
+        !> Curvature [1/mm], positive where the centre lies in the material (convex flank)
+        real(wp), intent(out), optional :: curvature
+
+        integer :: interval, power, degree
+        real(wp) :: x, first(2), second(2), speed
+
+        interval = interval_of(curve%breaks, s)
+        degree = ubound(curve%coefficients, 1)
+        x = s - curve%breaks(interval - 1)
+        point = curve%coefficients(degree, :, interval)
+        first = 0.0_wp
+        second = 0.0_wp
+        do power = degree - 1, 0, -1
+            second = second*x + 2.0_wp*first
+            first = first*x + point
+            point = point*x + curve%coefficients(power, :, interval)
+        end do
+        speed = norm2(first)
+        tangent = first/speed
+        if (present(curvature)) then
+            curvature = (first(2)*second(1) - first(1)*second(2))/speed**3
+        end if
+    end subroutine curve_point
+
+    !> The same in the common frame, for a body that stands somewhere.
+    pure subroutine placed_point(curve, frame, s, point, tangent, curvature)
+        !> The curve
+        type(flank_curve_type), intent(in) :: curve
+        !> Where its body stands
+        type(frame_type), intent(in) :: frame
+        !> Arc length [mm]
+        real(wp), intent(in) :: s
+        !> Place [mm], shape (2)
+        real(wp), intent(out) :: point(2)
+        !> Unit tangent, shape (2)
+        real(wp), intent(out) :: tangent(2)
+        !> Curvature [1/mm]
+        real(wp), intent(out), optional :: curvature
+
+        real(wp) :: p(2), t(2)
+
+        call curve_point(curve, s, p, t, curvature)
+        point = frame%origin + [frame%cosine*p(1) - frame%sine*p(2), &
+            &                   frame%sine*p(1) + frame%cosine*p(2)]
+        tangent = [frame%cosine*t(1) - frame%sine*t(2), frame%sine*t(1) + frame%cosine*t(2)]
+    end subroutine placed_point
+
+    !> Number of the interval that holds s, by bisection.
+    pure function interval_of(breaks, s) result(interval)
+        !> Ends of the intervals, shape (0:n)
+        real(wp), intent(in) :: breaks(0:)
+        !> Arc length [mm]
+        real(wp), intent(in) :: s
+        integer :: interval
+
+        integer :: low, high, middle
+
+        low = 0
+        high = ubound(breaks, 1)
+        do while (high - low > 1)
+            middle = (low + high)/2
+            if (s < breaks(middle)) then
+                high = middle
+            else
+                low = middle
+            end if
+        end do
+        interval = low + 1
+    end function interval_of
+
+end module flankload_flank_curve
