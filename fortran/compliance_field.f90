@@ -1,0 +1,77 @@
+!> Compliance of a body between any two places of its flanks: pressure modes for the smooth part,
+!> an analytic strip for the near field. Stands where the paper has tables (21), (22).
+module flankload_compliance_field
+    use flankload_kinds, only: wp
+    implicit none
+    private
+
+    public :: compliance_type
+    public :: mode_values, strip_kernel
+
+    !> Compliance of one body, per its face width.
+    type :: compliance_type
+        !> Arc lengths between which the pressure modes live [mm]
+        real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
+        !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
+        real(wp) :: kernel = 0.0_wp
+        !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
+        real(wp), allocatable :: smooth(:, :, :)
+        !> Block of the smooth part for displacement at site i, load at site j, shape (sites, sites)
+        integer, allocatable :: block(:, :)
+    end type compliance_type
+
+contains
+
+    !> Legendre polynomials P_0 … P_p over the flank's arc length.
+    !>
+    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values.
+    pure function mode_values(compliance, s) result(values)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: compliance
+        !> Arc lengths [mm], shape (n)
+        real(wp), intent(in) :: s(:)
+        !> Values, shape (n, n_modes)
+        real(wp) :: values(size(s), size(compliance%smooth, 1))
+
+        integer :: a, n_modes
+        real(wp) :: xi(size(s))
+
+        n_modes = size(compliance%smooth, 1)
+        xi = (2.0_wp*s - compliance%s_low - compliance%s_high)/(compliance%s_high - compliance%s_low)
+        xi = min(1.0_wp, max(-1.0_wp, xi))
+        if (n_modes > 0) values(:, 1) = 1.0_wp
+        if (n_modes > 1) values(:, 2) = xi
+        do a = 3, n_modes
+            ! (a-1) P_{a-1} = (2a-3) x P_{a-2} - (a-2) P_{a-3}, numbered from 0
+            values(:, a) = ((2*a - 3)*xi*values(:, a - 1) - (a - 2)*values(:, a - 2))/(a - 1)
+        end do
+    end function mode_values
+
+    !> Displacement at a distance from the centre of a strip that carries a unit load evenly [mm/N].
+    elemental function strip_kernel(distance, cell, kernel) result(displacement)
+        !> Distance along the flank [mm]
+        real(wp), intent(in) :: distance
+        !> Width of the strip [mm]
+        real(wp), intent(in) :: cell
+        !> Strength of the logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        real(wp) :: displacement
+
+        real(wp) :: right, left
+
+        right = distance + 0.5_wp*cell
+        left = distance - 0.5_wp*cell
+        displacement = -kernel*((x_log_x(right) - x_log_x(left))/cell - 1.0_wp)
+    end function strip_kernel
+
+    !> x ln|x|, 0 at 0.
+    elemental function x_log_x(x) result(value)
+        !> Argument
+        real(wp), intent(in) :: x
+        real(wp) :: value
+
+        value = 0.0_wp
+        if (abs(x) > tiny(1.0_wp)) value = x*log(abs(x))
+    end function x_log_x
+
+end module flankload_compliance_field

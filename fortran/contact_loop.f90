@@ -1,0 +1,210 @@
+!> Which pairs touch and what they carry: (20), (25)–(34), Fig. 6, in the general form.
+!>
+!> Sees only K, B, R, gaps and loads, never geometry.
+module flankload_contact_loop
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
+        & no_contact_state
+    use flankload_contact_problem, only: contact_problem, contact_result, new_contact_problem, &
+        & row_tolerance
+    use flankload_bordered_system, only: bordered_condition
+    use flankload_single_loop, only: loop_state, single_loop
+    use flankload_paper_loop, only: paper_state, paper_loop
+    use flankload_contact_certificate, only: certify
+    implicit none
+    private
+
+    public :: contact_result
+    public :: solve_contact_problem
+    public :: method_single, method_paper
+
+    !> One pair at a time, any may leave.
+    integer, parameter :: method_single = 1
+    !> The paper's growing loop.
+    integer, parameter :: method_paper = 2
+
+contains
+
+    !> Find the state of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
+    pure subroutine solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+        & symmetric, method, warm_pairs, result, error)
+        !> K, recession along the normal of row i for a unit force on pair j [mm/N], shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0, gaps along the normals before any motion [mm], shape (n)
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B, gap closed by a unit of each motion, shape (n, n_motions)
+        real(wp), intent(in) :: motions(:, :)
+        !> R, part of a unit force in each load, shape (n, n_motions)
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> K is symmetric: Cholesky, else LU
+        logical, intent(in) :: symmetric
+        !> method_single or method_paper
+        integer, intent(in) :: method
+        !> Pairs to begin with (method_single), from 1; none: the pair that touches first
+        integer, intent(in) :: warm_pairs(:)
+        !> The state; on error NaN, but for the motion that shows why there is no state and for the
+        !> final state of the paper's loop with negative forces
+        type(contact_result), intent(out) :: result
+        !> Why there is no state
+        type(error_type), allocatable, intent(out) :: error
+
+        type(contact_problem) :: problem
+
+        call blank(result, size(normal_gaps), size(loads))
+        call check_choice(size(normal_gaps), method, warm_pairs, error)
+        if (allocated(error)) return
+        call new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, symmetric, &
+            & problem, error)
+        if (allocated(error)) return
+        if (method == method_paper) then
+            call run_paper(problem, compliance, result, error)
+        else
+            call run_single(problem, compliance, warm_pairs, result, error)
+        end if
+    end subroutine solve_contact_problem
+
+    !> A result without numbers.
+    pure subroutine blank(result, n, n_motions)
+        !> The result
+        type(contact_result), intent(out) :: result
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Number of motions
+        integer, intent(in) :: n_motions
+
+        real(wp) :: nan
+
+        nan = ieee_value(nan, ieee_quiet_nan)
+        allocate (result%forces(n), result%gaps(n), result%motion(n_motions), source=nan)
+        allocate (result%tangent(n_motions, n_motions), source=nan)
+        allocate (result%active_pairs(0))
+        result%condition = nan
+        result%growth = nan
+        result%backward_error = nan
+        result%margin = nan
+    end subroutine blank
+
+    !> A known method, warm pairs that exist and differ.
+    pure subroutine check_choice(n, method, warm_pairs, error)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Method
+        integer, intent(in) :: method
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> What is wrong
+        type(error_type), allocatable, intent(out) :: error
+
+        logical, allocatable :: seen(:)
+        integer :: k
+
+        if (method /= method_single .and. method /= method_paper) then
+            call fatal_error(error, invalid_input, 'method: expected method_single or method_paper')
+            return
+        end if
+        allocate (seen(n), source=.false.)
+        do k = 1, size(warm_pairs)
+            if (warm_pairs(k) < 1 .or. warm_pairs(k) > n) then
+                call fatal_error(error, invalid_input, 'warm_pairs: expected numbers of pairs')
+                return
+            else if (seen(warm_pairs(k))) then
+                call fatal_error(error, invalid_input, 'warm_pairs: a pair stands in it twice')
+                return
+            end if
+            seen(warm_pairs(k)) = .true.
+        end do
+    end subroutine check_choice
+
+    !> Method single.
+    pure subroutine run_single(problem, compliance, warm_pairs, result, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> The state
+        type(contact_result), intent(inout) :: result
+        !> Why there is none
+        type(error_type), allocatable, intent(out) :: error
+
+        type(loop_state) :: state
+
+        call single_loop(problem, compliance, warm_pairs, state, error)
+        result%pivots = state%pivots
+        if (allocated(error)) then
+            if (error%code == no_contact_state) then
+                result%motion = problem%load_row_scale*state%motion
+            end if
+            return
+        end if
+        result%refactorisations = state%system%refactorisations
+        result%growth = state%system%growth
+        result%condition = bordered_condition(state%system, problem, compliance, state%tangent)
+        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
+        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
+            & state%system%pairs, result)
+    end subroutine run_single
+
+    !> Method paper; a negative force in its final state is an error that carries the state.
+    pure subroutine run_paper(problem, compliance, result, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(contact_result), intent(inout) :: result
+        !> Why there is none, or that a force in it is negative
+        type(error_type), allocatable, intent(out) :: error
+
+        type(paper_state) :: state
+
+        call paper_loop(problem, compliance, state, error)
+        if (allocated(error)) return
+        result%pivots = size(state%pairs)
+        result%refactorisations = state%refactorisations
+        result%growth = state%factor%growth
+        result%condition = state%condition
+        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
+        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
+            & result)
+        if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
+            call fatal_error(error, negative_force, 'the paper''s final state needs tension')
+        end if
+    end subroutine run_paper
+
+    !> The state in the caller's units.
+    pure subroutine unscale(problem, forces, gaps, motion, tangent, pairs, result)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled forces, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled gaps, shape (n)
+        real(wp), intent(in) :: gaps(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), intent(in) :: tangent(:, :)
+        !> Pairs whose gap is closed
+        integer, intent(in) :: pairs(:)
+        !> The state
+        type(contact_result), intent(inout) :: result
+
+        integer :: i, q
+
+        q = problem%n_motions
+        result%forces = problem%load_scale*problem%row_scale*forces
+        ! What is left of a closed gap is rounding, already in the backward error.
+        result%gaps = problem%load_scale*gaps/problem%row_scale
+        result%gaps(pairs) = 0.0_wp
+        result%gaps = max(result%gaps, 0.0_wp)
+        result%motion = problem%load_scale*problem%motion_scale*(problem%start_motion + motion)
+        result%tangent = tangent*spread(problem%motion_scale, 2, q) &
+            & *spread(problem%load_row_scale, 1, q)
+        result%active_pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
+    end subroutine unscale
+
+end module flankload_contact_loop

@@ -1,0 +1,295 @@
+!> The contact problem in its general form, scaled, and what is said of its solution.
+!>
+!>     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   Rᵀ F = Q
+!>
+!> of which (16), (17) and (20) are the case of one motion: K = diag(b) A, g0 = b ε, B = b, R = m,
+!> q = φ, Q = M. All scales are powers of two, so that scaling rounds nothing.
+module flankload_contact_problem
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error, invalid_input, invalid_scale
+    use flankload_lapack, only: add_product
+    implicit none
+    private
+
+    public :: contact_problem, contact_result
+    public :: new_contact_problem, shift_gaps, contact_gaps, row_size, row_sizes, is_finite
+    public :: row_tolerance
+
+    !> A scaled problem; the compliance itself stays where the caller has it.
+    !>
+    !> With D = row_scale, C = motion_scale, E = load_row_scale and λ = load_scale the scaled
+    !> quantities are K' = D K D, F' = F/(λ D), g' = D g/λ, B' = D B C, q' = q/(λ C), R' = D R E
+    !> and Q' = E Q/λ.
+    type :: contact_problem
+        !> Number of pairs and of motions
+        integer :: n = 0
+        integer :: n_motions = 0
+        !> K is symmetric
+        logical :: symmetric = .true.
+        !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
+        real(wp), allocatable :: row_scale(:)
+        real(wp), allocatable :: motion_scale(:)
+        real(wp), allocatable :: load_row_scale(:)
+        real(wp) :: load_scale = 1.0_wp
+        !> Scaled g0 - B q_start, shape (n)
+        real(wp), allocatable :: gaps(:)
+        !> Scaled B and R, shape (n, n_motions)
+        real(wp), allocatable :: motions(:, :)
+        real(wp), allocatable :: load_rows(:, :)
+        !> Scaled Q, shape (n_motions)
+        real(wp), allocatable :: loads(:)
+        !> Scaled q_start, the motion at the start: small loads then lose no digits to large gaps
+        real(wp), allocatable :: start_motion(:)
+    end type contact_problem
+
+    !> The state of contact, in the caller's units.
+    type :: contact_result
+        !> Normal forces [N], shape (n)
+        real(wp), allocatable :: forces(:)
+        !> Final gaps along the normals [mm], shape (n)
+        real(wp), allocatable :: gaps(:)
+        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows why
+        real(wp), allocatable :: motion(:)
+        !> Pairs that carry a force, ascending, from 1
+        integer, allocatable :: active_pairs(:)
+        !> 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain
+        integer :: status = 0
+        !> Pairs that joined or left
+        integer :: pivots = 0
+        !> Factorisations as a whole (the block of a warm start is none)
+        integer :: refactorisations = 0
+        !> Condition of the equilibrated equations of the active pairs, 1-norm
+        real(wp) :: condition = 1.0_wp
+        !> Growth of the entries in elimination without exchange
+        real(wp) :: growth = 1.0_wp
+        !> Largest error of a row of the problem, relative to the row's own size
+        real(wp) :: backward_error = 0.0_wp
+        !> Distance to the nearest change of the active pairs: the least of force over largest force
+        !> (active) and gap over the row's own size (others)
+        real(wp) :: margin = 0.0_wp
+        !> No other state exists
+        logical :: unique = .false.
+        !> d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: tangent(:, :)
+    end type contact_result
+
+    !> What rounding leaves in a row, relative to the row's own size.
+    real(wp), parameter :: row_tolerance = 10.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> Check and scale a problem.
+    pure subroutine new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+        & symmetric, problem, error)
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0 [mm], shape (n)
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B, lever of each pair on each motion, shape (n, n_motions)
+        real(wp), intent(in) :: motions(:, :)
+        !> R, part of each pair in each load, shape (n, n_motions)
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> K is symmetric
+        logical, intent(in) :: symmetric
+        !> The scaled problem
+        type(contact_problem), intent(out) :: problem
+        !> Shapes that do not fit, numbers that are none, a diagonal that is not positive
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: i, c
+
+        call check_input(compliance, normal_gaps, motions, load_rows, loads, error)
+        if (allocated(error)) return
+        problem%n = size(normal_gaps)
+        problem%n_motions = size(loads)
+        problem%symmetric = symmetric
+        problem%row_scale = [(power_of_two(sqrt(compliance(i, i))), i=1, problem%n)]
+        allocate (problem%motions(problem%n, problem%n_motions))
+        allocate (problem%load_rows(problem%n, problem%n_motions))
+        allocate (problem%motion_scale(problem%n_motions), problem%load_row_scale(problem%n_motions))
+        do c = 1, problem%n_motions
+            problem%motions(:, c) = problem%row_scale*motions(:, c)
+            problem%motion_scale(c) = power_of_two(maxval(abs(problem%motions(:, c))))
+            problem%motions(:, c) = problem%motion_scale(c)*problem%motions(:, c)
+            problem%load_rows(:, c) = problem%row_scale*load_rows(:, c)
+            problem%load_row_scale(c) = power_of_two(maxval(abs(problem%load_rows(:, c))))
+            problem%load_rows(:, c) = problem%load_row_scale(c)*problem%load_rows(:, c)
+        end do
+        problem%loads = problem%load_row_scale*loads
+        problem%gaps = problem%row_scale*normal_gaps
+        if (maxval(abs(problem%loads)) > 0.0_wp) then
+            problem%load_scale = 1.0_wp/power_of_two(maxval(abs(problem%loads)))
+        else
+            problem%load_scale = 1.0_wp/power_of_two(maxval(abs(problem%gaps)))
+        end if
+        problem%loads = problem%loads/problem%load_scale
+        problem%gaps = problem%gaps/problem%load_scale
+        allocate (problem%start_motion(problem%n_motions), source=0.0_wp)
+    end subroutine new_contact_problem
+
+    !> Shapes that fit, finite numbers, a positive diagonal.
+    pure subroutine check_input(compliance, normal_gaps, motions, load_rows, loads, error)
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B
+        real(wp), intent(in) :: motions(:, :)
+        !> R
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q
+        real(wp), intent(in) :: loads(:)
+        !> What is wrong
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n, i, j
+        real(wp), allocatable :: probe(:)
+
+        n = size(normal_gaps)
+        if (n < 1 .or. size(loads) < 1) then
+            call fatal_error(error, invalid_input, 'expected at least one pair and one motion')
+        else if (any(shape(compliance) /= n)) then
+            call fatal_error(error, invalid_input, 'compliance: expected one row and column a pair')
+        else if (any(shape(motions) /= [n, size(loads)])) then
+            call fatal_error(error, invalid_input, 'motions: expected shape (pairs, loads)')
+        else if (any(shape(load_rows) /= [n, size(loads)])) then
+            call fatal_error(error, invalid_input, 'load_rows: expected shape (pairs, loads)')
+        else if (.not. (all(is_finite(normal_gaps)) .and. all(is_finite(loads)) &
+            & .and. all(is_finite(motions)) .and. all(is_finite(load_rows)))) then
+            call fatal_error(error, invalid_input, 'expected finite numbers, found NaN or infinity')
+        end if
+        if (allocated(error)) return
+        allocate (probe(n), source=0.0_wp)
+        do j = 1, n
+            probe = probe + 0.0_wp*compliance(:, j)
+        end do
+        if (.not. all(is_finite(probe))) then
+            call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
+        else if (.not. all([(compliance(i, i) > 0.0_wp, i=1, n)])) then
+            call fatal_error(error, invalid_scale, 'compliance: expected a positive diagonal')
+        end if
+    end subroutine check_input
+
+    !> Neither NaN nor infinite.
+    elemental function is_finite(number) result(finite)
+        !> Any number
+        real(wp), intent(in) :: number
+        logical :: finite
+
+        finite = abs(number) <= huge(1.0_wp)
+    end function is_finite
+
+    !> The power of two near 1/size, 1 where the size is zero.
+    elemental function power_of_two(size) result(scale_factor)
+        !> What shall be near one after scaling
+        real(wp), intent(in) :: size
+        real(wp) :: scale_factor
+
+        scale_factor = 1.0_wp
+        if (size > 0.0_wp) scale_factor = scale(1.0_wp, min(1 - exponent(size), maxexponent(1.0_wp) - 1))
+    end function power_of_two
+
+    !> Measure motions from here on: g0 := g0 - B q.
+    pure subroutine shift_gaps(problem, motion, touching)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> Scaled motion, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Pairs that touch by definition of this motion: their gap is zero without rounding
+        integer, intent(in) :: touching(:)
+
+        problem%gaps = problem%gaps - matmul(problem%motions, motion)
+        problem%gaps(touching) = 0.0_wp
+        problem%start_motion = problem%start_motion + motion
+    end subroutine shift_gaps
+
+    !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it. One product per run of active
+    !> columns, since active pairs are mostly neighbours.
+    pure subroutine contact_gaps(problem, compliance, forces, motion, gaps)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, zero for pairs that are not active, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Scaled gaps, shape (n)
+        real(wp), contiguous, intent(out) :: gaps(:)
+
+        integer :: first, last
+        real(wp), allocatable :: columns(:)
+
+        columns = problem%row_scale*forces
+        gaps = 0.0_wp
+        last = 0
+        do
+            first = last + 1
+            do while (first <= problem%n)
+                if (abs(forces(first)) > 0.0_wp) exit
+                first = first + 1
+            end do
+            if (first > problem%n) exit
+            last = first
+            do while (last < problem%n)
+                if (.not. abs(forces(last + 1)) > 0.0_wp) exit
+                last = last + 1
+            end do
+            call add_product(compliance, first, last, columns, gaps)
+        end do
+        gaps = problem%row_scale*gaps + problem%gaps - matmul(problem%motions, motion)
+    end subroutine contact_gaps
+
+    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, gaps and motion measured from the start.
+    pure function row_size(problem, compliance, forces, motion, pairs, i) result(total)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> The active pairs
+        integer, intent(in) :: pairs(:)
+        !> Number of the row
+        integer, intent(in) :: i
+        real(wp) :: total
+
+        integer :: k
+
+        total = 0.0_wp
+        do k = 1, size(pairs)
+            total = total + abs(compliance(i, pairs(k))*forces(pairs(k)))*problem%row_scale(pairs(k))
+        end do
+        total = problem%row_scale(i)*total + abs(problem%gaps(i)) &
+            & + dot_product(abs(problem%motions(i, :)), abs(motion))
+    end function row_size
+
+    !> Sizes of all rows, by columns.
+    pure subroutine row_sizes(problem, compliance, forces, motion, sizes)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Sizes, shape (n)
+        real(wp), intent(out) :: sizes(:)
+
+        integer :: j
+
+        sizes = 0.0_wp
+        do j = 1, problem%n
+            if (abs(forces(j)) > 0.0_wp) then
+                sizes = sizes + abs(compliance(:, j))*(abs(forces(j))*problem%row_scale(j))
+            end if
+        end do
+        sizes = problem%row_scale*sizes + abs(problem%gaps) + matmul(abs(problem%motions), abs(motion))
+    end subroutine row_sizes
+
+end module flankload_contact_problem

@@ -1,0 +1,63 @@
+! The contact loop through the flat door.
+
+!> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
+subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &
+        & load_rows, loads, symmetric, method, warm_pairs, forces, gaps, motion, tangent, &
+        & active, counters, certificate, info)
+    use flankload, only: solve_contact_problem, contact_result, error_type
+    implicit none
+    !> Number of pairs
+    integer, intent(in) :: n
+    !> Number of motions
+    integer, intent(in) :: n_motions
+    !> Number of pairs to begin with
+    integer, intent(in) :: n_warm
+    !> K [mm/N], shape (n, n)
+    double precision, intent(in) :: compliance(n, n)
+    !> g0 [mm], shape (n)
+    double precision, intent(in) :: normal_gaps(n)
+    !> B, shape (n, n_motions)
+    double precision, intent(in) :: motions(n, n_motions)
+    !> R, shape (n, n_motions)
+    double precision, intent(in) :: load_rows(n, n_motions)
+    !> Q, shape (n_motions)
+    double precision, intent(in) :: loads(n_motions)
+    !> Not 0: K is symmetric
+    integer, intent(in) :: symmetric
+    !> 1: single, 2: paper
+    integer, intent(in) :: method
+    !> Pairs to begin with, from 1, shape (n_warm)
+    integer, intent(in) :: warm_pairs(n_warm)
+    !> Normal forces [N], shape (n)
+    double precision, intent(out) :: forces(n)
+    !> Final gaps [mm], shape (n)
+    double precision, intent(out) :: gaps(n)
+    !> Motions, shape (n_motions); without a state (info -1) a motion that shows why
+    double precision, intent(out) :: motion(n_motions)
+    !> d motion / d load, shape (n_motions, n_motions)
+    double precision, intent(out) :: tangent(n_motions, n_motions)
+    !> 1 for the pairs that carry a force, else 0, shape (n)
+    integer, intent(out) :: active(n)
+    !> Pivots, refactorisations, 1 where the state is unique, shape (3)
+    integer, intent(out) :: counters(3)
+    !> Condition, growth, backward error, margin, shape (4)
+    double precision, intent(out) :: certificate(4)
+    !> Status 0 … 3, or an error -1 … -6
+    integer, intent(out) :: info
+
+    type(contact_result) :: result
+    type(error_type), allocatable :: error
+
+    call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+        & symmetric /= 0, method, warm_pairs, result, error)
+    forces = result%forces
+    gaps = result%gaps
+    motion = result%motion
+    tangent = result%tangent
+    active = 0
+    active(result%active_pairs) = 1
+    counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique)]
+    certificate = [result%condition, result%growth, result%backward_error, result%margin]
+    info = result%status
+    if (allocated(error)) info = error%code
+end subroutine flankload_solve_contact

@@ -1,0 +1,289 @@
+!> A factored matrix that gains and loses one row and column at a time, never factored anew.
+!>
+!> Cholesky (L in the lower triangle) where the matrix is symmetric, else LU in one array. LU goes
+!> without exchange of rows, its growth watched by the owner, who may have it factored anew with
+!> exchange; a block so factored can grow, but not shrink.
+module flankload_kept_factor
+    use flankload_kinds, only: wp
+    use flankload_lapack, only: potrf, pocon, getrf, gecon, permute_rows, &
+        & solve_lower, solve_upper, solve_lower_transposed, solve_upper_transposed
+    implicit none
+    private
+
+    public :: kept_factor
+    public :: new_kept_factor, extend, shrink, factor_anew, solve_factored, estimate_condition
+
+    !> The factor of a matrix of a given order in the leading part of a larger array.
+    type :: kept_factor
+        !> Cholesky, else LU
+        logical :: symmetric = .true.
+        !> Order of the matrix
+        integer :: order = 0
+        !> Order of the leading block that was factored with exchange of rows (LU), 0 if none
+        integer :: n_exchanged = 0
+        !> L, or L and U, shape (capacity, capacity)
+        real(wp), allocatable :: matrix(:, :)
+        !> Row swapped with each row of that leading block, shape (n_exchanged)
+        integer, allocatable :: row_swaps(:)
+        !> Largest entry of the matrix that was ever factored
+        real(wp) :: largest = 0.0_wp
+        !> Largest entry of L, or of U over `largest`: what elimination without exchange may lose
+        real(wp) :: growth = 1.0_wp
+    end type kept_factor
+
+    !> A pivot this small beside its diagonal entry is rounding: the new row depends on the others.
+    real(wp), parameter :: dependent = 8.0_wp*epsilon(1.0_wp)
+    !> Room for the first rows
+    integer, parameter :: first_capacity = 32
+
+contains
+
+    !> An empty factor.
+    pure function new_kept_factor(symmetric) result(factor)
+        !> Matrix symmetric and positive definite: Cholesky
+        logical, intent(in) :: symmetric
+        type(kept_factor) :: factor
+
+        factor%symmetric = symmetric
+        allocate (factor%matrix(first_capacity, first_capacity))
+        allocate (factor%row_swaps(0))
+    end function new_kept_factor
+
+    !> Make room for a matrix of a given order.
+    pure subroutine reserve(factor, order)
+        !> The factor
+        type(kept_factor), intent(inout) :: factor
+        !> Order that must fit
+        integer, intent(in) :: order
+
+        real(wp), allocatable :: larger(:, :)
+        integer :: capacity
+
+        if (order <= size(factor%matrix, 1)) return
+        capacity = max(order, 2*size(factor%matrix, 1))
+        allocate (larger(capacity, capacity))
+        larger(:factor%order, :factor%order) = factor%matrix(:factor%order, :factor%order)
+        call move_alloc(larger, factor%matrix)
+    end subroutine reserve
+
+    !> Add a last row and column, with O(order²) work.
+    pure subroutine extend(factor, column, row, diagonal, accepted)
+        !> The factor
+        type(kept_factor), intent(inout) :: factor
+        !> New column above the diagonal, shape (order)
+        real(wp), intent(in) :: column(:)
+        !> New row left of the diagonal, shape (order); not looked at where the matrix is symmetric
+        real(wp), intent(in) :: row(:)
+        !> New entry on the diagonal
+        real(wp), intent(in) :: diagonal
+        !> False if the new row depends on the others to rounding; the factor is then as before
+        logical, intent(out) :: accepted
+
+        integer :: k
+        real(wp) :: pivot
+        real(wp), allocatable :: above(:, :), left(:)
+
+        k = factor%order
+        call reserve(factor, k + 1)
+        allocate (above(k, 1), left(k))
+        above(:, 1) = column
+        if (factor%symmetric) then
+            call solve_lower(k, factor%matrix, 'N', above(:, 1))
+            left = above(:, 1)
+        else
+            if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
+            call solve_lower(k, factor%matrix, 'U', above(:, 1))
+            left = row
+            call solve_upper_transposed(k, factor%matrix, left)
+        end if
+        pivot = diagonal - dot_product(left, above(:, 1))
+        if (factor%symmetric) then
+            accepted = pivot > dependent*diagonal
+        else
+            accepted = abs(pivot) > dependent*max(abs(diagonal), &
+                & maxval(abs(column)), maxval(abs(row)))
+        end if
+        if (.not. accepted) return
+
+        factor%matrix(k + 1, :k) = left
+        if (factor%symmetric) then
+            factor%matrix(k + 1, k + 1) = sqrt(pivot)
+        else
+            factor%matrix(:k, k + 1) = above(:, 1)
+            factor%matrix(k + 1, k + 1) = pivot
+            factor%largest = max(factor%largest, abs(diagonal), &
+                & maxval(abs(column)), maxval(abs(row)))
+            factor%growth = max(factor%growth, maxval(abs(left)), &
+                & max(abs(pivot), maxval(abs(above)))/factor%largest)
+        end if
+        factor%order = k + 1
+    end subroutine extend
+
+    !> Take a row and its column out, with O(order²) work.
+    !>
+    !> What the lost row carried goes back into the rows behind it as a change of rank one. Not for
+    !> a factor with exchange of rows.
+    pure subroutine shrink(factor, index)
+        !> The factor
+        type(kept_factor), intent(inout) :: factor
+        !> Number of the row and column
+        integer, intent(in) :: index
+
+        integer :: k, j
+        real(wp), allocatable :: lost_column(:), lost_row(:)
+
+        k = factor%order
+        lost_column = factor%matrix(index + 1:k, index)
+        lost_row = factor%matrix(index, index + 1:k)
+        do j = 1, index - 1
+            factor%matrix(index:k - 1, j) = factor%matrix(index + 1:k, j)
+        end do
+        do j = index + 1, k
+            if (.not. factor%symmetric) factor%matrix(:index - 1, j - 1) = factor%matrix(:index - 1, j)
+            factor%matrix(index:k - 1, j - 1) = factor%matrix(index + 1:k, j)
+        end do
+        factor%order = k - 1
+        if (factor%symmetric) then
+            call add_rank_one_cholesky(factor%matrix, index, k - 1, lost_column)
+        else
+            call add_rank_one_lu(factor, index, lost_column, lost_row)
+        end if
+    end subroutine shrink
+
+    !> L Lᵀ + x xᵀ for the trailing part of a Cholesky factor, by plane rotations.
+    pure subroutine add_rank_one_cholesky(matrix, first, last, x)
+        !> Holds L
+        real(wp), intent(inout) :: matrix(:, :)
+        !> First and last row of the trailing part
+        integer, intent(in) :: first
+        integer, intent(in) :: last
+        !> Its change, used up, shape (last - first + 1)
+        real(wp), intent(inout) :: x(:)
+
+        integer :: j, i
+        real(wp) :: radius, cosine, sine, entry
+
+        do j = first, last
+            radius = hypot(matrix(j, j), x(j - first + 1))
+            cosine = matrix(j, j)/radius
+            sine = x(j - first + 1)/radius
+            matrix(j, j) = radius
+            do i = j + 1, last
+                entry = matrix(i, j)
+                matrix(i, j) = cosine*entry + sine*x(i - first + 1)
+                x(i - first + 1) = cosine*x(i - first + 1) - sine*entry
+            end do
+        end do
+    end subroutine add_rank_one_cholesky
+
+    !> L U + x yᵀ for the trailing part of an LU factor, by Bennett's recurrence.
+    pure subroutine add_rank_one_lu(factor, first, x, y)
+        !> Holds L and U
+        type(kept_factor), intent(inout) :: factor
+        !> First row of the trailing part
+        integer, intent(in) :: first
+        !> Column of the change, used up
+        real(wp), intent(inout) :: x(:)
+        !> Row of the change, used up
+        real(wp), intent(inout) :: y(:)
+
+        integer :: j, k, m
+        real(wp) :: pivot, ratio, largest_l, largest_u
+
+        k = factor%order
+        largest_l = 0.0_wp
+        largest_u = 0.0_wp
+        associate (a => factor%matrix)
+            do j = first, k
+                m = j - first + 1
+                pivot = a(j, j) + x(m)*y(m)
+                a(j, j) = pivot
+                largest_u = max(largest_u, abs(pivot))
+                if (j == k) exit
+                ratio = y(m)/pivot
+                x(m + 1:) = x(m + 1:) - x(m)*a(j + 1:k, j)
+                a(j, j + 1:k) = a(j, j + 1:k) + x(m)*y(m + 1:)
+                a(j + 1:k, j) = a(j + 1:k, j) + ratio*x(m + 1:)
+                y(m + 1:) = y(m + 1:) - ratio*a(j, j + 1:k)
+                largest_l = max(largest_l, maxval(abs(a(j + 1:k, j))))
+                largest_u = max(largest_u, maxval(abs(a(j, j + 1:k))))
+            end do
+        end associate
+        factor%growth = max(factor%growth, largest_l, largest_u/factor%largest)
+        ! A pivot of zero leaves NaN behind: that is growth without bound.
+        if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
+    end subroutine add_rank_one_lu
+
+    !> Factor a matrix as a whole: Cholesky, or LU with exchange of rows.
+    pure subroutine factor_anew(factor, matrix, accepted)
+        !> The factor
+        type(kept_factor), intent(inout) :: factor
+        !> The matrix; only the lower triangle is looked at where it is symmetric
+        real(wp), intent(in) :: matrix(:, :)
+        !> False if the matrix is singular to rounding
+        logical, intent(out) :: accepted
+
+        integer :: k, i, info
+
+        factor%order = 0
+        k = size(matrix, 1)
+        call reserve(factor, k)
+        factor%matrix(:k, :k) = matrix
+        factor%order = k
+        deallocate (factor%row_swaps)
+        factor%n_exchanged = merge(0, k, factor%symmetric)
+        allocate (factor%row_swaps(factor%n_exchanged))
+        if (factor%symmetric) then
+            call potrf(k, factor%matrix, info)
+            accepted = info == 0
+            do i = 1, k
+                if (accepted) accepted = factor%matrix(i, i)**2 > dependent*matrix(i, i)
+            end do
+        else
+            call getrf(k, factor%matrix, factor%row_swaps, info)
+            factor%largest = maxval(abs(matrix))
+            factor%growth = max(1.0_wp, maxval(abs(factor%matrix(:k, :k)))/factor%largest)
+            accepted = info == 0
+            do i = 1, k
+                if (accepted) accepted = abs(factor%matrix(i, i)) > dependent*factor%largest
+            end do
+        end if
+    end subroutine factor_anew
+
+    !> Solve for several right-hand sides.
+    pure subroutine solve_factored(factor, x)
+        !> The factor
+        type(kept_factor), intent(in) :: factor
+        !> Right-hand sides, then solutions, shape (order, any)
+        real(wp), contiguous, intent(inout) :: x(:, :)
+
+        if (factor%symmetric) then
+            call solve_lower(factor%order, factor%matrix, 'N', x)
+            call solve_lower_transposed(factor%order, factor%matrix, 'N', x)
+        else
+            if (factor%n_exchanged > 0) call permute_rows(x, factor%row_swaps)
+            call solve_lower(factor%order, factor%matrix, 'U', x)
+            call solve_upper(factor%order, factor%matrix, x)
+        end if
+    end subroutine solve_factored
+
+    !> Condition of the factored matrix in the 1-norm (LAPACK's estimate).
+    pure function estimate_condition(factor, norm) result(condition)
+        !> The factor
+        type(kept_factor), intent(in) :: factor
+        !> 1-norm of the matrix
+        real(wp), intent(in) :: norm
+        real(wp) :: condition
+
+        real(wp) :: reciprocal
+
+        if (factor%symmetric) then
+            call pocon(factor%order, factor%matrix, norm, reciprocal)
+        else
+            ! Exchange of rows changes no norm of the inverse: the triangles say it all.
+            call gecon(factor%order, factor%matrix, norm, reciprocal)
+        end if
+        condition = 1.0_wp/max(reciprocal, tiny(1.0_wp))
+    end function estimate_condition
+
+end module flankload_kept_factor

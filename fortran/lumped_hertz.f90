@@ -1,0 +1,89 @@
+!> The cheapest level: one unknown for each place of contact, the near field by Hertz.
+!>
+!> b_i (phi - eps_i) = sum_j S_ij F_j + c F_i (1/2 + ln(2/h_i)) for the places in contact, with the
+!> half-width h_i = sqrt(2 F_i c / kappa_i); all forces in N, c per face width. Here it tells how wide
+!> the contacts are and which flanks can touch, before cells are laid.
+module flankload_lumped_hertz
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type
+    use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem
+    implicit none
+    private
+
+    public :: lumped_contact, hertz_half_width
+
+    !> The half-width stands under a logarithm: after three passes forces change by less than 1 %.
+    integer, parameter :: n_passes = 3
+    !> Flanks flatter than this against each other are treated as if curved by it [1/mm].
+    real(wp), parameter :: least_curvature = 1.0e-3_wp
+
+contains
+
+    !> Half-width of a line contact [mm].
+    elemental function hertz_half_width(force, curvature, kernel) result(half_width)
+        !> Force [N]
+        real(wp), intent(in) :: force
+        !> Sum of the curvatures [1/mm]
+        real(wp), intent(in) :: curvature
+        !> c, sum of both bodies' 2(1-nu²)/(pi E w) [mm/N]
+        real(wp), intent(in) :: kernel
+        real(wp) :: half_width
+
+        half_width = sqrt(2.0_wp*max(force, 0.0_wp)*kernel/max(curvature, least_curvature))
+    end function hertz_half_width
+
+    !> Forces and rotation with one unknown for each place.
+    subroutine lumped_contact(smooth, gap_angles, levers, curvatures, kernel, torque, &
+            & least_half_width, forces, rotation, pivots, error)
+        !> Smooth compliance of both bodies between the places [mm/N], shape (n, n)
+        real(wp), intent(in) :: smooth(:, :)
+        !> Gap angles [rad], lever arms [mm], sums of curvatures [1/mm], shape (n)
+        real(wp), intent(in) :: gap_angles(:)
+        real(wp), intent(in) :: levers(:)
+        real(wp), intent(in) :: curvatures(:)
+        !> c of both bodies [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Half-width below which the near field is not followed [mm]
+        real(wp), intent(in) :: least_half_width
+        !> Forces [N], shape (n)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Rotation of body 1 [rad]
+        real(wp), intent(out) :: rotation
+        !> Pivots spent
+        integer, intent(out) :: pivots
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        !> A place that carries less than this part of the whole load gets its width from it.
+        real(wp), parameter :: least_part = 0.02_wp
+        integer :: pass, i, n
+        real(wp) :: near, full(size(levers)), matrix(size(levers), size(levers))
+        real(wp) :: motions(size(levers), 1), gaps(size(levers))
+        type(contact_result) :: state
+
+        n = size(levers)
+        rotation = 0.0_wp
+        pivots = 0
+        full = torque/levers
+        allocate (forces(n), source=full)
+        motions(:, 1) = levers
+        gaps = levers*gap_angles
+        do pass = 1, n_passes
+            matrix = smooth
+            do i = 1, n
+                near = max(least_half_width, hertz_half_width(max(forces(i), least_part*full(i)), &
+                    & curvatures(i), kernel))
+                matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
+            end do
+            call solve_contact_problem(matrix, gaps, motions, motions, [torque], .true., &
+                & method_single, [integer ::], state, error)
+            if (allocated(error)) return
+            forces = state%forces
+            rotation = state%motion(1)
+            pivots = pivots + state%pivots
+        end do
+    end subroutine lumped_contact
+
+end module flankload_lumped_hertz

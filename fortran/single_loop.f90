@@ -1,0 +1,431 @@
+!> The contact loop one pair at a time, in which any pair may leave; (20), (30), (31).
+!>
+!> The forces hold the loads and are not negative at every step; each step goes towards the state in
+!> which just the active pairs touch, stops where a force becomes zero and lets that pair go, or
+!> else lets the most open pair join. With a symmetric positive definite K the stored energy falls
+!> at every step, so that no set of pairs comes twice. The paper's loop (Fig. 6) is the case in
+!> which no pair ever leaves.
+module flankload_single_loop
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit, &
+        & singular_contact
+    use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
+        & row_tolerance
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+        & append_block, drop_pair, factor_pairs_anew, solve_bordered
+    use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
+    implicit none
+    private
+
+    public :: loop_state
+    public :: single_loop
+
+    !> What the loop works on; all scaled.
+    type :: loop_state
+        type(bordered_system) :: system
+        !> Forces (n), gaps (n), motion from the start (n_motions)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: motion(:)
+        !> d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: tangent(:, :)
+        !> Pairs that joined or left
+        integer :: pivots = 0
+        !> Pairs that joined and had to leave at once; they wait until the forces have changed
+        logical, allocatable :: waiting(:)
+    end type loop_state
+
+    !> Gear and spline problems need 1.1 pivots a pair; nothing that ends needs this many.
+    integer, parameter :: pivots_per_pair = 20
+    integer, parameter :: pivots_at_least = 100
+    !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
+    real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
+    !> Refinements of the final equations, one always, more where the rows are not yet met
+    integer, parameter :: max_refinements = 3
+
+contains
+
+    !> Run the loop.
+    pure subroutine single_loop(problem, compliance, warm_pairs, state, error)
+        !> The problem; its motions are measured from the start that is chosen here
+        type(contact_problem), intent(inout) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with; none: the pair that touches first
+        integer, intent(in) :: warm_pairs(:)
+        !> The state; where the loads cannot be held only its motion, which shows why
+        type(loop_state), intent(out) :: state
+        !> No state, no end, or singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        integer, allocatable :: first(:)
+        real(wp), allocatable :: first_forces(:)
+        logical :: ready, done
+        integer :: joining
+
+        call start_loop(problem, first, first_forces, state, error)
+        if (allocated(error)) return
+        ready = .false.
+        if (size(warm_pairs) > 0) call start_warm(problem, compliance, warm_pairs, state, ready)
+        if (.not. ready) then
+            call start_cold(problem, compliance, first, first_forces, state, ready)
+            if (.not. ready) then
+                call fatal_error(error, singular_contact, 'the first pairs depend on each other')
+                return
+            end if
+        end if
+        do
+            call settle(problem, compliance, state, error)
+            if (allocated(error)) return
+            call most_open_pair(problem, compliance, state, joining)
+            if (joining == 0) then
+                call finish(problem, compliance, state, joining, done)
+                if (done) exit
+            end if
+            if (joining > 0) call let_join(problem, compliance, joining, state, error)
+            if (allocated(error)) return
+        end do
+        if (any(state%waiting)) call judge_waiting(problem, compliance, state, error)
+    end subroutine single_loop
+
+    !> Choose the first pairs and measure motions from where they touch.
+    pure subroutine start_loop(problem, first, first_forces, state, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> First pairs and their forces, shape (n_motions)
+        integer, allocatable, intent(out) :: first(:)
+        real(wp), allocatable, intent(out) :: first_forces(:)
+        !> The state, without pairs
+        type(loop_state), intent(out) :: state
+        !> The loads cannot be held, or a motion is loose
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: outcome
+        real(wp), allocatable :: motion(:)
+
+        call load_vertex(problem, first, first_forces, motion, outcome)
+        allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
+        allocate (state%waiting(problem%n), source=.false.)
+        allocate (state%motion(problem%n_motions), source=0.0_wp)
+        if (outcome == vertex_infeasible) then
+            state%motion = motion
+            call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
+        else if (outcome /= vertex_found) then
+            call fatal_error(error, singular_contact, 'a motion is held by no pair')
+        else
+            call shift_gaps(problem, motion, first)
+        end if
+    end subroutine start_loop
+
+    !> Begin with the first pairs.
+    pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> First pairs and their forces
+        integer, intent(in) :: first(:)
+        real(wp), intent(in) :: first_forces(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if the pairs depend on each other
+        logical, intent(out) :: ready
+
+        integer :: k
+
+        state%system = new_bordered_system(problem%symmetric)
+        state%forces = 0.0_wp
+        ready = .true.
+        do k = 1, size(first)
+            if (ready) call append_pair(state%system, problem, compliance, first(k), ready)
+            state%forces(first(k)) = first_forces(k)
+        end do
+        state%pivots = state%pivots + size(first)
+    end subroutine start_cold
+
+    !> Begin with a given set: factor it as a block and let pairs go until no force is negative.
+    pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs
+        integer, intent(in) :: warm_pairs(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if no part of the set holds the loads
+        logical, intent(out) :: ready
+
+        integer :: k
+        logical, allocatable :: negative(:)
+        real(wp), allocatable :: forces(:), motion(:)
+
+        state%system = new_bordered_system(problem%symmetric)
+        call append_block(state%system, problem, compliance, warm_pairs, ready)
+        do while (ready)
+            ready = size(state%system%pairs) >= problem%n_motions
+            if (.not. ready) exit
+            call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
+                & problem%loads, forces, motion, ready)
+            if (.not. ready) exit
+            negative = forces < -row_tolerance*maxval(abs(forces))
+            if (.not. any(negative)) exit
+            do k = size(forces), 1, -1
+                if (negative(k) .and. ready) then
+                    call drop_pair(state%system, problem, compliance, k, ready)
+                    state%pivots = state%pivots + 1
+                end if
+            end do
+        end do
+        if (ready) state%forces(state%system%pairs) = max(forces, 0.0_wp)
+    end subroutine start_warm
+
+    !> Go towards the state in which just the active pairs touch; pairs whose force becomes zero on
+    !> the way leave.
+    pure subroutine settle(problem, compliance, state, error)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> No end, or singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        real(wp), allocatable :: target(:), forces(:), motion(:)
+        real(wp) :: way
+        integer :: leaving, pair
+        logical :: solved, bounced
+
+        bounced = .false.
+        do
+            call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
+                & problem%loads, target, motion, solved, state%tangent)
+            if (.not. solved) exit
+            forces = state%forces(state%system%pairs)
+            call first_to_vanish(forces, target, leaving, way)
+            if (leaving == 0) then
+                if (.not. bounced) state%waiting = .false.
+                state%forces(state%system%pairs) = max(target, 0.0_wp)
+                state%motion = motion
+                return
+            end if
+            if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
+                call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+                return
+            end if
+            pair = state%system%pairs(leaving)
+            state%forces(state%system%pairs) = max(forces + way*(target - forces), 0.0_wp)
+            state%forces(pair) = 0.0_wp
+            if (way > 0.0_wp) then
+                state%waiting = .false.
+            else if (leaving == size(forces)) then
+                ! The pair that just joined wants to pull: without a change it would join again.
+                bounced = .true.
+                state%waiting(pair) = .true.
+            end if
+            call drop_pair(state%system, problem, compliance, leaving, solved)
+            state%pivots = state%pivots + 1
+            if (.not. solved) exit
+        end do
+        call fatal_error(error, singular_contact, 'the pairs in contact are singular')
+    end subroutine settle
+
+    !> Which force first becomes zero on the way to the target.
+    pure subroutine first_to_vanish(forces, target, leaving, way)
+        !> Forces now and at the end of the way
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: target(:)
+        !> Place of that force, 0 if none is negative at the end
+        integer, intent(out) :: leaving
+        !> Part of the way
+        real(wp), intent(out) :: way
+
+        integer :: k
+        real(wp) :: part, zero
+
+        zero = row_tolerance*maxval(abs(target))
+        leaving = 0
+        way = 1.0_wp
+        do k = 1, size(forces)
+            if (target(k) >= -zero) cycle
+            part = forces(k)/(forces(k) - target(k))
+            if (leaving > 0) then
+                if (part > way) cycle
+                if (part >= way .and. target(k) > target(leaving)) cycle
+            end if
+            leaving = k
+            way = part
+        end do
+    end subroutine first_to_vanish
+
+    !> The most open pair, (31); 0 if none is open beyond the rounding of its row.
+    pure subroutine most_open_pair(problem, compliance, state, joining)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state; its gaps are computed here
+        type(loop_state), intent(inout) :: state
+        !> Number of the pair
+        integer, intent(out) :: joining
+
+        integer :: i
+        logical, allocatable :: candidate(:)
+
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+        candidate = state%gaps < 0.0_wp .and. .not. state%waiting
+        candidate(state%system%pairs) = .false.
+        joining = 0
+        do
+            i = minloc(state%gaps, dim=1, mask=candidate)
+            if (i == 0) exit
+            if (is_open(problem, compliance, state, i, row_tolerance)) then
+                joining = i
+                return
+            end if
+            candidate(i) = .false.
+        end do
+    end subroutine most_open_pair
+
+    !> Whether a gap is negative beyond rounding.
+    pure function is_open(problem, compliance, state, i, tolerance) result(open)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(in) :: state
+        !> Number of the pair
+        integer, intent(in) :: i
+        !> Rounding relative to the size of the row
+        real(wp), intent(in) :: tolerance
+        logical :: open
+
+        open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
+            & state%motion, state%system%pairs, i)
+    end function is_open
+
+    !> Let a pair join; where its row depends on those in contact, another pair makes room.
+    pure subroutine let_join(problem, compliance, joining, state, error)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Number of the pair
+        integer, intent(in) :: joining
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> Singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        real(wp), allocatable :: column(:), change(:), motion(:), forces(:)
+        integer :: leaving
+        real(wp) :: way
+        logical :: accepted
+
+        if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
+            call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+            return
+        end if
+        do
+            call append_pair(state%system, problem, compliance, joining, accepted)
+            state%pivots = state%pivots + 1
+            if (accepted) return
+            ! The force of the joining pair grows without resistance until another has become zero.
+            associate (pairs => state%system%pairs)
+                column = problem%row_scale(pairs)*problem%row_scale(joining) &
+                    & *compliance(pairs, joining)
+                call solve_bordered(state%system, problem, -column, &
+                    & -problem%load_rows(joining, :), change, motion, accepted)
+                forces = state%forces(pairs)
+                leaving = minloc(forces/max(-change, tiny(1.0_wp)), dim=1, &
+                    & mask=change < -row_tolerance*maxval(abs(change)))
+                if (.not. accepted .or. leaving == 0) exit
+                way = forces(leaving)/(-change(leaving))
+                state%forces(pairs) = max(forces + way*change, 0.0_wp)
+                state%forces(pairs(leaving)) = 0.0_wp
+                state%forces(joining) = state%forces(joining) + way
+            end associate
+            if (way > 0.0_wp) state%waiting = .false.
+            call drop_pair(state%system, problem, compliance, leaving, accepted)
+            state%pivots = state%pivots + 1
+            if (.not. accepted) exit
+        end do
+        call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
+    end subroutine let_join
+
+    !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
+    pure subroutine finish(problem, compliance, state, joining, done)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> A pair that turns out to be open, else 0
+        integer, intent(out) :: joining
+        !> False if a pair has to join or leave
+        logical, intent(out) :: done
+
+        integer :: step, k, leaving
+        real(wp) :: way
+        real(wp), allocatable :: forces(:), motion(:)
+        logical :: solved, met
+
+        joining = 0
+        do step = 1, max_refinements
+            if (step == max_refinements) then
+                call factor_pairs_anew(state%system, problem, compliance, solved)
+            end if
+            associate (pairs => state%system%pairs)
+                call solve_bordered(state%system, problem, -state%gaps(pairs), &
+                    & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
+                    & forces, motion, solved)
+                forces = state%forces(pairs) + forces
+                call first_to_vanish(state%forces(pairs), forces, leaving, way)
+                done = leaving == 0
+                if (.not. done) exit
+                state%forces(pairs) = max(forces, 0.0_wp)
+                state%motion = state%motion + motion
+                call most_open_pair(problem, compliance, state, joining)
+                done = joining == 0
+                if (.not. done) return
+                met = .true.
+                do k = 1, size(pairs)
+                    met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance &
+                        & *row_size(problem, compliance, state%forces, state%motion, pairs, pairs(k))
+                end do
+            end associate
+            if (met) return
+        end do
+        if (done) return
+        ! A force that was positive before the refinement is negative after it.
+        state%forces(state%system%pairs(leaving)) = 0.0_wp
+        call drop_pair(state%system, problem, compliance, leaving, solved)
+        state%pivots = state%pivots + 1
+    end subroutine finish
+
+    !> Pairs that still wait must be open by no more than rounding; else the loop goes in circles.
+    pure subroutine judge_waiting(problem, compliance, state, error)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(in) :: state
+        !> A pair is open and would pull when it joins
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: i
+
+        do i = 1, problem%n
+            if (.not. state%waiting(i)) cycle
+            if (is_open(problem, compliance, state, i, waiting_tolerance)) then
+                call fatal_error(error, pivot_limit, 'the loop goes in circles: a pair would pull')
+                return
+            end if
+        end do
+    end subroutine judge_waiting
+
+end module flankload_single_loop

@@ -1,0 +1,171 @@
+"""The basic rack (DIN 867, ISO 53) and the root fillet that it generates (DIN 3960).
+
+Rack coordinates: xi from the gear's reference circle outwards, eta along its tangent from the centre
+of the gear's tooth. At the roll phi a place (xi, eta) of the rack stands in the frame of the gear at
+
+    P = (r + xi) e_r(phi) + (eta - r phi) e_theta(phi).
+
+The normal at a place of contact passes through the pitch point (0, r phi): the tip rounding, seen
+along its normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BasicRack:
+    """The rounded tip of the generating rack, where it stands against one gear.
+
+    Attributes
+    ----------
+    reference_radius_mm : float
+        r, the circle that rolls on the rack's pitch line.
+    pressure_angle_rad : float
+    center_mm : (float, float)
+        Centre (xi_c, eta_c) of the tip rounding.
+    tip_radius_mm : float
+        Radius of the rounding.
+    """
+
+    reference_radius_mm: float
+    pressure_angle_rad: float
+    center_mm: tuple[float, float]
+    tip_radius_mm: float
+
+    @property
+    def root_radius_mm(self) -> float:
+        """Root circle of the gear."""
+        return self.reference_radius_mm + self.center_mm[0] - self.tip_radius_mm
+
+    @property
+    def root_half_angle_rad(self) -> float:
+        """Polar angle at which the fillet meets the root circle."""
+        return self.center_mm[1] / self.reference_radius_mm
+
+    def roll_of_form_point(self, base_half_angle_rad: float) -> float:
+        """Roll parameter of the involute where fillet and involute touch; negative: undercut."""
+        angle = self.pressure_angle_rad
+        phi = (self.center_mm[1] - self.center_mm[0] / tan(angle)) / self.reference_radius_mm
+        return base_half_angle_rad + angle - phi
+
+    def slope(self, beta: Floats) -> Floats:
+        """Length of the fillet per beta, mm/rad; the fillet has a cusp where it is not positive."""
+        xi, _ = self.center_mm
+        sine = np.sin(beta)
+        r, rho = self.reference_radius_mm, self.tip_radius_mm
+        return xi**2 / (r * sine**3) + rho - rho * xi / (r * sine**2)
+
+    def fillet(self, beta: Floats) -> tuple[Floats, Floats, Floats]:
+        """Places (m, 2) of the fillet at beta (m,), mm, and their first two derivatives.
+
+        beta runs from pi/2 (root circle) to the pressure angle (start of the involute).
+        """
+        return self.fillet_less(beta, None)
+
+    def fillet_less(
+        self, beta: Floats, off: Callable[[Floats], tuple[Floats, Floats, Floats]] | None
+    ) -> tuple[Floats, Floats, Floats]:
+        """The same with metal off(beta) taken off along the normal (with its two derivatives)."""
+        beta = np.atleast_1d(np.asarray(beta, dtype=float))
+        xi, eta = self.center_mm
+        r, rho = self.reference_radius_mm, self.tip_radius_mm
+        sine, cosine = np.sin(beta), np.cos(beta)
+        phi = (eta - xi * cosine / sine) / r
+        phi_1 = xi / (r * sine**2)
+        phi_2 = -2 * xi * cosine / (r * sine**3)
+        radial = np.stack([np.cos(phi), np.sin(phi)], axis=1)
+        across = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+        outward = sine[:, None] * radial + cosine[:, None] * across
+        downward = -cosine[:, None] * radial + sine[:, None] * across
+        place = (r + xi - rho * sine)[:, None] * radial
+        place = place + (xi * cosine / sine - rho * cosine)[:, None] * across
+        slope = self.slope(beta)
+        slope_1 = (-3 * xi**2 / (r * sine**4) + 2 * rho * xi / (r * sine**3)) * cosine
+        turn = 1 - phi_1
+        o, o_1, o_2 = off(beta) if off is not None else (0.0 * beta,) * 3
+        # d downward = turn outward, d outward = -turn downward
+        along, out = slope + o * turn, -o_1
+        along_1 = slope_1 + o_1 * turn - o * phi_2
+        first = along[:, None] * downward + out[:, None] * outward
+        second = (along_1 - out * turn)[:, None] * downward
+        second = second + (along * turn - o_2)[:, None] * outward
+        return place - o[:, None] * outward, first, second
+
+
+def basic_rack(
+    *,
+    teeth: int,
+    module_mm: float,
+    pressure_angle_rad: float,
+    profile_shift: float,
+    dedendum_factor: float,
+    fillet_radius_factor: float,
+    key: str,
+) -> BasicRack:
+    """The generating rack of a gear, checked.
+
+    Parameters
+    ----------
+    teeth, module_mm, pressure_angle_rad, profile_shift, dedendum_factor, fillet_radius_factor
+        Of gear and rack.
+    key : str
+        Key of the body in the scene, for messages.
+
+    Returns
+    -------
+    BasicRack
+
+    Raises
+    ------
+    SceneError
+        If the rack is pointed, its rounding does not fit, or it leaves no gear.
+    """
+    slant = tan(pressure_angle_rad)
+    room = 0.25 * pi - dedendum_factor * slant
+    if room <= 0.0:
+        raise SceneError(
+            key=f"{key}.dedendum_factor",
+            expected=f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
+            "is pointed",
+            found=f"{dedendum_factor:g}",
+        )
+    largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
+    if fillet_radius_factor > largest:
+        raise SceneError(
+            key=f"{key}.fillet_radius_factor",
+            expected=f"at most {largest:.6f}, the full rounding of a rack with this dedendum",
+            found=f"{fillet_radius_factor:g}",
+        )
+    rounding = fillet_radius_factor * module_mm
+    xi = -(dedendum_factor - profile_shift) * module_mm + rounding
+    half_thickness = module_mm * (0.25 * pi + profile_shift * slant)
+    eta = half_thickness - xi * slant + rounding / cos(pressure_angle_rad)
+    rack = BasicRack(0.5 * teeth * module_mm, pressure_angle_rad, (xi, eta), rounding)
+    if rack.root_radius_mm <= 0.0:
+        raise SceneError(
+            key=f"{key}.dedendum_factor",
+            expected=f"less than {0.5 * teeth + profile_shift:.4f}, which leaves no root circle",
+            found=f"{dedendum_factor:g}",
+        )
+    if not rack.slope(np.linspace(pressure_angle_rad, 0.5 * pi, 200)).min() > 0.0:
+        raise SceneError(
+            key=f"{key}.profile_shift",
+            expected="a profile shift at which the tip of the rack generates a fillet without a cusp",
+            found=f"{profile_shift:g} with dedendum_factor {dedendum_factor:g}",
+        )
+    return rack

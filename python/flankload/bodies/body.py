@@ -1,0 +1,127 @@
+"""What every kind of body hands over to the rooms behind: its flank curve, mesh and material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flankload.bodies.involute import Involute
+    from flankload.flank_curve import FlankCurve
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic, isotropic.
+
+    Attributes
+    ----------
+    young_modulus_MPa, poisson_ratio : float
+    """
+
+    young_modulus_MPa: float
+    poisson_ratio: float
+
+
+@dataclass(frozen=True)
+class SectorMesh:
+    """Quadratic finite elements of one of the equal sectors of a body.
+
+    Attributes
+    ----------
+    nodes : (N, 2) array
+        Places in the frame of the body, mm.
+    cells : tuple of (str, (E, k) array)
+        Type of element and its nodes, both as meshio has them: "quad9", "quad8", "triangle6".
+    flank_edges : (m, 3) array
+        First, last and middle node of the edges that carry pressure modes, by ascending arc length.
+    flank_arc_length : (N,) array
+        Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
+    fixed_nodes : array
+        Nodes that are held.
+    left_nodes, right_nodes : arrays of equal size
+        Nodes of the cut at the smaller and at the greater polar angle, without those that are held;
+        right node k is left node k turned by one pitch.
+    teeth : int
+        Number of equal sectors.
+    """
+
+    nodes: NDArray[np.float64]
+    cells: tuple[tuple[str, NDArray[np.int64]], ...]
+    flank_edges: NDArray[np.int64]
+    flank_arc_length: NDArray[np.float64]
+    fixed_nodes: NDArray[np.int64]
+    left_nodes: NDArray[np.int64]
+    right_nodes: NDArray[np.int64]
+    teeth: int
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body of equal sectors: its curve, its sites and what its compliance is made from.
+
+    The axis is the origin. The working flank of tooth 0 is `curve`; tooth k is tooth 0 turned by k
+    pitches, counter-clockwise.
+
+    Attributes
+    ----------
+    kind : str
+        "gear" or "mesh".
+    curve : FlankCurve
+        From root to tip.
+    teeth : int
+    material : Material
+    rigid : bool
+    mesh : SectorMesh or None
+        None for a rigid body.
+    mode_range_mm : (float, float)
+        Arc lengths between which pressure modes live.
+    reference_radius_mm : float
+        Turns a rotation into a transmission error; gears: the base radius.
+    involute : Involute or None
+        Radii and angles of an involute flank; None where the profile is not known.
+    flank_angle_known : bool
+        True: pairing turns the body so that pair 0 stands in the pitch point. False: the body stands
+        as it is.
+    pitch_errors_um : tuple of float
+        Empty, or one per tooth.
+    outline : (k, 2) array
+        Outer contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
+    bore_radius_mm : float
+        Radius of the held inner rim, for pictures.
+    notes : tuple of str
+        What a user must know of the body.
+    """
+
+    kind: str
+    curve: FlankCurve
+    teeth: int
+    material: Material
+    rigid: bool
+    mesh: SectorMesh | None
+    mode_range_mm: tuple[float, float]
+    reference_radius_mm: float
+    involute: Involute | None
+    flank_angle_known: bool
+    pitch_errors_um: tuple[float, ...]
+    outline: NDArray[np.float64]
+    bore_radius_mm: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def base_radius_mm(self) -> float | None:
+        """Base radius of an involute flank."""
+        return None if self.involute is None else self.involute.base_radius_mm
+
+    @property
+    def tip_radius_mm(self) -> float | None:
+        """Radius of the tip circle, where the profile is known."""
+        return None if self.involute is None else self.involute.tip_radius_mm
+
+    @property
+    def root_radius_mm(self) -> float | None:
+        """Radius of the root circle, where the profile is known."""
+        return None if self.involute is None else self.involute.root_radius_mm

@@ -1,0 +1,183 @@
+"""An involute flank, its angles (DIN 3960) and its modifications normal to itself.
+
+With base radius r_b, half the tooth's angle at the base circle th0 and the roll parameter t,
+
+    P(t) = r_b e_r(th0 - t) + (r_b t - delta(t)) e_theta(th0 - t),
+
+delta being the metal that is taken off along the normal of the involute, e_theta(th0 - t).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, atan2, sqrt, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def involute_function(angle: float) -> float:
+    """Inv(angle) = tan(angle) - angle, rad."""
+    return tan(angle) - angle
+
+
+def roll_of_involute_angle(value: float) -> float:
+    """The roll parameter t >= 0 with t - atan(t) = value (the inverse of the involute function)."""
+    roll = (3.0 * value) ** (1.0 / 3.0) if value < 1.8 else value + 1.5
+    for _ in range(60):
+        if roll == 0.0:
+            return 0.0
+        # Newton: d/dt (t - atan t) = t²/(1 + t²)
+        step = (roll - atan(roll) - value) * (1.0 + roll**2) / roll**2
+        roll -= step
+        if abs(step) <= 1e-15 * roll:
+            break
+    return roll
+
+
+@dataclass(frozen=True)
+class Involute:
+    """Radii and angles of a gear's flank.
+
+    Attributes
+    ----------
+    base_radius_mm, reference_radius_mm, root_radius_mm, tip_radius_mm : float
+    form_radius_mm : float
+        Where the involute begins, above the root fillet.
+    base_half_angle_rad : float
+        Half the angle of a tooth at its base circle.
+    turn_rad : float
+        Polar angle of the tooth's centre line in the frame of the body.
+    """
+
+    base_radius_mm: float
+    reference_radius_mm: float
+    root_radius_mm: float
+    form_radius_mm: float
+    tip_radius_mm: float
+    base_half_angle_rad: float
+    turn_rad: float = 0.0
+
+    def roll_at(self, radius_mm: float) -> float:
+        """Roll parameter t (tan of the pressure angle) at a radius; 0 inside the base circle."""
+        return sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
+
+    def half_angle_at(self, radius_mm: float) -> float:
+        """Half the angle of a tooth at a radius, rad; negative beyond the point of the tooth."""
+        roll = self.roll_at(radius_mm)
+        return self.base_half_angle_rad - roll + atan(roll)
+
+    def polar_angle_at(self, radius_mm: float) -> float:
+        """Polar angle of the working flank at a radius in the frame of the body, rad."""
+        return self.turn_rad + self.half_angle_at(radius_mm)
+
+
+@dataclass(frozen=True)
+class Modifications:
+    """Metal taken off along the normal of the involute, over the roll parameter.
+
+    Attributes
+    ----------
+    tip_relief_mm : float
+        At the tip circle.
+    relief_start : float
+        Roll at which the relief begins.
+    relief_power : int
+        1: linear in the roll; 2: parabolic.
+    crowning_mm : float
+        Parabola over the roll, 0 in the middle of the flank, this much at both ends.
+    roll_form, roll_tip : float
+        Ends of the flank: form circle and tip circle.
+    """
+
+    tip_relief_mm: float
+    relief_start: float
+    relief_power: int
+    crowning_mm: float
+    roll_form: float
+    roll_tip: float
+
+    @classmethod
+    def none(cls) -> Modifications:
+        """No metal taken off."""
+        return cls(0.0, 0.0, 1, 0.0, 0.0, 1.0)
+
+    def at(self, roll: Floats) -> tuple[Floats, Floats, Floats]:
+        """Metal taken off at rolls (m,), mm, and its first two derivatives by the roll."""
+        half = 0.5 * (self.roll_tip - self.roll_form)
+        x = (roll - 0.5 * (self.roll_tip + self.roll_form)) / half
+        off = self.crowning_mm * x**2
+        first = 2 * self.crowning_mm * x / half
+        second = np.full_like(roll, 2 * self.crowning_mm / half**2)
+        if self.tip_relief_mm:
+            span = self.roll_tip - self.relief_start
+            x = np.maximum(roll - self.relief_start, 0.0) / span
+            n = self.relief_power
+            off = off + self.tip_relief_mm * x**n
+            inside = roll >= self.relief_start
+            first = first + inside * (self.tip_relief_mm * n * x ** (n - 1) / span)
+            second = second + inside * (self.tip_relief_mm * n * (n - 1) / span**2)
+        return off, first, second
+
+
+@dataclass(frozen=True)
+class InvoluteFlank:
+    """The flank as a parametric curve.
+
+    Attributes
+    ----------
+    base_radius_mm, base_half_angle_rad : float
+    modifications : Modifications
+    """
+
+    base_radius_mm: float
+    base_half_angle_rad: float
+    modifications: Modifications
+
+    def place(self, roll: Floats) -> tuple[Floats, Floats, Floats]:
+        """Places (m, 2) at rolls (m,), mm, and their first two derivatives by the roll."""
+        roll = np.atleast_1d(np.asarray(roll, dtype=float))
+        off, first, second = (part[:, None] for part in self.modifications.at(roll))
+        angle = self.base_half_angle_rad - roll
+        radial = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        normal = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+        base = self.base_radius_mm
+        reach = base * roll[:, None] - off
+        # d e_r/dt = -e_theta, d e_theta/dt = e_r at the angle th0 - t
+        return (
+            base * radial + reach * normal,
+            reach * radial - first * normal,
+            (base - 2 * first) * radial - (reach + second) * normal,
+        )
+
+    def normal(self, roll: float) -> Floats:
+        """Unit normal (2,) out of the material at a roll."""
+        _, first, _ = self.place(np.array([roll]))
+        tangent = first[0] / np.linalg.norm(first[0])
+        return np.array([-tangent[1], tangent[0]])
+
+    def point(self, roll: float) -> Floats:
+        """Place (2,) at a roll, mm."""
+        return self.place(np.array([roll]))[0][0]
+
+    def roll_at(self, radius_mm: float) -> float:
+        """Roll at a distance from the axis that is not below the base circle."""
+        reach = sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
+        roll = reach
+        for _ in range(60):
+            off, first, _ = (float(part[0]) for part in self.modifications.at(np.array([roll])))
+            miss = roll - off / self.base_radius_mm - reach
+            roll -= miss / (1.0 - first / self.base_radius_mm)
+            if abs(miss) <= 1e-15 * max(1.0, reach):
+                break
+        return roll
+
+    def polar_angle_at(self, radius_mm: float) -> float:
+        """Polar angle at a distance from the axis, from the tooth's centre line, rad."""
+        place = self.point(self.roll_at(radius_mm))
+        return atan2(place[1], place[0])

@@ -1,0 +1,111 @@
+"""The command line: parse, call, print. The only room that prints."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from flankload.cli.check import check
+from flankload.cli.run import mesh, run, schema
+from flankload.errors import FlankloadError, SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+SOLVED, NOT_SOLVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; those of the process if absent.
+
+    Returns
+    -------
+    int
+        0 done, 1 could not solve, 2 bad input, 130 interrupted.
+    """
+    arguments = _parser().parse_args(argv)
+    command: Callable[[argparse.Namespace], None] = arguments.command
+    try:
+        command(arguments)
+        sys.stdout.flush()
+    except SceneError as error:
+        return _fail(error, BAD_INPUT)
+    except (FlankloadError, OSError) as error:
+        if isinstance(error, BrokenPipeError):
+            # The reader has had enough; what is still in the buffer goes nowhere.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return SOLVED
+        return _fail(error, NOT_SOLVED)
+    except KeyboardInterrupt:
+        return _fail("interrupted", INTERRUPTED)
+    return SOLVED
+
+
+def _fail(message: object, code: int) -> int:
+    print(f"flankload: {' '.join(str(message).split())}", file=sys.stderr)
+    return code
+
+
+# --- arguments ------------------------------------------------------------------------------------
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """One line, as for every other error."""
+        sys.exit(_fail(f"{message} (flankload --help lists what there is)", BAD_INPUT))
+
+
+class _Version(argparse.Action):
+    def __call__(self, *_: Any) -> None:
+        import flankload
+
+        print(f"flankload {flankload.__version__}")
+        sys.exit(SOLVED)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="flankload",
+        description="Load distribution on the flanks of two elastic bodies on parallel axes.",
+        epilog="exit codes: 0 done, 1 could not solve, 2 bad input",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    run_parser = commands.add_parser("run", help="solve a scene; prints the table of the result")
+    run_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    run_parser.add_argument(
+        "--json", metavar="FILE", help="write the result as JSON (- for stdout)"
+    )
+    run_parser.add_argument(
+        "--csv", metavar="FILE", help="write the positions as CSV (- for stdout)"
+    )
+    run_parser.add_argument(
+        "--plot", metavar="DIR", type=Path, help="write the pictures to this folder"
+    )
+    run_parser.add_argument("--quiet", action="store_true", help="no table and no progress")
+    run_parser.set_defaults(command=run)
+
+    mesh_parser = commands.add_parser("mesh", help="write the finite element meshes of both bodies")
+    mesh_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    mesh_parser.add_argument(
+        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="folder"
+    )
+    mesh_parser.add_argument("--format", choices=("msh", "vtu"), default="msh", help="default: msh")
+    mesh_parser.set_defaults(command=mesh)
+
+    check_parser = commands.add_parser(
+        "check", help="say what was understood of a scene or a mesh file"
+    )
+    check_parser.add_argument("file", metavar="FILE", type=Path, help="scene (.toml) or mesh file")
+    check_parser.set_defaults(command=check)
+
+    schema_parser = commands.add_parser("schema", help="print the JSON schema of a scene file")
+    schema_parser.set_defaults(command=schema)
+    return parser

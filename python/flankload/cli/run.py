@@ -1,0 +1,159 @@
+"""Commands that solve and write: run, mesh, schema."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from threading import Timer
+from typing import TYPE_CHECKING, Any, Self
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from flankload.result import Result
+
+#: Seconds after which a run shows that it is alive.
+PATIENCE_S = 1.0
+
+STDOUT = "-"
+
+
+def run(arguments: Namespace) -> None:
+    """Solve a scene; write and print what was found."""
+    _check_outputs(arguments)
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.solve import solve
+
+    with _Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
+        found = solve(scene, progress=progress.tell)
+    results = found if isinstance(found, tuple) else (found,)
+    if arguments.plot is not None:
+        _plot(results, arguments.plot)
+    from flankload.result import results_to_csv, results_to_json
+
+    for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
+        if path == STDOUT:
+            print(text_of(found), end="")
+        elif path is not None:
+            text_of(found, path)
+    if not arguments.quiet and STDOUT not in (arguments.json, arguments.csv):
+        print("\n\n".join(result.table() for result in results))
+
+
+def _check_outputs(arguments: Namespace) -> None:
+    """Refuse before the work what could not be written after it."""
+    if arguments.json == arguments.csv == STDOUT:
+        raise SceneError(key="--csv", expected="a file, since --json takes stdout", found="-")
+    for key, path in (("--json", arguments.json), ("--csv", arguments.csv)):
+        if path in (None, STDOUT):
+            continue
+        _check_file(key, Path(path))
+    folder = arguments.plot
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise SceneError(key="--plot", expected="a folder", found=f"the file {folder}")
+
+
+def _check_file(key: str, path: Path) -> None:
+    if path.is_dir():
+        raise SceneError(key=key, expected="a file", found=f"the folder {path}")
+    if not path.parent.is_dir():
+        raise SceneError(
+            key=key, expected="a file in a folder that exists", found=f"no folder {path.parent}"
+        )
+    if not os.access(path.parent, os.W_OK):
+        raise SceneError(
+            key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
+        )
+
+
+def _plot(results: tuple[Result, ...], folder: Path) -> None:
+    from flankload.plot import plot_all
+
+    for result in results:
+        several = len(results) > 1
+        plot_all(result, folder / f"torque_{result.torque_Nm:g}_Nm" if several else folder)
+
+
+class _Progress:
+    """A bar on stderr, for what takes longer than a moment."""
+
+    def __init__(self, *, wanted: bool) -> None:
+        self._wanted = wanted
+        self._bar: Any = None
+        self._task: Any = None
+        self._told = ("", 0, 1)
+        self._timer = Timer(PATIENCE_S, self._show)
+        self._timer.daemon = True
+
+    def __enter__(self) -> Self:
+        if self._wanted:
+            self._timer.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if not self._wanted:
+            return
+        self._timer.cancel()
+        self._timer.join()
+        if self._bar is not None:
+            self._bar.stop()
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        """Take note of a stage that begins."""
+        self._told = (stage, done, total)
+        if self._bar is not None:
+            self._bar.update(self._task, description=stage, completed=done, total=total)
+
+    def _show(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        bar = Progress(
+            TextColumn("{task.description:<20}"),
+            BarColumn(),
+            TimeElapsedColumn(),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        stage, done, total = self._told
+        self._task = bar.add_task(stage, completed=done, total=total)
+        bar.start()
+        self._bar = bar
+
+
+def mesh(arguments: Namespace) -> None:
+    """Write the meshes of both bodies as they stand at position zero."""
+    folder: Path = arguments.folder
+    if folder.exists() and not folder.is_dir():
+        raise SceneError(key="-o", expected="a folder", found=f"the file {folder}")
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.mesh_io import write_sector
+    from flankload.solve import build_bodies
+
+    pair = build_bodies(scene)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, body, turn in (
+        ("body_1", pair.body_1, pair.turn_1),
+        ("body_2", pair.body_2, pair.turn_2),
+    ):
+        if body.mesh is None:
+            print(f"{name}: rigid, so it has no mesh")
+            continue
+        path = folder / f"{name}.{arguments.format}"
+        write_sector(path, body.mesh, turn_rad=turn)
+        print(f"{path}: {len(body.mesh.nodes)} nodes, one of {body.teeth} sectors")
+
+
+def schema(_: Namespace) -> None:
+    """Print the JSON schema of a scene file."""
+    from flankload.scene import scene_schema
+
+    print(json.dumps(scene_schema(), indent=2, ensure_ascii=False))

@@ -1,0 +1,450 @@
+"""The contact loop: which pairs touch and what they carry; one call of the core each.
+
+The angle form (equations (16), (17) and (20) of the paper) is a thin wrapper around the general form
+
+    g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   R^T F = Q.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flankload import _core
+from flankload.errors import (
+    InputError,
+    NegativeForce,
+    NoContactState,
+    PivotLimit,
+    SingularContact,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Vector = NDArray[np.float64]
+
+_METHODS = {"single": 1, "paper": 2}
+# Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
+_ASYMMETRY = 1e-12
+# Directions in which the forces are this much less stiff than in the stiffest are undetermined.
+_UNDETERMINED = 1e-8
+
+
+@dataclass(frozen=True)
+class ContactInfo:
+    """How a state was found, and its certificate.
+
+    Attributes
+    ----------
+    rung : str
+        The loop that found it.
+    pivots, refactorisations : int
+        Pairs that joined or left; factorisations made as a whole to win digits back.
+    condition : float
+        Condition of the equilibrated equations of the active pairs.
+    growth : float
+        Growth of the entries in elimination without exchange of rows.
+    backward_error : float
+        Largest error of a row of the problem, relative to the row's own size.
+    margin : float
+        Distance to the nearest change of the active pairs: the least of force over largest force
+        (active pairs) and gap over the row's own size (others).
+    unique : bool
+        No other state exists, for certain.
+    undetermined : tuple of tuple of int
+        Groups of pairs of which only the sum of the forces is certain.
+    """
+
+    rung: str
+    pivots: int
+    refactorisations: int
+    condition: float
+    growth: float
+    backward_error: float
+    margin: float
+    unique: bool
+    undetermined: tuple[tuple[int, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """State of contact of n pairs.
+
+    Attributes
+    ----------
+    normal_forces : ndarray of shape (n,)
+        Normal forces [N], zero where a pair is open.
+    final_gap_angles : ndarray of shape (n,)
+        Final gap angles [rad]; from `solve_contact_general` final gaps along the normals [mm].
+    rotation : float
+        Rotation of body 1 in the sense of its torque [rad]; the first motion of the general form.
+    active_pairs : ndarray of int
+        Pairs that carry a force, from 0, ascending.
+    status : int
+        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right); 2 solved,
+        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain.
+    info : ContactInfo
+        Certificate and counters.
+    motions : ndarray of shape (q,)
+        All motions of the general form; ``motions[0] == rotation``.
+    tangent : ndarray of shape (q, q)
+        Change of the motions with the loads while the active pairs stay the same [rad/(N mm)].
+    """
+
+    normal_forces: Vector
+    final_gap_angles: Vector
+    rotation: float
+    active_pairs: NDArray[np.intp]
+    status: int
+    info: ContactInfo
+    motions: Vector
+    tangent: Vector
+
+
+def solve_contact(
+    flexibility_matrix: ArrayLike,
+    lever_arms: ArrayLike,
+    gap_angles: ArrayLike,
+    torque: float,
+    *,
+    method: str = "auto",
+    normal_lever_arms: ArrayLike | None = None,
+    warm_pairs: ArrayLike | None = None,
+) -> ContactState:
+    """Find the pairs in contact, their forces and the rotation for a torque.
+
+    Parameters
+    ----------
+    flexibility_matrix : array_like of shape (n, n)
+        Influence numbers A [rad/N].
+    lever_arms : array_like of shape (n,)
+        Torque row m [mm]; with friction its own signs included.
+    gap_angles : array_like of shape (n,)
+        Initial gap angles [rad]; a common offset goes into the rotation.
+    torque : float
+        Torque M >= 0 [N mm]. Without torque the rotation is the least gap angle.
+    method : {"auto", "single", "paper"}
+        ``single`` lets any pair join or leave, one at a time; ``paper`` only lets pairs join.
+    normal_lever_arms : array_like of shape (n,), optional
+        Row scale b > 0 [mm] where it differs from ``abs(lever_arms)``.
+    warm_pairs : array_like of int, optional
+        Pairs to begin with, from 0; a good guess saves time and never changes the answer.
+
+    Returns
+    -------
+    ContactState
+
+    Raises
+    ------
+    InputError
+        Code -4: shapes, NaN, negative torque, unknown method; code -5: a row scale that is not
+        positive, or no lever arm > 0.
+    NoContactState, PivotLimit, SingularContact
+        There is no state, or it was not found.
+    NegativeForce
+        Method ``paper`` ended with tension; the state is attached.
+
+    Notes
+    -----
+    Weese & Popov, equations (16) to (34), with any pair free to leave.
+    """
+    matrix = _array("flexibility_matrix", flexibility_matrix, 2)
+    n = matrix.shape[0]
+    _expect_shape("flexibility_matrix", matrix, (n, n))
+    if n == 0:
+        raise InputError("flexibility_matrix: expected at least one pair, found shape (0, 0)")
+    torque_row = _array("lever_arms", lever_arms, 1)
+    _expect_shape("lever_arms", torque_row, (n,))
+    gaps = _array("gap_angles", gap_angles, 1)
+    _expect_shape("gap_angles", gaps, (n,))
+    load = _array("torque", torque, 0)
+    if load < 0.0:
+        raise InputError(f"torque: expected a number >= 0, found {float(load):g}")
+    if normal_lever_arms is None:
+        row_scale = np.abs(torque_row)
+        name = "lever_arms"
+    else:
+        row_scale = _array("normal_lever_arms", normal_lever_arms, 1)
+        _expect_shape("normal_lever_arms", row_scale, (n,))
+        name = "normal_lever_arms"
+    if not row_scale.min() > 0.0:
+        raise InputError(
+            f"{name}: expected row scales > 0, found {row_scale.min():g} "
+            f"at pair {int(row_scale.argmin())}",
+            code=-5,
+        )
+    if not torque_row.max() > 0.0:
+        raise InputError(
+            f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
+        )
+    return _solve(
+        row_scale[:, np.newaxis] * matrix,
+        row_scale * gaps,
+        row_scale[:, np.newaxis],
+        torque_row[:, np.newaxis],
+        load[np.newaxis],
+        method=method,
+        warm_pairs=warm_pairs,
+        gap_scale=row_scale,
+        names=("flexibility_matrix", "diag(normal_lever_arms) flexibility_matrix"),
+    )
+
+
+def solve_contact_general(
+    compliance_matrix: ArrayLike,
+    normal_gaps: ArrayLike,
+    motions: ArrayLike,
+    loads: ArrayLike,
+    *,
+    load_rows: ArrayLike | None = None,
+    method: str = "auto",
+    warm_pairs: ArrayLike | None = None,
+) -> ContactState:
+    """Find the state of contact of the general form with any number of free motions.
+
+    Parameters
+    ----------
+    compliance_matrix : array_like of shape (n, n)
+        K, recession along the normal of pair i for a unit force on pair j [mm/N].
+    normal_gaps : array_like of shape (n,)
+        g0 [mm]; negative where bodies overlap before they move (preload).
+    motions : array_like of shape (n, q) or (n,)
+        B, gap closed by a unit of each motion; zero and negative levers are legal.
+    loads : array_like of shape (q,) or float
+        Q, the load on each motion.
+    load_rows : array_like of shape (n, q) or (n,), optional
+        R, part of a unit force in each load; B where there is no friction (default).
+    method, warm_pairs
+        As in `solve_contact`; ``paper`` takes one motion.
+
+    Returns
+    -------
+    ContactState
+        With final gaps along the normals [mm] in place of angles.
+
+    Raises
+    ------
+    InputError, NoContactState, PivotLimit, SingularContact, NegativeForce
+        As `solve_contact`. `NoContactState` carries a motion on which the loads do work and that
+        no pair resists.
+    """
+    matrix = _array("compliance_matrix", compliance_matrix, 2)
+    n = matrix.shape[0]
+    _expect_shape("compliance_matrix", matrix, (n, n))
+    if n == 0:
+        raise InputError("compliance_matrix: expected at least one pair, found shape (0, 0)")
+    gaps = _array("normal_gaps", normal_gaps, 1)
+    _expect_shape("normal_gaps", gaps, (n,))
+    load = np.atleast_1d(_array("loads", loads, None))
+    _expect_shape("loads", load, (load.size,))
+    if load.size == 0:
+        raise InputError("loads: expected at least one motion, found shape (0,)")
+    columns = _columns("motions", motions, (n, load.size))
+    rows = columns if load_rows is None else _columns("load_rows", load_rows, (n, load.size))
+    return _solve(
+        matrix,
+        gaps,
+        columns,
+        rows,
+        load,
+        method=method,
+        warm_pairs=warm_pairs,
+        gap_scale=np.ones(n),
+        names=("compliance_matrix", "compliance_matrix"),
+    )
+
+
+def _solve(
+    compliance: Vector,
+    gaps: Vector,
+    motions: Vector,
+    load_rows: Vector,
+    loads: Vector,
+    *,
+    method: str,
+    warm_pairs: ArrayLike | None,
+    gap_scale: Vector,
+    names: tuple[str, str],
+) -> ContactState:
+    """Call the core once and turn what it says into a state or an error."""
+    rung = _rung(method)
+    n = gaps.size
+    diagonal = compliance.diagonal()
+    if not diagonal.min() > 0.0:
+        raise InputError(
+            f"{names[0]}: expected a diagonal > 0, found {diagonal.min():g} "
+            f"at pair {int(diagonal.argmin())}",
+            code=-5,
+        )
+    if rung == "paper" and (loads.size != 1 or not motions.min() > 0.0):
+        raise InputError(
+            f"method: 'paper' expected one motion with levers > 0, found {loads.size} motions "
+            f"with levers from {motions.min():g}",
+            code=-4 if loads.size != 1 else -5,
+        )
+    warm = _warm_pairs(warm_pairs, n)
+    forces, final_gaps, motion, tangent, active, counters, certificate, code = (
+        _core.flankload_solve_contact(
+            np.asfortranarray(compliance),
+            gaps,
+            np.asfortranarray(motions),
+            np.asfortranarray(load_rows),
+            loads,
+            int(_is_symmetric(compliance)),
+            _METHODS[rung],
+            warm + 1,
+        )
+    )
+    if code < 0 and code != NegativeForce.code:
+        raise _failure(code, names, counters, motion)
+    active_pairs = np.flatnonzero(active)
+    info = ContactInfo(
+        rung=rung,
+        pivots=int(counters[0]),
+        refactorisations=int(counters[1]),
+        condition=float(certificate[0]),
+        growth=float(certificate[1]),
+        backward_error=float(certificate[2]),
+        margin=float(certificate[3]),
+        unique=bool(counters[2]),
+        undetermined=_undetermined(compliance, load_rows, forces, final_gaps, code),
+    )
+    state = ContactState(
+        normal_forces=forces,
+        final_gap_angles=final_gaps / gap_scale,
+        rotation=float(motion[0]),
+        active_pairs=active_pairs,
+        status=max(code, 0),
+        info=info,
+        motions=motion,
+        tangent=tangent,
+    )
+    if code == NegativeForce.code:
+        pair = int(forces.argmin())
+        raise NegativeForce(
+            f"method 'paper' ended with tension, {forces[pair]:g} N at pair {pair}", state=state
+        )
+    return state
+
+
+def _rung(method: str) -> str:
+    """The loop that a method stands for."""
+    rung = "single" if method == "auto" else method
+    if not isinstance(rung, str) or rung not in _METHODS:
+        available = ", ".join(repr(name) for name in ("auto", *_METHODS))
+        raise InputError(f"method: expected one of {available}, found {method!r}")
+    return rung
+
+
+def _failure(
+    code: int, names: tuple[str, str], counters: NDArray[np.int32], motion: Vector
+) -> Exception:
+    """The exception of a code of the core."""
+    if code == NoContactState.code:
+        return NoContactState(
+            "no pairs can hold these loads: free to move along "
+            + ", ".join(f"{part:g}" for part in motion),
+            motion=motion,
+        )
+    if code == PivotLimit.code:
+        return PivotLimit(f"no state of contact reached after {int(counters[0])} pivots")
+    if code == SingularContact.code:
+        return SingularContact(
+            f"{names[1]}: the rows of pairs in contact depend on each other, "
+            "or a motion is held by no pair"
+        )
+    return InputError(f"the core refused the problem (code {code})", code=code)
+
+
+def _undetermined(
+    compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector, status: int
+) -> tuple[tuple[int, ...], ...]:
+    """Groups of touching pairs of which only the sum of the forces is certain.
+
+    Directions in force space that neither move a gap nor change a load: right singular vectors of
+    the equilibrated equations with small singular values. Pairs that one of them couples are one
+    group.
+    """
+    if status not in (1, 2, 3):
+        return ()
+    touching = np.flatnonzero(gaps <= 0.0)
+    if touching.size < 2 or not forces.any():
+        return ()
+    scale = 1.0 / np.sqrt(compliance.diagonal()[touching])
+    rows = load_rows[touching].T * scale
+    rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
+    equations = np.vstack([compliance[np.ix_(touching, touching)] * np.outer(scale, scale), rows])
+    _, sizes, vectors = np.linalg.svd(equations)
+    weak = vectors[sizes < _UNDETERMINED * sizes[0]]
+    linked = np.abs(weak.T @ weak) > 1e-3
+    groups = []
+    left = set(np.flatnonzero(linked.diagonal()).tolist())
+    while left:
+        group = {left.pop()}
+        front = set(group)
+        while front:
+            front = {k for k in left if linked[k, list(front)].any()}
+            left -= front
+            group |= front
+        groups.append(tuple(sorted(int(touching[k]) for k in group)))
+    return tuple(sorted(groups))
+
+
+def _is_symmetric(matrix: Vector) -> bool:
+    """Symmetric to the rounding of its assembly, each entry on the scale of its diagonal."""
+    root = np.sqrt(matrix.diagonal())
+    return bool((np.abs(matrix - matrix.T) <= _ASYMMETRY * np.outer(root, root)).all())
+
+
+def _array(name: str, values: Any, n_axes: int | None) -> Vector:
+    """Finite double-precision numbers, or an InputError that names the argument."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected an array of numbers, found {error}") from None
+    if n_axes is not None and array.ndim != n_axes:
+        kind = "a number" if n_axes == 0 else f"{n_axes} axes"
+        raise InputError(f"{name}: expected {kind}, found shape {array.shape}")
+    if not np.isfinite(array).all():
+        place = np.argwhere(~np.isfinite(array))[0].tolist()
+        found = array[tuple(place)]
+        raise InputError(f"{name}: expected finite numbers, found {found} at {place}")
+    return array
+
+
+def _expect_shape(name: str, array: Vector, shape: tuple[int, ...]) -> None:
+    if array.shape != shape:
+        raise InputError(f"{name}: expected shape {shape}, found {array.shape}")
+
+
+def _columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
+    """An array of one column a motion; a vector is one column."""
+    array = _array(name, values, None)
+    if array.ndim == 1 and shape[1] == 1:
+        array = array[:, np.newaxis]
+    _expect_shape(name, array, shape)
+    return array
+
+
+def _warm_pairs(warm_pairs: ArrayLike | Sequence[int] | None, n: int) -> NDArray[np.int32]:
+    """Numbers of pairs from 0, each once."""
+    if warm_pairs is None:
+        return np.empty(0, dtype=np.int32)
+    pairs = np.asarray(warm_pairs)
+    if pairs.size == 0:
+        return np.empty(0, dtype=np.int32)
+    if pairs.ndim != 1 or not np.issubdtype(pairs.dtype, np.integer):
+        raise InputError(
+            f"warm_pairs: expected a list of integers, found shape {pairs.shape} of {pairs.dtype}"
+        )
+    if pairs.min() < 0 or pairs.max() >= n:
+        raise InputError(
+            f"warm_pairs: expected numbers from 0 to {n - 1}, found {pairs.min()} to {pairs.max()}"
+        )
+    if np.unique(pairs).size != pairs.size:
+        raise InputError("warm_pairs: expected each pair once, found a pair twice")
+    return pairs.astype(np.int32)

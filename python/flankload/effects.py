@@ -1,0 +1,67 @@
+"""Which effects a scene calls for, as data; what it does not call for is not computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flankload.scene import Gear, MeshBody, Scene
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What a scene calls for.
+
+    Attributes
+    ----------
+    elastic_body_1, elastic_body_2 : bool
+        The body yields: finite elements are solved for it, once.
+    flank_modifications : bool
+        A profile departs from the involute below its tip circle (relief, crowning, tip radius or
+        chamfer).
+    pitch_errors : bool
+        Teeth stand beside their place; the period of the result is then one of many.
+    several_torques : bool
+        One result per torque.
+    friction : bool
+        False: this version has none.
+    """
+
+    elastic_body_1: bool
+    elastic_body_2: bool
+    flank_modifications: bool
+    pitch_errors: bool
+    several_torques: bool
+    friction: bool = False
+
+
+def effects_of(scene: Scene) -> Effects:
+    """Effects that a scene calls for.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Effects
+    """
+    bodies = (scene.body_1, scene.body_2)
+    return Effects(
+        elastic_body_1=not scene.body_1.rigid,
+        elastic_body_2=not scene.body_2.rigid,
+        flank_modifications=any(_is_modified(body) for body in bodies),
+        pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
+        several_torques=scene.has_torque_list,
+    )
+
+
+def _is_modified(body: Gear | MeshBody) -> bool:
+    profile = body.profile if isinstance(body, MeshBody) else body
+    return profile is not None and any(
+        (
+            profile.tip_relief_um,
+            profile.profile_crowning_um,
+            profile.tip_radius_mm,
+            profile.tip_chamfer_mm,
+        )
+    )

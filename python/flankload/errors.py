@@ -1,0 +1,126 @@
+"""What can go wrong, one class per kind; each says what was expected and what was found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from flankload.contact import ContactState
+
+
+class FlankloadError(Exception):
+    """Base of every error that flankload raises on purpose."""
+
+
+class SceneError(FlankloadError):
+    """A scene that cannot be understood or built.
+
+    Parameters
+    ----------
+    key : str
+        Dotted path of the key in the scene, for example ``body_1.tip_diameter_mm``.
+    expected, found : str
+        What was expected and what was found, each the end of a sentence.
+    file : str or Path, optional
+        The file in which the key stands; left out for scenes that come from a dictionary.
+    """
+
+    def __init__(
+        self, *, key: str, expected: str, found: object, file: str | Path | None = None
+    ) -> None:
+        self.file = None if file is None else str(file)
+        self.key = key
+        self.expected = expected
+        self.found = str(found)
+        super().__init__(self.file, key, expected, self.found)
+
+    def __str__(self) -> str:
+        places = [part for part in (self.file, self.key) if part]
+        line = ": ".join([*places, f"expected {self.expected}, found {self.found}"])
+        return " ".join(line.split())
+
+    def with_file(self, path: str | Path) -> Self:
+        """Return the same error, naming the file in which the key stands."""
+        return type(self)(key=self.key, expected=self.expected, found=self.found, file=path)
+
+
+class MeshError(SceneError):
+    """A mesh file that cannot be read or does not make a body."""
+
+
+class ContactError(FlankloadError):
+    """A contact problem without an answer.
+
+    Attributes
+    ----------
+    code : int
+        The core's code: -1 … -6.
+    """
+
+    code = 0
+
+
+class NoContactState(ContactError):  # noqa: N818 - a public name
+    """No state of contact holds the loads (code -1).
+
+    Attributes
+    ----------
+    largest_torque : float
+        The largest torque that can be held [N mm].
+    motion : ndarray of shape (q,)
+        A motion that opens or keeps all gaps while the loads do work.
+    """
+
+    code = -1
+
+    def __init__(
+        self, message: str, *, largest_torque: float = 0.0, motion: NDArray[np.float64] | None = None
+    ) -> None:
+        super().__init__(message)
+        self.largest_torque = largest_torque
+        self.motion = np.empty(0) if motion is None else motion
+
+
+class PivotLimit(ContactError):  # noqa: N818 - a public name
+    """The loop used up its pivots without reaching a state (code -2)."""
+
+    code = -2
+
+
+class SingularContact(ContactError):  # noqa: N818 - a public name
+    """The equations of the pairs in contact are singular (code -3)."""
+
+    code = -3
+
+
+class InputError(ContactError, ValueError):
+    """Arguments that do not make a contact problem (code -4).
+
+    Code -5 where a row scale is not positive or no lever arm could carry the torque.
+    """
+
+    code = -4
+
+    def __init__(self, message: str, *, code: int = -4) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+class NegativeForce(ContactError):  # noqa: N818 - a public name
+    """The final state of method ``paper`` needs tension (code -6).
+
+    Attributes
+    ----------
+    state : ContactState
+        That state, negative forces included.
+    """
+
+    code = -6
+
+    def __init__(self, message: str, *, state: ContactState) -> None:
+        super().__init__(message)
+        self.state = state

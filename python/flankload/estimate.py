@@ -1,0 +1,103 @@
+"""Error estimates from embedded pairs: the same sweep with coarser cells and with a mode less.
+
+Both coarser sweeps use what is there already (no further finite elements): halving the number of
+strips shows the error of the cells, dropping the highest pressure mode (the Legendre modes are
+orthogonal, so the smaller matrix is a block of the larger) that of the load modes. The error of the
+mesh has no embedded pair; it is predicted from the length of the flank elements (see MESH_CONSTANT).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flankload.compliance import BodyCompliance
+    from flankload.sweep import Grid, Sweep
+
+#: Parts of the difference to half the strips: the error falls at least linearly with the cell width.
+STRIPS_FACTOR = 1.0
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimated relative errors.
+
+    Attributes
+    ----------
+    transmission_error, load_share, peak_pressure : float
+        Largest over the positions: relative to the value (transmission error, peak pressure; the
+        latter off sharp corners), or share of the load (load share).
+    by_source : dict
+        The same by source.
+    """
+
+    transmission_error: float
+    load_share: float
+    peak_pressure: float
+    by_source: dict[str, dict[str, float]]
+
+    def as_dict(self) -> dict[str, object]:
+        """The form of the result: one number per quantity, and the table by source."""
+        return {
+            "transmission_error": self.transmission_error,
+            "load_share": self.load_share,
+            "peak_pressure": self.peak_pressure,
+            "by_source": self.by_source,
+        }
+
+
+def estimate_errors(
+    found: Sweep,
+    run: Callable[..., Sweep],
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    grid: Grid,
+) -> Estimate:
+    """Estimate the errors of a sweep.
+
+    Parameters
+    ----------
+    found : Sweep
+        The sweep in question.
+    run : callable
+        run(compliances=…, grid=…) sweeps the same positions with other ones.
+    compliances, grid
+        Those of the sweep in question.
+
+    Returns
+    -------
+    Estimate
+    """
+    coarse_grid = replace(
+        grid,
+        strips_per_half_width=grid.strips_per_half_width / 2,
+        corner_strips_per_half_width=grid.corner_strips_per_half_width / 2,
+    )
+    by_source = {
+        "strips": _differences(found, run(grid=coarse_grid)),
+        "modes": _differences(found, run(compliances=tuple(c.fewer_modes() for c in compliances))),
+    }
+    total = {
+        quantity: float(np.hypot(*(source[quantity] for source in by_source.values())))
+        for quantity in ("transmission_error", "load_share", "peak_pressure")
+    }
+    return Estimate(**total, by_source=by_source)
+
+
+def _differences(fine: Sweep, coarse: Sweep) -> dict[str, float]:
+    """Largest differences between two sweeps, per quantity."""
+    rotation = np.abs(coarse.rotation_rad - fine.rotation_rad) / np.max(np.abs(fine.rotation_rad))
+    total = np.maximum(fine.site_force_N.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    share = np.abs(coarse.site_force_N - fine.site_force_N) / total
+    smooth = (fine.site_corner == 0) & (coarse.site_corner == 0) & (fine.site_peak_N_per_mm > 0)
+    peak = np.abs(coarse.site_peak_N_per_mm - fine.site_peak_N_per_mm)[smooth]
+    scale = np.max(fine.site_peak_N_per_mm[smooth], initial=np.finfo(float).tiny)
+    return {
+        "transmission_error": float(rotation.max()),
+        "load_share": float(share.max()),
+        "peak_pressure": float(np.max(peak / scale, initial=0.0)),
+    }

@@ -1,0 +1,152 @@
+"""Pressure modes on a flank, their consistent loads, and the analytic near field they leave out.
+
+The compliance of a flank is split: a half-plane's
+logarithm K(s, s') = -c0 ln|s - s'| on the same flank, and a smooth remainder that a few Legendre modes
+over the flank's arc length carry. The unit loads of the finite elements are these modes, never forces
+on nodes: the self term of a nodal load has no limit under refinement.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legvander
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Material, SectorMesh
+
+
+def logarithm_strength(material: Material, plane: str) -> float:
+    """c0 (mm²/N): normal displacement of a half-plane is -c0 ln(distance) per force and width.
+
+    Parameters
+    ----------
+    material : Material
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    float
+        2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
+    """
+    factor = 1.0 - material.poisson_ratio**2 if plane == "strain" else 1.0
+    return 2.0 * factor / (np.pi * material.young_modulus_MPa)
+
+
+def mode_values(
+    s: NDArray[np.float64], mode_range_mm: tuple[float, float], n_modes: int
+) -> NDArray[np.float64]:
+    """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
+
+    Parameters
+    ----------
+    s : (n,) array
+        Arc lengths, mm.
+    mode_range_mm : (float, float)
+    n_modes : int
+
+    Returns
+    -------
+    (n, n_modes) array
+    """
+    low, high = mode_range_mm
+    return legvander((2.0 * np.asarray(s) - low - high) / (high - low), n_modes - 1)
+
+
+def mode_norms(mode_range_mm: tuple[float, float], n_modes: int) -> NDArray[np.float64]:
+    """D_a = integral of P_a² over the range, mm: length/(2a + 1)."""
+    low, high = mode_range_mm
+    return (high - low) / (2.0 * np.arange(n_modes) + 1.0)
+
+
+def mode_loads(
+    mesh: SectorMesh, mode_range_mm: tuple[float, float], n_modes: int
+) -> NDArray[np.float64]:
+    """Consistent nodal loads of the pressure modes along the normal out of the material.
+
+    B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic geometry
+    and shape functions; s is interpolated like the place.
+
+    Parameters
+    ----------
+    mesh : SectorMesh
+    mode_range_mm : (float, float)
+    n_modes : int
+
+    Returns
+    -------
+    (2 N, n_modes) array
+        Per mm of width, degree of freedom 2*node + component.
+    """
+    points, weights = leggauss(max(6, n_modes // 2 + 4))
+    shape = np.stack(
+        [points * (points - 1) / 2, points * (points + 1) / 2, 1 - points**2], axis=1
+    )  # (g, 3), meshio's line3 order: ends, then middle
+    slope = np.stack([points - 0.5, points + 0.5, -2 * points], axis=1)
+    edges = mesh.flank_edges
+    place = mesh.nodes[edges]  # (m, 3, 2)
+    tangent = np.einsum("gk,mkd->mgd", slope, place)
+    normal = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)  # times ds
+    s = mesh.flank_arc_length[edges] @ shape.T  # (m, g)
+    modes = mode_values(s.ravel(), mode_range_mm, n_modes).reshape(*s.shape, n_modes)
+    local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, modes, normal)
+    loads = np.zeros((len(mesh.nodes), 2, n_modes))
+    np.add.at(loads, edges, local)
+    return loads.reshape(-1, n_modes)
+
+
+def projected_logarithm(n_modes: int, length_mm: float) -> NDArray[np.float64]:
+    """<P_a, ln|s - s'| P_b> over a flank, in closed form.
+
+    With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
+    int P_n(y) ln|x - y| dy = 2 (Q_(n+1) - Q_(n-1))/(2n + 1), and
+    int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0.
+
+    Parameters
+    ----------
+    n_modes : int
+    length_mm : float
+        Length of the modes' range.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+        mm².
+    """
+    on_unit = np.zeros((n_modes, n_modes))
+    for m in range(n_modes):
+        for n in range(max(m, 1), n_modes):
+            if (m + n) % 2:
+                continue
+            value = (4.0 / (2 * n + 1)) * (
+                1.0 / ((n - 1 - m) * (n + m)) - 1.0 / ((n + 1 - m) * (n + m + 2))
+            )
+            on_unit[m, n] = on_unit[n, m] = value
+    if n_modes:
+        on_unit[0, 0] = 4.0 * np.log(2.0) - 6.0
+    half = 0.5 * length_mm
+    result = half**2 * on_unit
+    if n_modes:
+        # ln of the length itself meets only the constant mode: (int P_0)² = length²
+        result[0, 0] += np.log(half) * length_mm**2
+    return result
+
+
+def strip_kernel(
+    distance: NDArray[np.float64], cell: NDArray[np.float64] | float, strength: float
+) -> NDArray[np.float64]:
+    """Displacement at a distance from the centre of a strip that carries a unit load evenly.
+
+    -(c0/d) [(x + d/2) ln|x + d/2| - (x - d/2) ln|x - d/2| - d]; the reference for the core's own.
+    """
+    right = np.asarray(distance) + 0.5 * np.asarray(cell)
+    left = np.asarray(distance) - 0.5 * np.asarray(cell)
+    return -strength * ((_x_log_x(right) - _x_log_x(left)) / cell - 1.0)
+
+
+def _x_log_x(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    magnitude = np.abs(x)
+    return x * np.log(np.where(magnitude > 0, magnitude, 1.0))

@@ -1,0 +1,64 @@
+"""Pictures for a report; the only room that knows matplotlib.
+
+Figures are made as objects (no pyplot, no global state) and drawn by the Agg canvas, so that they
+come out the same with and without a screen.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.plot.curves import plot_load_sharing, plot_peak_pressure, plot_transmission_error
+from flankload.plot.loaded_pair import plot_loaded_pair
+from flankload.plot.style import png_of
+from flankload.result import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+    from flankload.result import Result
+
+__all__ = [
+    "plot_all",
+    "plot_load_sharing",
+    "plot_loaded_pair",
+    "plot_peak_pressure",
+    "plot_transmission_error",
+]
+
+
+def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
+    """Write the four pictures of a result, all or none.
+
+    Parameters
+    ----------
+    result : Result
+    directory : path
+        Made where it does not exist.
+
+    Returns
+    -------
+    tuple of Path
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png.
+
+    Raises
+    ------
+    OSError
+        If the directory cannot be made or a file not be written.
+    """
+    pictures: dict[str, Callable[[Result], Figure]] = {
+        "transmission_error.png": plot_transmission_error,
+        "load_sharing.png": plot_load_sharing,
+        "peak_pressure.png": plot_peak_pressure,
+        "loaded_pair.png": plot_loaded_pair,
+    }
+    # Every picture is drawn before the first is written.
+    drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in drawn.items():
+        write_atomically(folder / name, content)
+    return tuple(folder / name for name in drawn)

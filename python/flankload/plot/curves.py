@@ -1,0 +1,229 @@
+"""Curves over the positions: transmission error, load sharing, peak pressure."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from flankload.plot.style import (
+    COLOURS,
+    GREY,
+    SIZE,
+    STYLE,
+    at_corner,
+    colour_of,
+    loaded_sites,
+    new_figure,
+    pair_name,
+    subtitle,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+
+def plot_transmission_error(result: Result) -> Figure:
+    """Transmission error over the positions, with its mean and peak to peak.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with rc_context(STYLE):
+        figure, axes = _figure(result, "Transmission error")
+        angle, error = _curve(result, result.transmission_error_um)
+        axes.plot(angle, error, color=COLOURS[0], **_marks(result))
+        summary = result.summary
+        mean = summary["transmission_error_mean_um"]
+        span = summary["transmission_error_peak_to_peak_um"]
+        axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
+        corner = at_corner(result)
+        if corner.any():
+            x, y = _curve(result, np.where(corner, result.transmission_error_um, np.nan))
+            axes.plot(
+                x,
+                y,
+                linestyle="none",
+                marker="o",
+                markersize=6,
+                markerfacecolor="white",
+                markeredgecolor=COLOURS[1],
+                label="a pair carries on a sharp corner",
+            )
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
+        if span > 0:
+            # Head-room for the numbers, so that they never lie on the curve.
+            axes.set_ylim(error.min() - 0.12 * span, error.max() + 0.30 * span)
+        axes.text(
+            0.99,
+            0.97,
+            f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm",
+            transform=axes.transAxes,
+            ha="right",
+            va="top",
+            fontsize=9,
+            color=GREY,
+            linespacing=1.4,
+        )
+        axes.set_ylabel("transmission error in µm")
+        return figure
+
+
+def plot_load_sharing(result: Result) -> Figure:
+    """Load share of each pair over the positions, forces on a second axis.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with rc_context(STYLE):
+        figure, axes = _figure(result, "Load sharing")
+        shares = 100 * result.load_share
+        for s, site in loaded_sites(result):
+            angle, share = _curve_of_pair(result, shares, s)
+            axes.plot(
+                angle,
+                _lifted(share),
+                color=colour_of(site),
+                label=pair_name(site),
+                **_marks(result),
+            )
+        axes.set_ylim(0, 108)
+        axes.set_yticks(range(0, 101, 20))
+        axes.set_ylabel("load share in %")
+        _add_force_axis(axes, result)
+        _legend_of_pairs(axes)
+        return figure
+
+
+def _add_force_axis(axes: Axes, result: Result) -> None:
+    """A second axis in kN; the sum of the forces hardly changes over the positions."""
+    total = float(result.site_force_N.sum(axis=1).mean()) / 1e3
+    if total <= 0:
+        return
+
+    def force(share: Any) -> Any:
+        return share * total / 100
+
+    def share(force: Any) -> Any:
+        return force * 100 / total
+
+    second = axes.secondary_yaxis("right", functions=(force, share))
+    second.set_ylabel(f"force in kN (all pairs: {total:.2f} kN)")
+    second.spines["right"].set_visible(True)
+
+
+def plot_peak_pressure(result: Result) -> Figure:
+    """Peak pressure of each pair over the positions; dashed on sharp corners.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with rc_context(STYLE):
+        figure, axes = _figure(result, "Peak pressure")
+        for s, site in loaded_sites(result):
+            colour = colour_of(site)
+            angle, whole = _curve_of_pair(result, result.peak_pressure_MPa, s)
+            _, corner = _curve_of_pair(result, result.corner_contact.astype(float), s, closing=0.0)
+            on_corner = corner > 0
+            # A segment is dashed when one of its ends lies on a corner.
+            beside = on_corner.copy()
+            beside[1:] |= on_corner[:-1]
+            beside[:-1] |= on_corner[1:]
+            smooth = np.where(on_corner, np.nan, _lifted(whole))
+            axes.plot(angle, smooth, color=colour, label=pair_name(site), **_marks(result))
+            dashed = np.where(beside, _lifted(whole), np.nan)
+            axes.plot(angle, dashed, color=colour, linewidth=1.1, linestyle=(0, (3, 2)))
+        if result.corner_contact.any():
+            axes.plot(
+                [],
+                [],
+                color=GREY,
+                linewidth=1.1,
+                linestyle=(0, (3, 2)),
+                label="dashed: on a sharp corner, not meaningful",
+            )
+        axes.set_ylim(bottom=0)
+        axes.set_ylabel("peak pressure in MPa")
+        _legend_of_pairs(axes)
+        return figure
+
+
+def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
+    figure = new_figure(SIZE)
+    axes = figure.add_subplot()
+    axes.set_title(title)
+    axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
+    axes.set_xlabel("angle of body 1 in degrees")
+    angles = np.degrees(result.position_rad)
+    if result.closed:
+        pitch = degrees(result.period_rad)
+        axes.set_xlim(0, pitch)
+        axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
+        axes.set_xlabel(f"angle of body 1 in degrees (one pitch = {pitch:.4g}°)")
+    elif angles.size > 1:
+        axes.set_xlim(angles.min(), angles.max())
+    return figure, axes
+
+
+def _marks(result: Result) -> dict[str, Any]:
+    """Marks where positions are few: a line through them would hide how few."""
+    if result.position_rad.size > 12:
+        return {}
+    return {"marker": "o", "markersize": 4.5}
+
+
+def _curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Angles in degrees and values; closed over the period, ascending otherwise."""
+    angle = np.degrees(result.position_rad)
+    if result.closed:
+        return np.append(angle, degrees(result.period_rad)), np.append(values, values[0])
+    order = np.argsort(angle, kind="stable")
+    return angle[order], values[order]
+
+
+def _curve_of_pair(
+    result: Result, values: NDArray[Any], s: int, closing: float = 0.0
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Curve of one pair: after a period it stands where the pair one further along stood at 0."""
+    if not result.closed:
+        return _curve(result, values[:, s])
+    after = np.flatnonzero(result.sites == result.sites[s] + 1)
+    end = values[0, after[0]] if after.size else closing
+    angle, _ = _curve(result, values[:, s])
+    return angle, np.append(values[:, s], end)
+
+
+def _lifted(values: NDArray[Any]) -> NDArray[Any]:
+    """Values without the stretches where a pair is open, so that no curve runs along the axis."""
+    carries = values > 0
+    near = carries.copy()
+    near[1:] |= carries[:-1]
+    near[:-1] |= carries[1:]
+    return np.where(near, values, np.nan)
+
+
+def _legend_of_pairs(axes: Axes) -> None:
+    if handles := axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=min(len(handles), 5))

@@ -1,0 +1,212 @@
+"""The loaded pair at one position: teeth in mesh, pressure on the flanks, forces."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from flankload.plot.style import (
+    GREY,
+    STEEL,
+    STYLE,
+    at_corner,
+    colour_of,
+    loaded_sites,
+    new_figure,
+    pair_name,
+    subtitle,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+
+def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
+    """Teeth in mesh at one position with the pressure on their flanks, and each pressure by itself.
+
+    Parameters
+    ----------
+    result : Result
+    position : int, optional
+        Index of the position; if absent, one with most pairs in contact and the most even share.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    p = _telling_position(result) if position is None else position
+    table = result.pairs(p)
+    carrying = [
+        (s, site)
+        for s, site in loaded_sites(result)
+        if result.site_force_N[p, s] > 0 and (table.site == site).any()
+    ]
+    with rc_context(STYLE):
+        figure = new_figure((7.2, 4.8))
+        figure.suptitle(
+            f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
+            x=0.01,
+            ha="left",
+            fontsize=11,
+            fontweight="bold",
+        )
+        figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+        rows = max(1, len(carrying))
+        grid = figure.add_gridspec(rows, 2, width_ratios=(1.55, 1.0) if carrying else (1.0, 1e-3))
+        axes = figure.add_subplot(grid[:, 0])
+        _draw_bodies(axes, result, p)
+        for s, site in carrying:
+            _draw_pressure_on_flank(axes, result, p, s, site)
+        # The pair further into recess stands above the other one in the picture, and so here.
+        # The panels have the same axes, so that widths and heights can be compared.
+        curves = [_pressure_along(result, p, site) for _, site in carrying]
+        reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
+        for row, (s, site) in enumerate(reversed(carrying)):
+            _draw_pressure(figure.add_subplot(grid[row, 1]), result, p, s, site, reach)
+        return figure
+
+
+def _telling_position(result: Result) -> int:
+    """Most pairs in contact, off the corners where possible, and the most even share."""
+    loaded = (result.site_force_N > 0).sum(axis=1)
+    order = np.lexsort((result.load_share.max(axis=1), at_corner(result), -loaded))
+    return int(order[0])
+
+
+def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
+    drawing = result.drawing
+    low, high = _window(result, p)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(True)
+    axes.set_xlabel("x in mm, from the axis of body 1")
+    axes.set_ylabel("y in mm")
+    bodies = (
+        (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], 0.0),
+        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.center_distance_mm),
+    )
+    for z, (outline, teeth, angle, centre) in enumerate(bodies):
+        sectors = [_turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
+        axes.add_patch(
+            Polygon(
+                np.vstack(sectors) + np.array([centre, 0.0]),
+                closed=True,
+                facecolor=STEEL[z],
+                edgecolor="#404040",
+                linewidth=0.9,
+            )
+        )
+        axes.text(
+            0.03 if z == 0 else 0.97,
+            0.03,
+            f"body {z + 1} {'↺' if z == 0 else '↻'}",
+            transform=axes.transAxes,
+            ha="left" if z == 0 else "right",
+            fontweight="bold",
+            color="#404040",
+        )
+
+
+def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Corners of the picture: all contacts of the position and about a tooth around them."""
+    drawing = result.drawing
+    tip_1, tip_2 = (
+        float(np.max(np.hypot(*outline.T))) for outline in (drawing.outline_1, drawing.outline_2)
+    )
+    pitch = 2 * np.pi * tip_1 / drawing.teeth_1
+    middle = np.array([(tip_1 + drawing.center_distance_mm - tip_2) / 2, 0.0])
+    table = result.pairs(p)
+    places = np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
+    reach = float(np.abs(places[:, 1]).max()) if len(places) else 0.0
+    half = np.array([1.15, 1.25]) * max(pitch, reach + 0.35 * pitch)
+    return middle - half, middle + half
+
+
+def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+
+
+def _rows_of_pair(result: Result, p: int, site: int) -> NDArray[np.int64]:
+    """Rows of one flank pair in the table of a position, from root to tip of body 1."""
+    table = result.pairs(p)
+    rows = np.flatnonzero(table.site == site)
+    return np.asarray(rows[np.argsort(table.arc_length_1_mm[rows], kind="stable")])
+
+
+def _draw_pressure_on_flank(axes: Axes, result: Result, p: int, s: int, site: int) -> None:
+    """The pressure as a filled profile on the flank along the normals, and the force by name."""
+    table = result.pairs(p)
+    rows = _rows_of_pair(result, p, site)
+    place = np.column_stack([table.x_mm, table.y_mm])[rows]
+    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    low, high = axes.get_ylim()
+    largest = float(np.max(result.pairs(p).pressure_MPa))
+    height = 0.2 * (high - low) * table.pressure_MPa[rows] / largest
+    profile = np.vstack([place, (place + normal * height[:, None])[::-1]])
+    colour = colour_of(site)
+    axes.add_patch(
+        Polygon(profile, closed=True, facecolor=colour, edgecolor=colour, linewidth=1.0, alpha=0.9)
+    )
+    peak = int(np.argmax(height))
+    end = place[peak] + normal[peak] * height[peak]
+    axes.annotate(
+        f"{pair_name(site)}\n{result.site_force_N[p, s] / 1e3:.2f} kN",
+        xy=end,
+        xytext=(0.97, float(end[1])),
+        textcoords=("axes fraction", "data"),
+        color=colour,
+        fontweight="bold",
+        ha="right",
+        va="center",
+        bbox={"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": colour},
+        arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.8},
+    )
+
+
+def _pressure_along(
+    result: Result, p: int, site: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Arc length on flank 1 from the middle of the force, mm, and pressure of one pair."""
+    table = result.pairs(p)
+    rows = _rows_of_pair(result, p, site)
+    along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
+    return along - float((along * pressure).sum() / pressure.sum()), pressure
+
+
+def _draw_pressure(axes: Axes, result: Result, p: int, s: int, site: int, reach: float) -> None:
+    """The pressure of one pair along its flank, at its true width."""
+    table = result.pairs(p)
+    along, pressure = _pressure_along(result, p, site)
+    colour = colour_of(site)
+    axes.fill_between(
+        along,
+        pressure,
+        facecolor=f"{colour}22",
+        edgecolor=colour,
+        hatch="||||",
+        linewidth=0,
+    )
+    axes.plot(along, pressure, color=colour)
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(0, 1.12 * float(table.pressure_MPa.max()))
+    corner = result.corner_contact[p, s]
+    axes.set_title(
+        f"{pair_name(site)}: {result.site_force_N[p, s] / 1e3:.2f} kN, "
+        + ("on a sharp corner" if corner else f"{result.peak_pressure_MPa[p, s]:.0f} MPa"),
+        fontsize=10,
+        color=colour,
+    )
+    axes.set_ylabel("pressure in MPa")
+    axes.set_xlabel("along flank 1 in mm (tip →)")

@@ -1,0 +1,82 @@
+"""What all pictures share: style, colours, words, and figures without a screen."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+#: Colours that remain apart for colour-blind readers (Okabe and Ito), and in grey by their order.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+GREY = "#555555"
+STEEL = ("#dfe5ea", "#ece5da")
+
+STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 10,
+    "axes.titlesize": 11,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e2e2e2",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.8,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "savefig.dpi": 160,
+}
+
+SIZE = (7.2, 4.2)  # inches: a text width of A4 with margins
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """Figure on an Agg canvas, in inches."""
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def png_of(figure: Figure) -> bytes:
+    out = io.BytesIO()
+    with rc_context(STYLE):
+        figure.savefig(out, format="png")
+    return out.getvalue()
+
+
+def subtitle(result: Result) -> str:
+    return f"{result.name}, {result.torque_Nm:g} N m"
+
+
+def loaded_sites(result: Result) -> list[tuple[int, int]]:
+    """(Column, pair number) of the pairs that carry anywhere."""
+    return [
+        (s, int(site))
+        for s, site in enumerate(result.sites)
+        if (result.site_force_N[:, s] > 0).any()
+    ]
+
+
+def colour_of(site: int) -> str:
+    """Colour of a pair, the same in every picture: 0, -1, 1, -2, 2, ... in turn."""
+    return COLOURS[(2 * abs(site) - (site < 0)) % len(COLOURS)]
+
+
+def pair_name(site: int) -> str:
+    return f"pair {site}".replace("-", "−")
+
+
+def at_corner(result: Result) -> NDArray[np.bool_]:
+    return np.asarray((result.corner_contact & (result.site_force_N > 0)).any(axis=1))

@@ -1,0 +1,18 @@
+"""What was found: frozen results, their tables and their files."""
+
+from flankload.result.export import (
+    results_to_csv,
+    results_to_json,
+    write_atomically,
+)
+from flankload.result.result import PairDrawing, PairTable, Result, make_result
+
+__all__ = [
+    "PairDrawing",
+    "PairTable",
+    "Result",
+    "make_result",
+    "results_to_csv",
+    "results_to_json",
+    "write_atomically",
+]

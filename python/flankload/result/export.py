@@ -1,0 +1,212 @@
+"""Results as files: strict JSON, CSV, labelled arrays. A file appears whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flankload.result.result import Result
+
+#: Arrays over the positions, with their units.
+ALONG_POSITIONS = {
+    "position_rad": "rad",
+    "rotation_rad": "rad",
+    "transmission_error_um": "um",
+    "stiffness_secant_Nm_per_rad": "N m/rad",
+    "stiffness_tangent_Nm_per_rad": "N m/rad",
+    "stiffness_secant_N_per_um": "N/um",
+    "stiffness_tangent_N_per_um": "N/um",
+    "status": "1",
+}
+
+#: Arrays over positions and sites, with their units.
+OVER_SITES = {
+    "load_share": "1",
+    "site_force_N": "N",
+    "peak_pressure_MPa": "MPa",
+    "corner_contact": "1",
+}
+
+SINGLE_NUMBERS = {
+    "torque_Nm": "N m",
+    "reference_radius_mm": "mm",
+    "face_width_mm": "mm",
+    "period_rad": "rad",
+}
+
+
+def write_atomically(path: str | Path, content: str | bytes) -> None:
+    """Write a file so that it is there whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+    content : str or bytes
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; what stood there before stays.
+    """
+    path = Path(path)
+    # Beside the target, so that the last step is a rename within one file system.
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    try:
+        part.write_bytes(data)
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def results_to_json(results: Result | Sequence[Result], path: str | Path | None = None) -> str:
+    """One result, or one per torque, as strict JSON.
+
+    Parameters
+    ----------
+    results : Result or sequence of Result
+        A sequence gives {"torques_Nm": [...], "results": [...]}.
+    path : path, optional
+        Where to write it.
+
+    Returns
+    -------
+    str
+    """
+    if isinstance(results, Sequence):
+        tree: Any = {
+            "torques_Nm": [result.torque_Nm for result in results],
+            "results": [_tree(result) for result in results],
+        }
+    else:
+        tree = _tree(results)
+    text = json.dumps(_plain(tree), allow_nan=False, ensure_ascii=False) + "\n"
+    if path is not None:
+        write_atomically(path, text)
+    return text
+
+
+def _tree(result: Result) -> dict[str, Any]:
+    keys = ["name", *SINGLE_NUMBERS, "closed", "sites", *ALONG_POSITIONS, *OVER_SITES]
+    keys += ["summary", "estimate", "cost", "warnings"]
+    tree = {key: getattr(result, key) for key in keys}
+    tree["pairs"] = [table.columns() for table in result.pair_tables]
+    return tree
+
+
+def _plain(value: Any) -> Any:
+    """Plain lists, numbers and None: what JSON can say."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if value is None or isinstance(value, str | int):
+        return value
+    raise TypeError(f"a result holds {type(value).__name__}, which JSON cannot say")
+
+
+def results_to_csv(results: Result | Sequence[Result], path: str | Path | None = None) -> str:
+    """One result, or one per torque, as CSV: a row per position (and torque).
+
+    Parameters
+    ----------
+    results : Result or sequence of Result
+    path : path, optional
+        Where to write it.
+
+    Returns
+    -------
+    str
+        Column names carry units, and the pair number where there is one column per pair; an empty
+        cell is not a number.
+    """
+    several = results if isinstance(results, Sequence) else (results,)
+    sites = sorted({int(site) for result in several for site in result.sites})
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(
+        ["torque_Nm", *ALONG_POSITIONS, *(f"{key}_pair_{j}" for j in sites for key in OVER_SITES)]
+    )
+    for result in several:
+        column = {int(site): s for s, site in enumerate(result.sites)}
+        for p in range(result.position_rad.size):
+            row = [result.torque_Nm, *(getattr(result, key)[p] for key in ALONG_POSITIONS)]
+            for j in sites:
+                # A pair that no position of this torque loads carries nothing.
+                row += [
+                    getattr(result, key)[p, column[j]] if j in column else 0 for key in OVER_SITES
+                ]
+            writer.writerow([_cell(value) for value in row])
+    text = out.getvalue()
+    if path is not None:
+        write_atomically(path, text)
+    return text
+
+
+def _cell(value: Any) -> str:
+    plain = value.item() if isinstance(value, np.generic) else value
+    if isinstance(plain, bool):
+        return str(int(plain))
+    return "" if isinstance(plain, float) and not isfinite(plain) else repr(plain)
+
+
+def to_xarray(result: Result) -> Any:
+    """One result as a labelled dataset.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions `position` (coordinate: angle of body 1, rad) and `site` (pair number); units in
+        the attributes of each variable.
+
+    Raises
+    ------
+    ImportError
+        If xarray is not installed.
+    """
+    try:
+        import xarray
+    except ImportError:
+        raise ImportError(
+            "to_xarray needs the package xarray: pip install 'flankload[xarray]'"
+        ) from None
+
+    def variable(dimensions: tuple[str, ...], key: str, unit: str) -> tuple[Any, ...]:
+        return dimensions, getattr(result, key), {"units": unit}
+
+    along = {
+        key: variable(("position",), key, unit)
+        for key, unit in ALONG_POSITIONS.items()
+        if key != "position_rad"
+    }
+    over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
+    return xarray.Dataset(
+        {**along, **over},
+        coords={
+            "position": variable(("position",), "position_rad", "rad"),
+            "site": ("site", result.sites, {"long_name": "pair number"}),
+        },
+        attrs={
+            "name": result.name,
+            **{key: getattr(result, key) for key in SINGLE_NUMBERS},
+            "warnings": list(result.warnings),
+        },
+    )

@@ -1,0 +1,323 @@
+"""The result of one torque at all positions, and what follows from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.table import text_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Floats = NDArray[np.float64]
+
+#: Harmonics of the transmission error that the summary names.
+N_HARMONICS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class PairTable:
+    """Contact pairs of one position; n pairs, in the order of the core.
+
+    Attributes
+    ----------
+    site : (n,) array
+        Number of the flank pair.
+    radius_mm : (n,) array
+        Distance from the axis of body 1.
+    arc_length_1_mm, arc_length_2_mm : (n,) arrays
+        Places on both flank curves.
+    x_mm, y_mm : (n,) arrays
+        Place on flank 1 before it yields, world frame (axis of body 1 at the origin, axis of body 2
+        on the positive x axis).
+    normal_x, normal_y : (n,) arrays
+        Unit normal out of body 1, world frame.
+    force_N, pressure_MPa : (n,) arrays
+        Normal force on the pair's cell over the face width, and its mean pressure.
+    gap_um : (n,) array
+        Final gap along the normal.
+    cell_mm : (n,) array
+        Length of the pair's cell on the flank.
+    """
+
+    site: NDArray[np.int64]
+    radius_mm: Floats
+    arc_length_1_mm: Floats
+    arc_length_2_mm: Floats
+    x_mm: Floats
+    y_mm: Floats
+    normal_x: Floats
+    normal_y: Floats
+    force_N: Floats
+    pressure_MPa: Floats
+    gap_um: Floats
+    cell_mm: Floats
+
+    def __len__(self) -> int:
+        return len(self.site)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Columns by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True, eq=False)
+class PairDrawing:
+    """What a picture of the loaded pair needs beside the pair tables.
+
+    Attributes
+    ----------
+    outline_1, outline_2 : (k, 2) arrays
+        Outer contour of one sector in the body's frame, from cut to cut, mm.
+    teeth_1, teeth_2 : int
+    center_distance_mm : float
+    angle_1, angle_2 : (P,) arrays
+        Turn of both body frames at each position, rad.
+    bore_radius_1_mm, bore_radius_2_mm : float or None
+    """
+
+    outline_1: Floats
+    outline_2: Floats
+    teeth_1: int
+    teeth_2: int
+    center_distance_mm: float
+    angle_1: Floats
+    angle_2: Floats
+    bore_radius_1_mm: float | None = None
+    bore_radius_2_mm: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Load distribution at P positions on S sites (flank pairs), for one torque.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    torque_Nm : float
+        Torque on body 1.
+    sites : (S,) array
+        Pair numbers: pair 0 is at the pitch point at position 0, greater numbers lie further into
+        recess.
+    position_rad, rotation_rad : (P,) arrays
+        Angle of body 1 from position zero, and how much further it has turned under load.
+    reference_radius_mm, face_width_mm, period_rad : float
+        Radius that turns rotation into transmission error; width; one tooth pitch of body 1.
+    closed : bool
+        Whether the positions divide one period evenly.
+    site_force_N, peak_pressure_MPa : (P, S) arrays
+        Force and largest pressure of each flank pair; 0 where open.
+    stiffness_tangent_Nm_per_rad : (P,) array
+    status : (P,) array
+        0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
+    pair_tables : tuple of PairTable, one per position
+    corner_contact : (P, S) array of bool
+        The pair works on a sharp corner, where the peak pressure means nothing.
+    estimate : dict or None
+        Estimated relative errors.
+    cost : dict
+        Seconds by stage and counters.
+    warnings : tuple of str
+    drawing : PairDrawing
+    """
+
+    name: str
+    torque_Nm: float
+    sites: NDArray[np.int64]
+    position_rad: Floats
+    rotation_rad: Floats
+    reference_radius_mm: float
+    face_width_mm: float
+    period_rad: float
+    closed: bool
+    site_force_N: Floats
+    peak_pressure_MPa: Floats
+    stiffness_tangent_Nm_per_rad: Floats
+    status: NDArray[np.int64]
+    pair_tables: tuple[PairTable, ...]
+    corner_contact: NDArray[np.bool_]
+    estimate: Mapping[str, Any] | None
+    cost: Mapping[str, Any]
+    warnings: tuple[str, ...]
+    drawing: PairDrawing
+
+    @cached_property
+    def transmission_error_um(self) -> Floats:
+        """(P,) Rotation times reference radius, um; positive where body 1 has turned further."""
+        return _frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
+
+    @cached_property
+    def load_share(self) -> Floats:
+        """(P, S) Force over the sum of forces; 0 where nothing carries."""
+        total = self.site_force_N.sum(axis=1, keepdims=True)
+        share = np.zeros_like(self.site_force_N)
+        np.divide(self.site_force_N, total, out=share, where=total > 0)
+        return _frozen(share)
+
+    @cached_property
+    def stiffness_secant_Nm_per_rad(self) -> Floats:
+        """(P,) Torque over rotation; NaN where one of them is 0."""
+        stiffness = np.full_like(self.rotation_rad, np.nan)
+        turned = (self.rotation_rad != 0) & (self.torque_Nm > 0)
+        np.divide(self.torque_Nm, self.rotation_rad, out=stiffness, where=turned)
+        return _frozen(stiffness)
+
+    @property
+    def stiffness_secant_N_per_um(self) -> Floats:
+        """(P,) Secant stiffness along the line of action (force there over transmission error)."""
+        return self._along_line_of_action(self.stiffness_secant_Nm_per_rad)
+
+    @property
+    def stiffness_tangent_N_per_um(self) -> Floats:
+        """(P,) Tangent stiffness along the line of action."""
+        return self._along_line_of_action(self.stiffness_tangent_Nm_per_rad)
+
+    def _along_line_of_action(self, stiffness_Nm_per_rad: Floats) -> Floats:
+        # N m = 1000 N mm and mm = 1000 um: the factors cancel.
+        return _frozen(stiffness_Nm_per_rad / self.reference_radius_mm**2)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """What a report quotes.
+
+        `transmission_error_mean_um`, `transmission_error_peak_to_peak_um`;
+        `transmission_error_harmonics_um` (amplitudes of the first five) and
+        `contact_ratio_under_load` (mean number of loaded pairs), both None where the positions do
+        not divide one period evenly; `loaded_pairs_min`, `loaded_pairs_max`; `peak_pressure_MPa`
+        with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
+        `peak_pressure_off_corners_MPa`, the largest that means something.
+        """
+        error = self.transmission_error_um
+        loaded = (self.site_force_N > 0).sum(axis=1)
+        p, s = np.unravel_index(np.argmax(self.peak_pressure_MPa), self.peak_pressure_MPa.shape)
+        smooth = np.where(self.corner_contact, 0.0, self.peak_pressure_MPa)
+        carries = bool(loaded.any())
+        return {
+            "transmission_error_mean_um": float(error.mean()),
+            "transmission_error_peak_to_peak_um": float(np.ptp(error)),
+            "transmission_error_harmonics_um": _harmonics(error) if self.closed else None,
+            "contact_ratio_under_load": float(loaded.mean()) if self.closed else None,
+            "loaded_pairs_min": int(loaded.min()),
+            "loaded_pairs_max": int(loaded.max()),
+            "peak_pressure_MPa": float(self.peak_pressure_MPa[p, s]),
+            "peak_pressure_position_rad": float(self.position_rad[p]) if carries else None,
+            "peak_pressure_pair": int(self.sites[s]) if carries else None,
+            "peak_pressure_at_corner": bool(self.corner_contact[p, s]),
+            "peak_pressure_off_corners_MPa": float(smooth.max()),
+        }
+
+    def pairs(self, p: int) -> PairTable:
+        """Contact pairs of position p: radius, force, pressure, gap and where they stand."""
+        return self.pair_tables[p]
+
+    def to_json(self, path: str | Path | None = None) -> str:
+        """Return the result as strict JSON (null for what is not a number); write it to `path`."""
+        return results_to_json(self, path)
+
+    def to_csv(self, path: str | Path | None = None) -> str:
+        """Return the result as CSV, a row per position; write it to `path`."""
+        return results_to_csv(self, path)
+
+    def to_xarray(self) -> Any:
+        """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray]."""
+        return to_xarray(self)
+
+    def table(self) -> str:
+        """Return the result as text: a row per position, then what a report quotes."""
+        return text_of(self)
+
+
+def make_result(
+    *,
+    name: str,
+    torque_Nm: float,
+    sites: NDArray[np.int64] | Sequence[int],
+    position_rad: Floats,
+    rotation_rad: Floats,
+    reference_radius_mm: float,
+    site_force_N: Floats,
+    peak_pressure_MPa: Floats,
+    stiffness_tangent_Nm_per_rad: Floats,
+    status: NDArray[np.int64],
+    pair_tables: tuple[PairTable, ...],
+    corner_contact: NDArray[np.bool_],
+    period_rad: float,
+    closed: bool,
+    face_width_mm: float,
+    estimate: Mapping[str, Any] | None,
+    cost: Mapping[str, Any],
+    warnings: Sequence[str],
+    drawing: PairDrawing,
+) -> Result:
+    """Put a result together; arrays are copied and frozen.
+
+    Parameters
+    ----------
+    name, torque_Nm, …
+        The attributes of `Result`, of P positions and S sites.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ValueError
+        If an array has another shape than (P,), (P, S) or (S,), or P or S is 0.
+    """
+    n_positions, n_sites = np.size(position_rad), np.size(sites)
+    if n_positions == 0 or n_sites == 0:
+        raise ValueError(f"expected positions and sites, found {n_positions} and {n_sites}")
+    along, across = (n_positions,), (n_positions, n_sites)
+
+    def array(key: str, value: Any, shape: tuple[int, ...], dtype: type = float) -> NDArray[Any]:
+        found: NDArray[Any] = np.array(value, dtype=dtype)
+        if found.shape != shape:
+            raise ValueError(f"{key}: expected shape {shape}, found {found.shape}")
+        return _frozen(found)
+
+    if len(pair_tables) != n_positions:
+        raise ValueError(f"pair_tables: expected {n_positions}, found {len(pair_tables)}")
+    return Result(
+        name=name,
+        torque_Nm=float(torque_Nm),
+        sites=array("sites", sites, (n_sites,), int),
+        position_rad=array("position_rad", position_rad, along),
+        rotation_rad=array("rotation_rad", rotation_rad, along),
+        reference_radius_mm=float(reference_radius_mm),
+        face_width_mm=float(face_width_mm),
+        period_rad=float(period_rad),
+        closed=bool(closed),
+        site_force_N=array("site_force_N", site_force_N, across),
+        peak_pressure_MPa=array("peak_pressure_MPa", peak_pressure_MPa, across),
+        stiffness_tangent_Nm_per_rad=array(
+            "stiffness_tangent_Nm_per_rad", stiffness_tangent_Nm_per_rad, along
+        ),
+        status=array("status", status, along, int),
+        pair_tables=tuple(pair_tables),
+        corner_contact=array("corner_contact", corner_contact, across, bool),
+        estimate=estimate,
+        cost=cost,
+        warnings=tuple(warnings),
+        drawing=drawing,
+    )
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _harmonics(values: Floats) -> list[float | None]:
+    """Amplitudes of the first harmonics over one period; None where the positions are too few."""
+    n = len(values)
+    amplitudes = 2.0 / n * np.abs(np.fft.rfft(values))
+    return [float(amplitudes[k]) if 2 * k < n else None for k in range(1, N_HARMONICS + 1)]

@@ -1,0 +1,153 @@
+"""A result as text for the terminal."""
+
+from __future__ import annotations
+
+from math import degrees, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.result.result import Result
+
+#: What stands behind a pressure that a sharp corner carries.
+CORNER_MARK = "*"
+
+
+def text_of(result: Result) -> str:
+    """Return a row per position, then summary, estimate, cost and warnings.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    str
+        Lines without a line break at the end.
+    """
+    lines = [_title(result), "", *_rows(result), "", *_footer(result)]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _title(result: Result) -> str:
+    count = result.position_rad.size
+    where = f"{count} position{'s' * (count != 1)}"
+    if result.closed:
+        where += f" over one pitch of {degrees(result.period_rad):g} deg"
+    return f"{result.name}: {result.torque_Nm:g} N m, {where}"
+
+
+def _rows(result: Result) -> Iterator[str]:
+    head = ("position", "transm. error", "tangent stiffness", "secant stiffness")
+    units = ("deg", "um", "N/um", "N/um")
+    sites = [f"pair {site}" for site in result.sites]
+    widths = [len(text) for text in head]
+    yield "  ".join([*head, *(f"{site:^15}" for site in sites)])
+    yield "  ".join(
+        [
+            *(f"{unit:>{width}}" for unit, width in zip(units, widths, strict=True)),
+            *(f"{'share %':>7} {'MPa':>6} " for _ in sites),
+        ]
+    )
+    numbers = np.column_stack(
+        [
+            np.degrees(result.position_rad),
+            result.transmission_error_um,
+            result.stiffness_tangent_N_per_um,
+            result.stiffness_secant_N_per_um,
+        ]
+    )
+    formats = (".3f", ".3f", ".2f", ".2f")
+    for p, row in enumerate(numbers):
+        cells = [
+            f"{value:>{width}{form}}" if isfinite(value) else f"{'-':>{width}}"
+            for value, width, form in zip(row, widths, formats, strict=True)
+        ]
+        for s in range(result.sites.size):
+            cells.append(_site_cell(result, p, s))
+        yield "  ".join(cells)
+
+
+def _site_cell(result: Result, p: int, s: int) -> str:
+    if result.site_force_N[p, s] <= 0:
+        return f"{'-':>7} {'-':>6} "
+    mark = CORNER_MARK if result.corner_contact[p, s] else " "
+    return f"{100 * result.load_share[p, s]:7.2f} {result.peak_pressure_MPa[p, s]:6.0f}{mark}"
+
+
+def _footer(result: Result) -> Iterator[str]:
+    summary = result.summary
+    harmonics = summary["transmission_error_harmonics_um"]
+    text = (
+        f"mean {summary['transmission_error_mean_um']:.3f} um, "
+        f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
+    )
+    if harmonics is not None:
+        amplitudes = " ".join("-" if a is None else f"{a:.3f}" for a in harmonics)
+        text += f", harmonics 1 to {len(harmonics)}: {amplitudes} um"
+    yield _labelled("transmission error", text)
+    least, most = summary["loaded_pairs_min"], summary["loaded_pairs_max"]
+    text = f"{least}" if least == most else f"{least} to {most}"
+    if summary["contact_ratio_under_load"] is not None:
+        text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f})"
+    yield _labelled("loaded pairs", text)
+    if summary["peak_pressure_pair"] is not None:
+        yield _labelled("largest pressure", _largest_pressure(summary))
+    if result.estimate is not None:
+        yield _labelled("estimated error", _estimate(result.estimate))
+    yield _labelled("cost", _cost(result.cost))
+    bad = np.flatnonzero(result.status != 0)
+    if bad.size:
+        listed = ", ".join(f"{p} (status {result.status[p]})" for p in bad[:8])
+        listed += ", ..." if bad.size > 8 else ""
+        yield _labelled("not quite solved", f"positions {listed}")
+    for warning in result.warnings:
+        yield _labelled("warning", warning)
+
+
+def _labelled(label: str, text: str) -> str:
+    return f"{label:<18}  {text}"
+
+
+def _largest_pressure(summary: dict[str, Any]) -> str:
+    text = (
+        f"{summary['peak_pressure_MPa']:.0f} MPa on pair {summary['peak_pressure_pair']} at "
+        f"{degrees(summary['peak_pressure_position_rad']):.3f} deg"
+    )
+    if summary["peak_pressure_at_corner"]:
+        text += (
+            f" {CORNER_MARK} on a sharp corner, where it means nothing; elsewhere at most "
+            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa"
+        )
+    return text
+
+
+def _estimate(estimate: Any) -> str:
+    return ", ".join(
+        f"{quantity.replace('_', ' ')} {100 * error:.2g} %"
+        for quantity, error in estimate.items()
+        if isinstance(error, int | float)
+    )
+
+
+def _cost(cost: Any) -> str:
+    stages = cost.get("stages", {})
+    seconds = {
+        name: account["wall_s"] if isinstance(account, dict) else account
+        for name, account in stages.items()
+    }
+    parts = [f"{name} {value:.3g} s" for name, value in seconds.items()]
+    counters = [
+        f"{cost[key]} {words}"
+        for key, words in (
+            ("fe_factorisations", "FE factorisations"),
+            ("unit_loads_normal", "unit loads"),
+            ("pivots", "pivots"),
+        )
+        if key in cost
+    ]
+    total = f"{sum(seconds.values()):.3g} s ({', '.join(parts)})" if parts else ""
+    return "; ".join(part for part in (total, ", ".join(counters)) if part)

@@ -1,0 +1,257 @@
+"""What is asked: a scene, from a TOML file or a dictionary, checked once and frozen.
+
+Here stands the form of the input (types, keys, ranges, combinations of keys). Whether the geometry
+is possible is for the bodies and the pairing to say.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flankload.errors import SceneError
+from flankload.scene.form import json_schema, read_table, shown
+from flankload.scene.tables import (
+    Accuracy,
+    EffectsAsked,
+    Gear,
+    Geometry,
+    Load,
+    MeshBody,
+    Pair,
+    Positions,
+    Profile,
+    SceneFile,
+)
+
+__all__ = ["Gear", "MeshBody", "Profile", "Scene", "read_scene", "scene_schema"]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Two bodies, how they stand, what they carry and what is wanted.
+
+    Attributes
+    ----------
+    name : str
+    body_1, body_2 : Gear or MeshBody
+        Body 1 is free to turn and carries the torque.
+    pair : Pair
+        Centre distance and face width, mm.
+    load : Load
+        Torque on body 1, N m: a number, or a tuple (one result per torque).
+    positions : Positions
+    effects : EffectsAsked
+    accuracy : Accuracy
+    file : Path or None
+        The scene's file.
+    """
+
+    name: str
+    body_1: Gear | MeshBody
+    body_2: Gear | MeshBody
+    pair: Pair
+    load: Load
+    positions: Positions
+    effects: EffectsAsked
+    accuracy: Accuracy
+    file: Path | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder that mesh files are relative to."""
+        return self.file.parent if self.file is not None else Path()
+
+    @property
+    def has_torque_list(self) -> bool:
+        """Whether the scene has a list of torques, so that there is a result for each."""
+        return isinstance(self.load.torque_Nm, tuple)
+
+    @classmethod
+    def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:
+        """Make a scene from a dictionary with the keys of a scene file.
+
+        Parameters
+        ----------
+        d : mapping
+            Tables as mappings; every number in the unit its key names.
+        file : path, optional
+            Where the scene comes from: for messages and relative mesh paths.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        SceneError
+            At the first key that is unknown, missing, of a wrong type, out of range, or that
+            contradicts another one; names file, key, expected and found.
+        """
+        path = Path(file) if file is not None else None
+        try:
+            asked = read_table(SceneFile, d, "")
+            for key, body in (("body_1", d["body_1"]), ("body_2", d["body_2"])):
+                _check_body(getattr(asked, key), body, key)
+            _check_whole(asked, d)
+        except SceneError as error:
+            raise (error if path is None else error.with_file(path)) from None
+        return cls(
+            name=asked.name or (path.stem if path is not None else "scene"),
+            body_1=asked.body_1,
+            body_2=asked.body_2,
+            pair=asked.pair,
+            load=asked.load,
+            positions=asked.positions,
+            effects=asked.effects,
+            accuracy=asked.accuracy,
+            file=path,
+        )
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path : path
+        TOML file; mesh files in it are relative to its folder.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, is no TOML, or asks for something impossible.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_bytes().decode("utf-8"))
+    except OSError as error:
+        raise SceneError(
+            file=path, key="file", expected="a scene file to read", found=_reason(error)
+        ) from None
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            file=path,
+            key="file",
+            expected="text in UTF-8",
+            found=f"byte {error.start} that is none",
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(
+            file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
+        ) from None
+    return Scene.from_dict(tables, file=path)
+
+
+def scene_schema() -> dict[str, Any]:
+    """JSON schema of a scene file, with unit and meaning of each key.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12; the keyword `unit` stands beside each number.
+    """
+    return {**json_schema(SceneFile), "title": "flankload scene"}
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or type(error).__name__).lower()
+
+
+def _syntax_error(message: str) -> str:
+    """What tomllib says, with the place in front: "line 3, column 7: unclosed string"."""
+    text, _, place = message.partition(" (at ")
+    return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()
+
+
+def _refuse(key: str, expected: str, found: object) -> None:
+    raise SceneError(
+        key=key, expected=expected, found=found if isinstance(found, str) else shown(found)
+    )
+
+
+def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> None:
+    if body.pitch_errors_um and len(body.pitch_errors_um) != body.teeth:
+        _refuse(
+            f"{key}.pitch_errors_um",
+            f"one entry per tooth: {body.teeth}, as in {key}.teeth",
+            f"{len(body.pitch_errors_um)} entries",
+        )
+    if isinstance(body, Gear):
+        _check_geometry(body, given, key)
+        if body.bore_diameter_mm >= body.tip_diameter_mm:
+            _refuse(
+                f"{key}.bore_diameter_mm",
+                f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
+                body.bore_diameter_mm,
+            )
+        return
+    if body.cut_sets[0] == body.cut_sets[1]:
+        _refuse(f"{key}.cut_sets", "two different names", list(body.cut_sets))
+    if body.profile is None:
+        if body.reference_radius_mm is None:
+            _refuse(
+                f"{key}.reference_radius_mm",
+                f"a number > 0, since there is no {key}.profile to take it from",
+                "nothing",
+            )
+        return
+    _check_geometry(body.profile, given["profile"], f"{key}.profile")
+    if body.profile.teeth not in (None, body.teeth):
+        _refuse(
+            f"{key}.profile.teeth",
+            f"{body.teeth} as in {key}.teeth, or nothing",
+            body.profile.teeth,
+        )
+
+
+def _check_geometry(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+    if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
+        _refuse(
+            f"{key}.tip_radius_mm",
+            f"nothing beside {key}.tip_chamfer_mm: a tip has one or the other",
+            f"{body.tip_radius_mm:g} and {body.tip_chamfer_mm:g}",
+        )
+    start = body.tip_relief_start_diameter_mm
+    if body.tip_relief_um is None:
+        for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
+            if name in given:
+                _refuse(
+                    f"{key}.tip_relief_um",
+                    f"a number >= 0, since there is a {key}.{name}",
+                    "nothing",
+                )
+    elif start is None:
+        _refuse(
+            f"{key}.tip_relief_start_diameter_mm",
+            f"a number > 0, since there is a {key}.tip_relief_um",
+            "nothing",
+        )
+    elif start >= body.tip_diameter_mm:
+        _refuse(
+            f"{key}.tip_relief_start_diameter_mm",
+            f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
+            start,
+        )
+
+
+def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    if asked.positions.angles_deg is not None and "count" in given["positions"]:
+        _refuse(
+            "positions.angles_deg",
+            "nothing beside positions.count: one of the two",
+            asked.positions.angles_deg,
+        )
+    if asked.body_1.rigid and asked.body_2.rigid:
+        _refuse(
+            "body_2.rigid",
+            "false, since body_1.rigid is true and one of the two must yield",
+            True,
+        )

@@ -1,0 +1,215 @@
+"""The tables of a scene file: every key with its type, range, unit and meaning, once.
+
+The reader (`form`) and the JSON schema are both made from what stands here.
+"""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+Positive = Annotated[float, Meta(gt=0)]
+NotNegative = Annotated[float, Meta(ge=0)]
+Text = Annotated[str, Meta(min_length=1)]
+Angles = Annotated[tuple[float, ...], Meta(min_length=1)]
+Torques = Annotated[tuple[NotNegative, ...], Meta(min_length=1)]
+Strips = Annotated[float, Meta(ge=2, le=200)]
+
+
+def about(unit: str, meaning: str) -> Meta:
+    """Meaning and unit of a key ("-" for a pure number, "" for words)."""
+    return Meta(description=meaning, extra_json_schema={"unit": unit} if unit else None)
+
+
+class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What all tables have in common."""
+
+
+class Geometry(Table, frozen=True, kw_only=True):
+    """Keys of an involute profile, transverse section."""
+
+    module_mm: Annotated[Positive, about("mm", "module")]
+    pressure_angle_deg: Annotated[
+        Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
+    ] = 20.0
+    profile_shift: Annotated[
+        Annotated[float, Meta(ge=-5, le=5)], about("-", "profile shift in modules")
+    ] = 0.0
+    tip_diameter_mm: Annotated[Positive, about("mm", "diameter of the tip circle")]
+    dedendum_factor: Annotated[
+        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
+    ] = 1.25
+    fillet_radius_factor: Annotated[
+        Annotated[float, Meta(ge=0, le=2)],
+        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
+    ] = 0.38
+    tip_relief_um: Annotated[
+        NotNegative | None, about("um", "tip relief at the tip circle, normal to the involute")
+    ] = None
+    tip_relief_start_diameter_mm: Annotated[
+        Positive | None, about("mm", "diameter at which the tip relief begins")
+    ] = None
+    tip_relief_shape: Annotated[
+        Literal["linear", "parabolic"], about("", "shape of the tip relief over the roll angle")
+    ] = "linear"
+    tip_radius_mm: Annotated[
+        Positive | None, about("mm", "radius of the arc between flank and tip circle")
+    ] = None
+    tip_chamfer_mm: Annotated[
+        Positive | None, about("mm", "radial height of the chamfer between flank and tip circle")
+    ] = None
+    profile_crowning_um: Annotated[
+        NotNegative | None, about("um", "profile crowning, normal to the involute")
+    ] = None
+
+
+# Keys that both kinds of body have.
+Teeth = Annotated[int, Meta(ge=3)]
+YoungModulus = Annotated[Positive, about("MPa", "Young's modulus")]
+PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
+Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
+PitchErrors = Annotated[
+    tuple[float, ...],
+    about(
+        "um",
+        "one deviation per tooth along the base tangent, positive = metal that touches early; in "
+        "the order in which the teeth come into contact, from the tooth of pair 0",
+    ),
+]
+
+
+class Gear(Geometry, frozen=True, kw_only=True, tag_field="kind", tag="gear"):
+    """An external spur gear with a generated root fillet, held at its bore."""
+
+    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    bore_diameter_mm: Annotated[Positive, about("mm", "diameter of the bore, which is fixed")]
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+    rigid: Rigid = False
+    pitch_errors_um: PitchErrors = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "gear"
+
+
+class Profile(Geometry, frozen=True, kw_only=True):
+    """The exact profile of a body that comes as a mesh: the geometry keys of a gear."""
+
+    kind: Annotated[Literal["gear"], about("", "kind of the profile")] = "gear"
+    teeth: Annotated[
+        Teeth | None,
+        about("-", "number of teeth; absent = that of the mesh, else equal to it"),
+    ] = None
+
+
+class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
+    """One sector of a body as a mesh file."""
+
+    file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
+    teeth: Annotated[Teeth, about("-", "number of equal sectors of the body")]
+    flank_set: Annotated[Text, about("", "set of the working flank's edges or nodes")] = "FLANK"
+    fixed_set: Annotated[Text, about("", "set that is held (the bore)")] = "BORE"
+    cut_sets: Annotated[tuple[Text, Text], about("", "sets of the sector's two cut faces")] = (
+        "CUT_LEFT",
+        "CUT_RIGHT",
+    )
+    reference_radius_mm: Annotated[
+        Positive | None,
+        about(
+            "mm",
+            "radius that turns rotation into transmission error; needed without profile, else the "
+            "base radius",
+        ),
+    ] = None
+    profile: Annotated[
+        Profile | None,
+        about("", "the exact profile, where it is known; else the curve goes through the nodes"),
+    ] = None
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+    rigid: Rigid = False
+    pitch_errors_um: PitchErrors = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "mesh"
+
+
+class Pair(Table, frozen=True, kw_only=True):
+    """How the bodies stand to each other."""
+
+    center_distance_mm: Annotated[Positive, about("mm", "distance of the two axes")]
+    face_width_mm: Annotated[Positive, about("mm", "width over which the flanks touch")]
+
+
+class Load(Table, frozen=True, kw_only=True):
+    """What body 1 carries."""
+
+    torque_Nm: Annotated[
+        NotNegative | Torques,
+        about(
+            "N m", "torque on body 1, or a list: one result per torque; 0 is the unloaded motion"
+        ),
+    ]
+
+
+class Positions(Table, frozen=True, kw_only=True):
+    """Where the pair is looked at."""
+
+    count: Annotated[
+        Annotated[int, Meta(ge=1, le=100000)],
+        about("-", "positions, equally spaced over one period (a tooth pitch of body 1)"),
+    ] = 32
+    angles_deg: Annotated[
+        Angles | None, about("deg", "angles of body 1 from position zero, instead of count")
+    ] = None
+    driver: Annotated[
+        Literal["body_1", "body_2"], about("", "the driving body; decides the sliding direction")
+    ] = "body_1"
+
+
+class EffectsAsked(Table, frozen=True, kw_only=True):
+    """Effects beyond elastic bodies and their given geometry; this version knows none."""
+
+
+class Accuracy(Table, frozen=True, kw_only=True):
+    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
+
+    tolerance: Annotated[
+        Annotated[float, Meta(ge=1e-4, le=0.1)], about("-", "wanted relative error")
+    ] = 0.01
+    plane: Annotated[
+        Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
+    ] = "strain"
+    estimate: Annotated[bool, about("", "false skips the error estimate")] = True
+    flank_element_mm: Annotated[
+        Positive | None, about("mm", "length of the finite elements along the flank")
+    ] = None
+    modes: Annotated[
+        Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
+    ] = None
+    strips_per_half_width: Annotated[
+        Strips | None, about("-", "contact strips per Hertz half-width")
+    ] = None
+    corner_strips_per_half_width: Annotated[
+        Strips | None, about("-", "the same where a sharp tip corner carries")
+    ] = None
+    zone_half_widths: Annotated[
+        Annotated[float, Meta(gt=1, le=20)] | None,
+        about("-", "half-width of the strips' zone in Hertz half-widths"),
+    ] = None
+
+
+class SceneFile(Table, frozen=True, kw_only=True):
+    """A whole scene file."""
+
+    name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
+    body_1: Annotated[Gear | MeshBody, about("", "free to turn, carries the torque")]
+    body_2: Annotated[Gear | MeshBody, about("", "stands at its kinematic angle")]
+    pair: Pair
+    load: Load
+    positions: Positions = Positions()
+    effects: EffectsAsked = EffectsAsked()
+    accuracy: Accuracy = Accuracy()

@@ -1,0 +1,1 @@
+"""Benchmarks: reported by `./dev bench`, asserted nowhere."""

@@ -1,0 +1,103 @@
+"""Line contact of two cylinders through the whole core against Hertz's closed form."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flankload.flank_curve import CurvePiece, fit_flank_curve
+from flankload.pairing import Pairing
+from flankload.sweep import Grid, sweep
+
+CASE = json.loads(
+    (Path(__file__).parents[1] / "reference_solutions" / "closed_form.json").read_text()
+)["hertz_cylinders"]
+RADIUS_1, RADIUS_2 = CASE["R1_mm"], CASE["R2_mm"]
+LEVER, DISTANCE = 36.0, 90.0
+
+
+def arc(centre: tuple[float, float], radius: float, start: float, end: float):
+    """A circular flank; the material lies on the right of growing arc length."""
+
+    def place(u):
+        direction = np.stack([np.cos(u), np.sin(u)], axis=-1)
+        normal = np.stack([-np.sin(u), np.cos(u)], axis=-1)
+        return np.asarray(centre) + radius * direction, radius * normal, -radius * direction
+
+    return fit_flank_curve([CurvePiece("flank", place, start, end, False)])
+
+
+def contact(force_N_per_mm: float, grid: Grid):
+    """Two half-plane cylinders pressed together at (LEVER, 0) along y."""
+    # body 1 pushes up (+y) at (LEVER, 0); its centre is below. Clockwise on the top: t towards +x.
+    one = arc((LEVER, -RADIUS_1), RADIUS_1, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
+    # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
+    two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
+    kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
+    body = [SimpleNamespace(curve=c, rigid=False, teeth=1) for c in (one, two)]
+    half_plane = SimpleNamespace(
+        smooth=np.zeros((1, 1, 1)), mode_range_mm=(0.0, 1.0), kernel=kernel
+    )
+    none = np.zeros(1)
+    pairing = Pairing(
+        center_distance_mm=DISTANCE,
+        turns_at_zero_rad=(0.0, 0.0),
+        ratio=1.0,
+        period_rad=1.0,
+        sites=np.zeros(1, int),
+        site_teeth=(np.zeros(1, int), np.zeros(1, int)),
+        site_angles_rad=(none, none),
+        site_deviations_mm=(none, none),
+        mesh=None,
+        warnings=(),
+    )
+    return sweep(
+        (body[0], body[1]),
+        (half_plane, half_plane),
+        pairing,
+        position_rad=np.zeros(1),
+        torque_Nmm=force_N_per_mm * LEVER,
+        face_width_mm=1.0,
+        grid=grid,
+    )
+
+
+def half_width(state) -> float:
+    """Where the parabola through the squared pressures ends: half-width to better than a cell."""
+    table = state.pair_table[0, : state.n_pairs[0]]
+    x, squared = table[:, 3] - LEVER, (table[:, 7] / table[:, 8]) ** 2
+    inside = np.abs(x) < 0.8 * np.abs(x[squared > 0]).max()
+    curvature, slope, top = np.polyfit(x[inside], squared[inside], 2)
+    return float(np.sqrt(slope**2 - 4 * curvature * top) / (2 * abs(curvature)))
+
+
+@pytest.mark.parametrize("load", [0.1, 1.0])
+def test_pressure_and_half_width_are_those_of_hertz(load: float) -> None:
+    state = contact(load * CASE["line_load_N_per_mm"], Grid())
+    scale = np.sqrt(load)
+    assert state.site_peak_N_per_mm[0, 0] == pytest.approx(
+        scale * CASE["peak_pressure_MPa"], rel=5e-3
+    )
+    assert half_width(state) == pytest.approx(scale * CASE["half_width_mm"], rel=5e-3)
+    assert state.site_force_N[0, 0] == pytest.approx(load * CASE["line_load_N_per_mm"], rel=1e-4)
+
+
+def test_pressure_converges_with_the_cells() -> None:
+    """Error against Hertz below C (d/b)^1.5 with C = 0.05 over a factor of eight in the cell width."""
+    for strips in (4, 8, 16, 32):
+        state = contact(CASE["line_load_N_per_mm"], Grid(strips_per_half_width=strips))
+        error = abs(state.site_peak_N_per_mm[0, 0] / CASE["peak_pressure_MPa"] - 1)
+        assert error < 0.05 * strips**-1.5
+
+
+def test_contact_at_rest_has_no_force_outside() -> None:
+    state = contact(CASE["line_load_N_per_mm"], Grid())
+    table = state.pair_table[0, : state.n_pairs[0]]
+    outside = np.abs(table[:, 3] - LEVER) > 1.05 * CASE["half_width_mm"]
+    assert outside.any()
+    assert not table[outside, 7].any()
+    assert (table[outside, 9] > 0).all()

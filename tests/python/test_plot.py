@@ -1,0 +1,198 @@
+"""Pictures: that they are made, all or none, and that they show what the result says."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_up_result import made_up_result
+from matplotlib.axes import Axes
+
+from flankload import plot
+from flankload.plot import (
+    plot_all,
+    plot_load_sharing,
+    plot_loaded_pair,
+    plot_peak_pressure,
+    plot_transmission_error,
+)
+from flankload.result import Result
+
+NAMES = ["load_sharing.png", "loaded_pair.png", "peak_pressure.png", "transmission_error.png"]
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return made_up_result()
+
+
+def curve(axes: Axes, label: str) -> tuple[np.ndarray, np.ndarray]:
+    (line,) = (line for line in axes.lines if line.get_label() == label)
+    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+
+
+def words(axes: Axes) -> str:
+    titles = [axes.get_title(loc=loc) for loc in ("left", "center", "right")]
+    return " | ".join([*(text.get_text() for text in axes.texts), *titles])
+
+
+def test_plot_all_writes_four_pictures_into_a_new_folder(result: Result, tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "out"
+    paths = plot_all(result, folder)
+    assert sorted(path.name for path in paths) == NAMES
+    assert sorted(os.listdir(folder)) == NAMES
+    for path in paths:
+        assert path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_plot_all_writes_none_when_one_fails(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: Result) -> None:
+        raise RuntimeError("no picture")
+
+    monkeypatch.setattr(plot, "plot_loaded_pair", refuse)
+    with pytest.raises(RuntimeError, match="no picture"):
+        plot_all(result, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_pictures_need_no_pyplot(result: Result) -> None:
+    import sys
+
+    plot_transmission_error(result)
+    assert "matplotlib.pyplot" not in sys.modules
+
+
+def test_transmission_error_is_closed_over_the_pitch(result: Result) -> None:
+    axes = plot_transmission_error(result).axes[0]
+    line = axes.lines[0]
+    x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    assert x[-1] == pytest.approx(22.5)
+    assert y[-1] == y[0]
+    np.testing.assert_array_equal(y[:-1], result.transmission_error_um)
+    assert axes.get_ylabel() == "transmission error in µm"
+    assert "one pitch = 22.5°" in axes.get_xlabel()
+
+
+def test_transmission_error_notes_mean_and_peak_to_peak(result: Result) -> None:
+    axes = plot_transmission_error(result).axes[0]
+    summary = result.summary
+    text = words(axes)
+    assert f"mean {summary['transmission_error_mean_um']:.2f} µm" in text
+    assert f"peak to peak {summary['transmission_error_peak_to_peak_um']:.2f} µm" in text
+    assert "made-up pair, 302 N m" in text
+
+
+def test_transmission_error_marks_the_corner_positions(result: Result) -> None:
+    axes = plot_transmission_error(result).axes[0]
+    _, y = curve(axes, "a pair carries on a sharp corner")
+    corner = result.corner_contact.any(axis=1)
+    np.testing.assert_array_equal(np.isfinite(y[:-1]), corner)
+
+
+def test_no_corner_no_mark() -> None:
+    smooth = made_up_result(corner_contact=np.zeros((32, 3), dtype=bool))
+    labels = [line.get_label() for line in plot_transmission_error(smooth).axes[0].lines]
+    assert "a pair carries on a sharp corner" not in labels
+
+
+def test_load_sharing_hands_over_to_the_next_pair_at_the_end_of_the_pitch(result: Result) -> None:
+    axes = plot_load_sharing(result).axes[0]
+    _, follower = curve(axes, "pair −1")
+    _, leader = curve(axes, "pair 0")
+    # pair -1 ends where pair 0 began
+    assert follower[-1] == pytest.approx(leader[0])
+    assert leader[0] == pytest.approx(100.0)
+    assert axes.get_ylabel() == "load share in %"
+
+
+def test_load_sharing_has_forces_on_the_second_axis(result: Result) -> None:
+    figure = plot_load_sharing(result)
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    (second,) = axes.child_axes
+    total = result.site_force_N.sum(axis=1).mean() / 1000
+    assert second.get_ylabel() == f"force in kN (all pairs: {total:.2f} kN)"
+    assert second.get_ylim()[1] == pytest.approx(axes.get_ylim()[1] / 100 * total)
+
+
+def test_peak_pressure_is_dashed_on_corners_and_full_elsewhere(result: Result) -> None:
+    axes = plot_peak_pressure(result).axes[0]
+    s = int(np.flatnonzero(result.sites == -1)[0])
+    _, full = curve(axes, "pair −1")
+    corner = result.corner_contact[:, s]
+    assert corner.any()
+    assert np.isnan(full[:-1][corner]).all()
+    dashed = [line for line in axes.lines if line.get_linestyle() == "--"]
+    shown = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in dashed])
+    for value in result.peak_pressure_MPa[corner, s]:
+        assert value in shown
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "dashed: on a sharp corner, not meaningful" in labels
+
+
+def test_pairs_have_the_same_colour_in_every_picture(result: Result) -> None:
+    def colours(axes: Axes) -> dict[str, str]:
+        return {
+            line.get_label(): line.get_color()
+            for line in axes.lines
+            if line.get_label().startswith("pair")
+        }
+
+    one = colours(plot_load_sharing(result).axes[0])
+    assert one == colours(plot_peak_pressure(result).axes[0])
+    assert len(set(one.values())) == len(one) == 2
+
+
+def test_loaded_pair_names_forces_and_pressures(result: Result) -> None:
+    figure = plot_loaded_pair(result, 16)
+    overview, *panels = figure.axes
+    loaded = np.flatnonzero(result.site_force_N[16] > 0)
+    assert len(panels) == len(loaded) == 2
+    for s in loaded:
+        name = f"pair {result.sites[s]}".replace("-", "−")
+        force = f"{result.site_force_N[16, s] / 1000:.2f} kN"
+        assert f"{name}\n{force}" in words(overview)
+        pressure = f"{result.peak_pressure_MPa[16, s]:.0f} MPa"
+        assert any(f"{name}: {force}, {pressure}" in words(panel) for panel in panels)
+
+
+def test_loaded_pair_shows_the_contacts_inside_the_picture(result: Result) -> None:
+    axes = plot_loaded_pair(result, 16).axes[0]
+    table = result.pairs(16)
+    low, high = axes.get_xlim()
+    assert (low < table.x_mm).all()
+    assert (table.x_mm < high).all()
+    low, high = axes.get_ylim()
+    assert (low < table.y_mm).all()
+    assert (table.y_mm < high).all()
+    assert axes.get_aspect() == 1.0
+
+
+def test_loaded_pair_chooses_a_position_with_both_pairs_off_the_corners(result: Result) -> None:
+    figure = plot_loaded_pair(result)
+    assert len(figure.axes) == 3
+    assert "sharp corner" not in " ".join(words(axes) for axes in figure.axes)
+
+
+def test_loaded_pair_says_when_a_pressure_means_nothing(result: Result) -> None:
+    p = int(np.flatnonzero(result.corner_contact.any(axis=1))[0])
+    assert any("on a sharp corner" in words(axes) for axes in plot_loaded_pair(result, p).axes[1:])
+
+
+def test_angles_in_any_order_make_an_ascending_open_curve() -> None:
+    result = made_up_result(count=3, closed=False, position_rad=np.array([0.2, 0.0, 0.1]))
+    line = plot_transmission_error(result).axes[0].lines[0]
+    x = np.asarray(line.get_xdata())
+    np.testing.assert_allclose(x, np.degrees([0.0, 0.1, 0.2]), rtol=1e-12)
+    assert np.asarray(line.get_ydata())[0] == result.transmission_error_um[1]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
+    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 4
+
+
+def test_unloaded_pair_can_be_drawn(tmp_path: Path) -> None:
+    assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 4

@@ -1,0 +1,320 @@
+"""Scenes: what is understood, and the one line that each mistake gets."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flankload.effects import effects_of
+from flankload.errors import SceneError
+from flankload.scene import Scene, read_scene, scene_schema
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
+
+GEAR = {"kind": "gear", "teeth": 16, "module_mm": 4.5, "tip_diameter_mm": 82.46}
+SCENE: dict[str, Any] = {
+    "name": "pair",
+    "body_1": {**GEAR, "bore_diameter_mm": 30},
+    "body_2": {**GEAR, "bore_diameter_mm": 30},
+    "pair": {"center_distance_mm": 72.0, "face_width_mm": 14},
+    "load": {"torque_Nm": 302},
+}
+PROFILE = {"module_mm": 4.5, "tip_diameter_mm": 82.46}
+MESH = {"kind": "mesh", "file": "a.msh", "teeth": 16, "profile": PROFILE}
+
+ABSENT = object()
+
+
+def changed(**changes: Any) -> dict[str, Any]:
+    """The valid scene with keys (dots written as two underscores) set, or taken away if ABSENT."""
+    scene = deepcopy(SCENE)
+    for path, value in changes.items():
+        *tables, key = path.split("__")
+        table = scene
+        for name in tables:
+            table = table.setdefault(name, {})
+        if value is ABSENT:
+            del table[key]
+        else:
+            table[key] = value
+    return scene
+
+
+def refusal(scene: Any) -> SceneError:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(scene, file="a.toml")
+    return caught.value
+
+
+# --- what is understood ---------------------------------------------------------------------------
+def test_defaults_and_units_are_those_of_the_scene_format() -> None:
+    scene = Scene.from_dict(SCENE)
+    body = scene.body_1
+    assert body.kind == "gear"
+    assert (body.pressure_angle_deg, body.profile_shift) == (20.0, 0.0)
+    assert (body.dedendum_factor, body.fillet_radius_factor) == (1.25, 0.38)
+    assert (body.young_modulus_MPa, body.poisson_ratio, body.rigid) == (206000.0, 0.3, False)
+    assert body.tip_relief_um is None
+    assert body.tip_relief_shape == "linear"
+    assert body.pitch_errors_um == ()
+    assert (scene.positions.count, scene.positions.driver) == (32, "body_1")
+    accuracy = scene.accuracy
+    assert (accuracy.tolerance, accuracy.plane, accuracy.estimate) == (0.01, "strain", True)
+    assert scene.file is None
+    assert scene.name == "pair"
+
+
+def test_integers_do_where_numbers_are_wanted() -> None:
+    scene = Scene.from_dict(changed(load__torque_Nm=302))
+    assert isinstance(scene.load.torque_Nm, float)
+    assert not scene.has_torque_list
+
+
+def test_list_of_torques() -> None:
+    scene = Scene.from_dict(changed(load__torque_Nm=[0, 100, 302.5]))
+    assert scene.load.torque_Nm == (0.0, 100.0, 302.5)
+    assert scene.has_torque_list
+
+
+def test_numpy_values_are_welcome() -> None:
+    scene = Scene.from_dict(
+        changed(load__torque_Nm=np.float32(302), body_1__teeth=np.int64(17), positions={"count": 4})
+    )
+    assert scene.body_1.teeth == 17
+    angles = Scene.from_dict(changed(positions={"angles_deg": np.array([0.0, 1.5])}))
+    assert angles.positions.angles_deg == (0.0, 1.5)
+
+
+def test_mesh_body_with_and_without_profile() -> None:
+    scene = Scene.from_dict(
+        changed(body_1=MESH, body_2={**MESH, "profile": None, "reference_radius_mm": 33.8})
+        | {
+            "body_2": {k: v for k, v in MESH.items() if k != "profile"}
+            | {"reference_radius_mm": 33}
+        }
+    )
+    assert scene.body_1.kind == scene.body_2.kind == "mesh"
+    assert scene.body_1.cut_sets == ("CUT_LEFT", "CUT_RIGHT")
+    assert scene.body_1.profile.module_mm == 4.5
+    assert scene.body_2.profile is None
+    assert scene.body_2.reference_radius_mm == 33.0
+
+
+def test_scene_does_not_change_its_dictionary() -> None:
+    given = deepcopy(SCENE)
+    Scene.from_dict(given)
+    assert given == SCENE
+
+
+def test_name_of_the_file_stands_in_for_a_missing_name() -> None:
+    scene = Scene.from_dict(changed(name=ABSENT), file="folder/my_pair.toml")
+    assert scene.name == "my_pair"
+    assert scene.folder == Path("folder")
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
+def test_example_scenes_are_valid(path: Path) -> None:
+    assert read_scene(path).file == path
+
+
+# --- effects --------------------------------------------------------------------------------------
+def test_effects_of_a_plain_pair() -> None:
+    effects = effects_of(Scene.from_dict(SCENE))
+    assert effects.elastic_body_1
+    assert effects.elastic_body_2
+    assert not effects.flank_modifications
+    assert not effects.pitch_errors
+    assert not effects.several_torques
+    assert not effects.friction
+
+
+@pytest.mark.parametrize(
+    ("changes", "effect", "value"),
+    [
+        ({"body_1__rigid": True}, "elastic_body_1", False),
+        ({"body_2__rigid": True}, "elastic_body_2", False),
+        ({"body_2__tip_radius_mm": 0.3}, "flank_modifications", True),
+        ({"body_1__profile_crowning_um": 4}, "flank_modifications", True),
+        ({"body_1__profile_crowning_um": 0}, "flank_modifications", False),
+        (
+            {"body_1": {**MESH, "profile": {**PROFILE, "tip_chamfer_mm": 0.2}}},
+            "flank_modifications",
+            True,
+        ),
+        ({"body_1__pitch_errors_um": [0] * 15 + [3]}, "pitch_errors", True),
+        ({"body_1__pitch_errors_um": [0] * 16}, "pitch_errors", False),
+        ({"load__torque_Nm": [302]}, "several_torques", True),
+    ],
+)
+def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool) -> None:
+    assert getattr(effects_of(Scene.from_dict(changed(**changes))), effect) is value
+
+
+# --- what is refused ------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        # unknown keys
+        ({"body_1__modul_mm": 4}, "body_1.modul_mm: expected a known key (did you mean module_mm?), found the unknown key 'modul_mm'"),
+        ({"laod": {}}, "laod: expected a known key (did you mean load?), found the unknown key 'laod'"),
+        ({"pair__x": 1}, "pair.x: expected a known key (center_distance_mm, face_width_mm), found the unknown key 'x'"),
+        ({"effects__friction_coefficient": 0.1}, "effects.friction_coefficient: expected no such key, since this version does not simulate friction, found 0.1"),
+        ({"effects__root_stress": True}, "effects.root_stress: expected no such key, since this version does not simulate stress in the tooth root, found true"),
+        ({"effects__wind": 1}, "effects.wind: expected no such key: this table has none yet, found the unknown key 'wind'"),
+        ({"body_1__helix_angle_deg": 10}, "body_1.helix_angle_deg: expected no such key, since this version does not simulate helical gears, found 10"),
+        ({"positions__adaptive": True}, "positions.adaptive: expected no such key, since this version does not simulate adaptive positions, found true"),
+        # missing keys and tables
+        ({"body_1__teeth": ABSENT}, "body_1.teeth: expected an integer >= 3, found nothing"),
+        ({"body_1__bore_diameter_mm": ABSENT}, "body_1.bore_diameter_mm: expected a number > 0, found nothing"),
+        ({"body_1__kind": ABSENT}, "body_1.kind: expected 'gear' or 'mesh', found nothing"),
+        ({"body_2": ABSENT}, "body_2: expected a table, found nothing"),
+        ({"pair": ABSENT}, "pair: expected a table, found nothing"),
+        ({"load__torque_Nm": ABSENT}, "load.torque_Nm: expected a number >= 0 or a non-empty list of numbers >= 0, found nothing"),
+        # wrong types
+        ({"body_1": 3}, "body_1: expected a table, found 3"),
+        ({"body_1__kind": "ring"}, "body_1.kind: expected 'gear' or 'mesh', found 'ring'"),
+        ({"body_1__kind": ["gear"]}, "body_1.kind: expected 'gear' or 'mesh', found ['gear']"),
+        ({"body_1__teeth": "16"}, "body_1.teeth: expected an integer >= 3, found '16'"),
+        ({"body_1__teeth": 16.5}, "body_1.teeth: expected an integer >= 3, found 16.5"),
+        ({"body_1__teeth": True}, "body_1.teeth: expected an integer >= 3, found true"),
+        ({"body_1__module_mm": False}, "body_1.module_mm: expected a number > 0, found false"),
+        ({"body_1__rigid": 1}, "body_1.rigid: expected true or false, found 1"),
+        ({"name": 7}, "name: expected a non-empty string, found 7"),
+        ({"name": " "}, "name: expected a non-empty string, found ' '"),
+        ({"positions__angles_deg": 3.0}, "positions.angles_deg: expected a non-empty list of numbers, found 3.0"),
+        ({"positions__angles_deg": []}, "positions.angles_deg: expected a non-empty list of numbers, found []"),
+        ({"positions__angles_deg": [0, "a"]}, "positions.angles_deg[1]: expected a number, found 'a'"),
+        ({"load__torque_Nm": "302"}, "load.torque_Nm: expected a number >= 0 or a non-empty list of numbers >= 0, found '302'"),
+        # out of range
+        ({"body_1__teeth": 2}, "body_1.teeth: expected an integer >= 3, found 2"),
+        ({"body_1__module_mm": 0}, "body_1.module_mm: expected a number > 0, found 0"),
+        ({"body_1__poisson_ratio": 0.5}, "body_1.poisson_ratio: expected a number >= 0 and < 0.5, found 0.5"),
+        ({"body_1__profile_shift": float("nan")}, "body_1.profile_shift: expected a number from -5 to 5, found nan"),
+        ({"body_1__young_modulus_MPa": float("inf")}, "body_1.young_modulus_MPa: expected a number > 0, found inf"),
+        ({"pair__face_width_mm": -14}, "pair.face_width_mm: expected a number > 0, found -14"),
+        ({"pair__face_width_mm": 10**400}, "pair.face_width_mm: expected a number > 0, found 1000"),
+        ({"load__torque_Nm": -1}, "load.torque_Nm: expected a number >= 0 or a non-empty list of numbers >= 0, found -1"),
+        ({"load__torque_Nm": []}, "load.torque_Nm: expected a non-empty list of numbers >= 0, found []"),
+        ({"load__torque_Nm": [1, -2]}, "load.torque_Nm[1]: expected a number >= 0, found -2"),
+        ({"positions__count": 0}, "positions.count: expected an integer from 1 to 100000, found 0"),
+        ({"positions__driver": "body_3"}, "positions.driver: expected 'body_1' or 'body_2', found 'body_3'"),
+        ({"accuracy__tolerance": 0.5}, "accuracy.tolerance: expected a number from 0.0001 to 0.1, found 0.5"),
+        ({"accuracy__modes": 2}, "accuracy.modes: expected an integer from 3 to 12, found 2"),
+        ({"accuracy__plane": "shell"}, "accuracy.plane: expected 'strain' or 'stress', found 'shell'"),
+        # impossible combinations name both keys
+        ({"positions": {"count": 4, "angles_deg": [0.0]}}, "positions.angles_deg: expected nothing beside positions.count: one of the two, found [0.0]"),
+        ({"body_1__rigid": True, "body_2__rigid": True}, "body_2.rigid: expected false, since body_1.rigid is true and one of the two must yield, found true"),
+        ({"body_1__tip_radius_mm": 0.2, "body_1__tip_chamfer_mm": 0.3}, "body_1.tip_radius_mm: expected nothing beside body_1.tip_chamfer_mm: a tip has one or the other, found 0.2 and 0.3"),
+        ({"body_1__tip_relief_um": 20}, "body_1.tip_relief_start_diameter_mm: expected a number > 0, since there is a body_1.tip_relief_um, found nothing"),
+        ({"body_1__tip_relief_start_diameter_mm": 80}, "body_1.tip_relief_um: expected a number >= 0, since there is a body_1.tip_relief_start_diameter_mm, found nothing"),
+        ({"body_1__tip_relief_shape": "linear"}, "body_1.tip_relief_um: expected a number >= 0, since there is a body_1.tip_relief_shape, found nothing"),
+        ({"body_1__tip_relief_um": 20, "body_1__tip_relief_start_diameter_mm": 90}, "body_1.tip_relief_start_diameter_mm: expected less than body_1.tip_diameter_mm (82.46), found 90.0"),
+        ({"body_1__bore_diameter_mm": 90}, "body_1.bore_diameter_mm: expected less than body_1.tip_diameter_mm (82.46), found 90.0"),
+        ({"body_1__pitch_errors_um": [1, 2]}, "body_1.pitch_errors_um: expected one entry per tooth: 16, as in body_1.teeth, found 2 entries"),
+        # bodies from meshes
+        ({"body_1": {**MESH, "file": ABSENT}}, "body_1.file: expected a non-empty string, found"),
+        ({"body_1": {**MESH, "cut_sets": ["A"]}}, "body_1.cut_sets: expected a list of 2 non-empty strings, found ['A']"),
+        ({"body_1": {**MESH, "cut_sets": ["A", "A"]}}, "body_1.cut_sets: expected two different names, found ['A', 'A']"),
+        ({"body_1": {k: v for k, v in MESH.items() if k != "profile"}}, "body_1.reference_radius_mm: expected a number > 0, since there is no body_1.profile to take it from, found nothing"),
+        ({"body_1": {**MESH, "profile": {**PROFILE, "teeth": 17}}}, "body_1.profile.teeth: expected 16 as in body_1.teeth, or nothing, found 17"),
+        ({"body_1": {**MESH, "profile": {**PROFILE, "bore_diameter_mm": 17}}}, "body_1.profile.bore_diameter_mm: expected a known key"),
+        ({"body_1": {**MESH, "flank_sets": ["A"]}}, "body_1.flank_sets: expected no such key, since this version does not simulate meshes of a whole body, found ['A']"),
+        ({"body_1": {**MESH, "profile": {**PROFILE, "tip_relief_um": 3}}}, "body_1.profile.tip_relief_start_diameter_mm: expected a number > 0, since there is a body_1.profile.tip_relief_um, found nothing"),
+    ],
+    ids=lambda value: next(iter(value), "") if isinstance(value, Mapping) else "",
+)  # fmt: skip
+def test_bad_input_gets_one_line(changes: dict[str, Any], line: str) -> None:
+    error = refusal(changed(**changes))
+    text = str(error)
+    assert text.startswith(f"a.toml: {line}")
+    assert "\n" not in text
+    assert error.key == line.split(": ")[0]
+    assert error.expected
+    assert error.found
+
+
+def test_scene_must_be_a_table() -> None:
+    assert str(refusal([1])) == "a.toml: scene: expected a table, found [1]"
+
+
+def test_long_values_are_cut_in_the_message() -> None:
+    error = refusal(changed(body_1__teeth="x" * 500))
+    assert len(error.found) <= 80
+
+
+# --- files ----------------------------------------------------------------------------------------
+def test_syntax_error_names_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text("name = 'a'\n[body_1\n", encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}: file: expected valid TOML, found line 2, column 8: ")
+    assert "\n" not in line
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "none.toml"
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    assert (
+        str(caught.value)
+        == f"{path}: file: expected a scene file to read, found no such file or directory"
+    )
+
+
+def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "binary.toml"
+    path.write_bytes(b"name = '\xff'")
+    with pytest.raises(SceneError, match="expected text in UTF-8, found byte 8 that is none"):
+        read_scene(path)
+
+
+def test_errors_from_a_file_name_it(tmp_path: Path) -> None:
+    path = tmp_path / "pair.toml"
+    path.write_text("name = 'a'\n", encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    assert str(caught.value) == f"{path}: body_1: expected a table, found nothing"
+
+
+# --- schema ---------------------------------------------------------------------------------------
+def test_schema_has_a_meaning_for_every_key_and_units_for_numbers() -> None:
+    schema = scene_schema()
+    assert json.loads(json.dumps(schema, allow_nan=False)) == schema
+    bodies = ("Gear", "MeshBody", "Profile", "Pair", "Load", "Positions", "Accuracy")
+    for name in bodies:
+        for key, entry in schema["$defs"][name]["properties"].items():
+            if key == "kind":
+                continue
+            assert entry["description"], (name, key)
+            if "number" in json.dumps(entry) or "integer" in json.dumps(entry):
+                assert entry["unit"], (name, key)
+
+
+def test_schema_knows_ranges_defaults_and_no_null() -> None:
+    schema = scene_schema()
+    gear = schema["$defs"]["Gear"]
+    assert gear["properties"]["teeth"]["minimum"] == 3
+    assert gear["properties"]["poisson_ratio"]["default"] == 0.3
+    assert gear["properties"]["tip_radius_mm"] == {
+        "description": "radius of the arc between flank and tip circle",
+        "unit": "mm",
+        "type": "number",
+        "exclusiveMinimum": 0,
+    }
+    assert gear["additionalProperties"] is False
+    assert '"null"' not in json.dumps(schema)
+    assert schema["title"] == "flankload scene"
+
+
+def test_schema_names_the_keys_of_the_example() -> None:
+    defs = scene_schema()["$defs"]
+    example = tomllib.loads((EXAMPLES / "external_gear.toml").read_text(encoding="utf-8"))
+    assert set(example["body_1"]) <= set(defs["Gear"]["properties"])
+    assert set(defs["Gear"]["required"]) <= set(example["body_1"])
