@@ -108,7 +108,8 @@ contains
         problem%row_scale = [(power_of_two(sqrt(compliance(i, i))), i=1, problem%n)]
         allocate (problem%motions(problem%n, problem%n_motions))
         allocate (problem%load_rows(problem%n, problem%n_motions))
-        allocate (problem%motion_scale(problem%n_motions), problem%load_row_scale(problem%n_motions))
+        allocate (problem%motion_scale(problem%n_motions))
+        allocate (problem%load_row_scale(problem%n_motions))
         do c = 1, problem%n_motions
             problem%motions(:, c) = problem%row_scale*motions(:, c)
             problem%motion_scale(c) = power_of_two(maxval(abs(problem%motions(:, c))))
@@ -188,7 +189,9 @@ contains
         real(wp) :: scale_factor
 
         scale_factor = 1.0_wp
-        if (size > 0.0_wp) scale_factor = scale(1.0_wp, min(1 - exponent(size), maxexponent(1.0_wp) - 1))
+        if (size > 0.0_wp) then
+            scale_factor = scale(1.0_wp, min(1 - exponent(size), maxexponent(1.0_wp) - 1))
+        end if
     end function power_of_two
 
     !> Measure motions from here on: g0 := g0 - B q.
@@ -262,7 +265,8 @@ contains
 
         total = 0.0_wp
         do k = 1, size(pairs)
-            total = total + abs(compliance(i, pairs(k))*forces(pairs(k)))*problem%row_scale(pairs(k))
+            total = total + abs(compliance(i, pairs(k))*forces(pairs(k))) &
+                & *problem%row_scale(pairs(k))
         end do
         total = problem%row_scale(i)*total + abs(problem%gaps(i)) &
             & + dot_product(abs(problem%motions(i, :)), abs(motion))
@@ -289,7 +293,8 @@ contains
                 sizes = sizes + abs(compliance(:, j))*(abs(forces(j))*problem%row_scale(j))
             end if
         end do
-        sizes = problem%row_scale*sizes + abs(problem%gaps) + matmul(abs(problem%motions), abs(motion))
+        sizes = problem%row_scale*sizes + abs(problem%gaps) &
+            & + matmul(abs(problem%motions), abs(motion))
     end subroutine row_sizes
 
 end module flankload_contact_problem

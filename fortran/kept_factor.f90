@@ -139,7 +139,9 @@ contains
             factor%matrix(index:k - 1, j) = factor%matrix(index + 1:k, j)
         end do
         do j = index + 1, k
-            if (.not. factor%symmetric) factor%matrix(:index - 1, j - 1) = factor%matrix(:index - 1, j)
+            if (.not. factor%symmetric) then
+                factor%matrix(:index - 1, j - 1) = factor%matrix(:index - 1, j)
+            end if
             factor%matrix(index:k - 1, j - 1) = factor%matrix(index + 1:k, j)
         end do
         factor%order = k - 1

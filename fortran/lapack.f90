@@ -196,7 +196,8 @@ contains
         !> Right-hand sides, then solutions, shape (>= n, any)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
-        call dtrsm('L', 'U', 'N', 'N', n, size(x, 2), 1.0_wp, factor, size(factor, 1), x, size(x, 1))
+        call dtrsm('L', 'U', 'N', 'N', n, size(x, 2), 1.0_wp, factor, size(factor, 1), &
+            & x, size(x, 1))
     end subroutine solve_upper
 
     !> Lᵀ X = B.

@@ -173,8 +173,9 @@ contains
         integer :: first
 
         first = state%pairs(1)
-        motion = dot_product(compliance(first, state%pairs)*problem%row_scale(state%pairs), forces) &
-            & *problem%row_scale(first)/problem%motions(first, 1)
+        motion = dot_product(compliance(first, state%pairs), &
+            & problem%row_scale(state%pairs)*forces)*problem%row_scale(first) &
+            & /problem%motions(first, 1)
     end function rotation
 
     !> The pair with the least final gap angle, 0 if none is negative beyond rounding.

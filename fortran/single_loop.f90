@@ -393,8 +393,8 @@ contains
                 if (.not. done) return
                 met = .true.
                 do k = 1, size(pairs)
-                    met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance &
-                        & *row_size(problem, compliance, state%forces, state%motion, pairs, pairs(k))
+                    met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance*row_size(problem, &
+                        & compliance, state%forces, state%motion, pairs, pairs(k))
                 end do
             end associate
             if (met) return

@@ -86,7 +86,8 @@ class ContactState:
         Pairs that carry a force, from 0, ascending.
     status : int
         0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right); 2 solved,
-        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain.
+        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain. The state
+        attached to a `NegativeForce` has -6.
     info : ContactInfo
         Certificate and counters.
     motions : ndarray of shape (q,)
@@ -318,7 +319,7 @@ def _solve(
         final_gap_angles=final_gaps / gap_scale,
         rotation=float(motion[0]),
         active_pairs=active_pairs,
-        status=max(code, 0),
+        status=code,
         info=info,
         motions=motion,
         tangent=tangent,
@@ -334,7 +335,7 @@ def _solve(
 def _rung(method: str) -> str:
     """The loop that a method stands for."""
     rung = "single" if method == "auto" else method
-    if not isinstance(rung, str) or rung not in _METHODS:
+    if rung not in _METHODS:
         available = ", ".join(repr(name) for name in ("auto", *_METHODS))
         raise InputError(f"method: expected one of {available}, found {method!r}")
     return rung
@@ -369,7 +370,7 @@ def _undetermined(
     the equilibrated equations with small singular values. Pairs that one of them couples are one
     group.
     """
-    if status not in (1, 2, 3):
+    if status <= 0:
         return ()
     touching = np.flatnonzero(gaps <= 0.0)
     if touching.size < 2 or not forces.any():
@@ -396,8 +397,12 @@ def _undetermined(
 
 def _is_symmetric(matrix: Vector) -> bool:
     """Symmetric to the rounding of its assembly, each entry on the scale of its diagonal."""
+    difference = matrix - matrix.T
+    np.abs(difference, out=difference)
+    if difference.max() <= _ASYMMETRY * matrix.diagonal().min():
+        return True
     root = np.sqrt(matrix.diagonal())
-    return bool((np.abs(matrix - matrix.T) <= _ASYMMETRY * np.outer(root, root)).all())
+    return bool((difference <= _ASYMMETRY * np.outer(root, root)).all())
 
 
 def _array(name: str, values: Any, n_axes: int | None) -> Vector:

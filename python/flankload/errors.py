@@ -78,7 +78,11 @@ class NoContactState(ContactError):  # noqa: N818 - a public name
     code = -1
 
     def __init__(
-        self, message: str, *, largest_torque: float = 0.0, motion: NDArray[np.float64] | None = None
+        self,
+        message: str,
+        *,
+        largest_torque: float = 0.0,
+        motion: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(message)
         self.largest_torque = largest_torque

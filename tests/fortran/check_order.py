@@ -16,7 +16,9 @@ def listed_sources() -> list[Path]:
     """Sources in the order of the build; what the build writes itself comes first."""
     text = (FORTRAN / "meson.build").read_text(encoding="utf-8")
     made = sorted(FORTRAN.glob("*.f90.in"))
-    return made + [FORTRAN / name for name in re.findall(r"^\s*'([\w/]+\.f90)',", text, re.MULTILINE)]
+    return made + [
+        FORTRAN / name for name in re.findall(r"^\s*'([\w/]+\.f90)',", text, re.MULTILINE)
+    ]
 
 
 def complaints() -> list[str]:

@@ -1,8 +1,260 @@
 !> Tests of the core without Python: stops with an error where one fails.
 program test_core
-    use flankload, only: version_number
+    use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
+        & method_single
+    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
+        & solve_factored
+    use flankload_contact_problem, only: contact_problem, new_contact_problem
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+        & drop_pair, solve_bordered, invert_small
     implicit none
 
-    if (any(version_number < 0)) error stop 'a part of the version is negative'
+    !> Identities hold to rounding.
+    real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp)
+    integer, parameter :: n = 24
+    integer :: seed_size
+
+    call random_seed(size=seed_size)
+    call seed(20240607)
+    call expect(all(version_number >= 0), 'the version has no negative part')
+    call test_extend(symmetric=.true.)
+    call test_extend(symmetric=.false.)
+    call test_shrink(symmetric=.true.)
+    call test_shrink(symmetric=.false.)
+    call test_dependent_row
+    call test_exchange
+    call test_small_inverse
+    call test_three_pairs
+    call test_no_numbers_after_failure
     print '(a)', 'all passed'
+
+contains
+
+    !> Stop where something does not hold.
+    subroutine expect(holds, what)
+        !> What must be true
+        logical, intent(in) :: holds
+        !> Its words
+        character(len=*), intent(in) :: what
+
+        if (.not. holds) then
+            print '(2a)', 'failed: ', what
+            error stop 1
+        end if
+    end subroutine expect
+
+    !> The same random numbers in every run.
+    subroutine seed(number)
+        !> Any number
+        integer, intent(in) :: number
+
+        integer :: i
+
+        call random_seed(put=[(number + 37*i, i=1, seed_size)])
+    end subroutine seed
+
+    !> A well-conditioned matrix of order n, symmetric and positive definite or neither.
+    function random_matrix(symmetric) result(matrix)
+        !> Which of both
+        logical, intent(in) :: symmetric
+        real(wp) :: matrix(n, n)
+
+        integer :: i
+
+        call random_number(matrix)
+        if (symmetric) matrix = 0.5_wp*(matrix + transpose(matrix))
+        do i = 1, n
+            matrix(i, i) = matrix(i, i) + 0.6_wp*n
+        end do
+    end function random_matrix
+
+    !> Factor a matrix row by row.
+    function grown_factor(matrix, symmetric) result(factor)
+        !> The matrix
+        real(wp), intent(in) :: matrix(:, :)
+        !> Which kind
+        logical, intent(in) :: symmetric
+        type(kept_factor) :: factor
+
+        integer :: k
+        logical :: accepted
+
+        factor = new_kept_factor(symmetric)
+        do k = 1, size(matrix, 1)
+            call extend(factor, matrix(:k - 1, k), matrix(k, :k - 1), matrix(k, k), accepted)
+            call expect(accepted, 'an independent row is accepted')
+        end do
+    end function grown_factor
+
+    !> Largest relative difference to a fresh factorisation of the same rows, random right sides.
+    function distance_to_fresh(factor, matrix) result(distance)
+        !> The factor that grew or shrank
+        type(kept_factor), intent(in) :: factor
+        !> What it should be the factor of
+        real(wp), intent(in) :: matrix(:, :)
+        real(wp) :: distance
+
+        type(kept_factor) :: fresh
+        logical :: accepted
+        real(wp), allocatable :: kept(:, :), anew(:, :)
+
+        fresh = new_kept_factor(factor%symmetric)
+        call factor_anew(fresh, matrix, accepted)
+        call expect(accepted, 'the matrix can be factored')
+        allocate (kept(size(matrix, 1), 2))
+        call random_number(kept)
+        anew = kept
+        call solve_factored(factor, kept)
+        call solve_factored(fresh, anew)
+        distance = maxval(abs(kept - anew))/maxval(abs(anew))
+    end function distance_to_fresh
+
+    !> Rows that join one by one give the factor of the whole matrix.
+    subroutine test_extend(symmetric)
+        !> Which kind
+        logical, intent(in) :: symmetric
+
+        real(wp) :: matrix(n, n)
+
+        matrix = random_matrix(symmetric)
+        call expect(distance_to_fresh(grown_factor(matrix, symmetric), matrix) < round_off, &
+            & 'extended factor = fresh factor')
+    end subroutine test_extend
+
+    !> Any row may leave: first, last, between, several.
+    subroutine test_shrink(symmetric)
+        !> Which kind
+        logical, intent(in) :: symmetric
+
+        integer :: i, k
+        integer, parameter :: leaving(5) = [1, n - 1, 7, 1, 12]
+        integer, allocatable :: left(:)
+        real(wp) :: matrix(n, n)
+        type(kept_factor) :: factor
+
+        matrix = random_matrix(symmetric)
+        factor = grown_factor(matrix, symmetric)
+        left = [(i, i=1, n)]
+        do k = 1, size(leaving)
+            call shrink(factor, leaving(k))
+            left = [left(:leaving(k) - 1), left(leaving(k) + 1:)]
+            call expect(factor%order == size(left), 'one row less')
+            call expect(distance_to_fresh(factor, matrix(left, left)) < round_off, &
+                & 'shrunk factor = fresh factor')
+        end do
+    end subroutine test_shrink
+
+    !> A row that repeats another is refused and leaves the factor as it was.
+    subroutine test_dependent_row
+        real(wp) :: matrix(n, n)
+        type(kept_factor) :: factor
+        logical :: accepted
+
+        matrix = random_matrix(symmetric=.true.)
+        factor = grown_factor(matrix, symmetric=.true.)
+        call extend(factor, matrix(:, 3), matrix(3, :), matrix(3, 3), accepted)
+        call expect(.not. accepted, 'a repeated row is refused')
+        call expect(distance_to_fresh(factor, matrix) < round_off, 'a refusal changes nothing')
+    end subroutine test_dependent_row
+
+    !> A skew compliance makes unpivoted elimination lose digits: rows are exchanged, and the pairs
+    !> can still join and leave.
+    subroutine test_exchange
+        real(wp), parameter :: small = 1.0e-6_wp
+        real(wp) :: compliance(4, 4), forces_wanted(3), r(3)
+        real(wp), allocatable :: forces(:), motion(:)
+        type(contact_problem) :: problem
+        type(bordered_system) :: system
+        type(error_type), allocatable :: error
+        logical :: accepted
+        integer :: i, j
+
+        do j = 1, 4
+            do i = 1, 4
+                compliance(i, j) = real(sign(1, j - i), wp)*(1.0_wp + 0.1_wp*abs(i - j))
+            end do
+            compliance(j, j) = small
+        end do
+        call new_contact_problem(compliance, [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], &
+            & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), &
+            & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), [1.0_wp], .false., problem, error)
+        call expect(.not. allocated(error), 'the skew problem is legal')
+        system = new_bordered_system(symmetric=.false.)
+        do j = 1, 4
+            call append_pair(system, problem, compliance, j, accepted)
+            call expect(accepted, 'a pair of the skew problem joins')
+        end do
+        call expect(system%refactorisations > 0, 'growth is answered by exchange of rows')
+        call drop_pair(system, problem, compliance, 2, accepted)
+        call expect(accepted, 'a pair of the skew problem leaves')
+        forces_wanted = [1.0_wp, 2.0_wp, -3.0_wp]
+        r = matmul(compliance([1, 3, 4], [1, 3, 4])*spread(problem%row_scale([1, 3, 4]), 2, 3) &
+            & *spread(problem%row_scale([1, 3, 4]), 1, 3), forces_wanted)
+        call solve_bordered(system, problem, r, matmul(forces_wanted, &
+            & problem%load_rows([1, 3, 4], :)), forces, motion, accepted)
+        call expect(accepted, 'the bordered equations are solved')
+        call expect(maxval(abs(forces - forces_wanted)) < round_off*system%growth, &
+            & 'the bordered equations give back their forces')
+    end subroutine test_exchange
+
+    !> The inverse of a small matrix whose best pivots stand off the diagonal.
+    subroutine test_small_inverse
+        real(wp) :: matrix(3, 3), inverse(3, 3), one(3, 3)
+        logical :: solved
+        integer :: i
+
+        matrix = reshape([0.0_wp, 3.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 0.5_wp, &
+            & 1.0_wp, 4.0_wp, 0.0_wp], [3, 3])
+        inverse = matrix
+        call invert_small(inverse, solved)
+        call expect(solved, 'a regular matrix has an inverse')
+        one = matmul(matrix, inverse)
+        do i = 1, 3
+            one(i, i) = one(i, i) - 1.0_wp
+        end do
+        call expect(maxval(abs(one)) < round_off, 'matrix times inverse = 1')
+        inverse = spread([1.0_wp, 2.0_wp, 3.0_wp], 2, 3)
+        call invert_small(inverse, solved)
+        call expect(.not. solved, 'a singular matrix has no inverse')
+    end subroutine test_small_inverse
+
+    !> The smallest problem in which a pair must leave: F = (5, 0, 5), φ = 91, gaps (0, 3, 0).
+    subroutine test_three_pairs
+        real(wp) :: flexibility(3, 3), levers(3, 1)
+        integer, allocatable :: warm(:)
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+
+        flexibility = reshape([10.0_wp, 9.4_wp, 8.0_wp, 9.4_wp, 10.0_wp, 9.4_wp, &
+            & 8.0_wp, 9.4_wp, 10.0_wp], [3, 3])
+        levers = 1.0_wp
+        allocate (warm(0))
+        call solve_contact_problem(flexibility, [1.0_wp, 0.0_wp, 1.0_wp], levers, levers, &
+            & [10.0_wp], .true., method_single, warm, state, error)
+        call expect(.not. allocated(error), 'the three-pair problem is solved')
+        call expect(maxval(abs(state%forces - [5.0_wp, 0.0_wp, 5.0_wp])) < 10.0_wp*round_off, 'F')
+        call expect(maxval(abs(state%gaps - [0.0_wp, 3.0_wp, 0.0_wp])) < 91.0_wp*round_off, 'gaps')
+        call expect(abs(state%motion(1) - 91.0_wp) < 91.0_wp*round_off, 'φ')
+        call expect(all(state%active_pairs == [1, 3]), 'active pairs')
+    end subroutine test_three_pairs
+
+    !> What failed leaves no numbers behind.
+    subroutine test_no_numbers_after_failure
+        real(wp) :: compliance(2, 2), levers(2, 1)
+        integer, allocatable :: warm(:)
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+
+        compliance = reshape([1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2])
+        levers = 1.0_wp
+        allocate (warm(0))
+        call solve_contact_problem(compliance, [0.0_wp, 0.0_wp], levers, levers, [1.0_wp], .true., &
+            & method_single, warm, state, error)
+        call expect(allocated(error), 'a negative diagonal is refused')
+        call expect(error%code == -5, 'with code -5')
+        call expect(all(state%forces /= state%forces) .and. all(state%gaps /= state%gaps) &
+            & .and. all(state%motion /= state%motion), 'every number is NaN')
+        call expect(size(state%active_pairs) == 0, 'no pair is active')
+    end subroutine test_no_numbers_after_failure
+
 end program test_core

@@ -1,7 +1,7 @@
 """A result with plausible numbers and a real picture, made without solving anything.
 
 An involute pair of FZG type C size; the load is shared by springs that grow from the path's ends,
-pressures are Hertzian. A pair with little load at an end of the path counts as one on a sharp corner.
+pressures are Hertzian. A pair with little load at an end of the path counts as on a sharp corner.
 """
 
 from math import acos, atan2, cos, pi, sin, sqrt, tan

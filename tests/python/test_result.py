@@ -278,9 +278,9 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
 
 
 def test_table_without_load_and_estimate() -> None:
-    text = small_result(
-        torque_Nm=0.0, site_force_N=np.zeros((2, 2)), peak_pressure_MPa=np.zeros((2, 2)), estimate=None,
-    ).table()  # fmt: skip
+    zero = np.zeros((2, 2))
+    result = small_result(torque_Nm=0.0, site_force_N=zero, peak_pressure_MPa=zero, estimate=None)
+    text = result.table()
     assert "nan" not in text
     assert "estimated error" not in text
     assert "largest pressure" not in text

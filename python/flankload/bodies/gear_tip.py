@@ -196,13 +196,17 @@ def _tip_rounding(
 def _tip_chamfer(
     flank: InvoluteFlank, involute: Involute, height: float, key: str
 ) -> tuple[float, CurvePiece]:
-    """The chamfer: from the flank, that height below the tip circle, at 45 degrees to it."""
+    """The chamfer: from the flank, that height below the tip circle, straight to the tip circle.
+
+    Its direction halves the angle between flank and tip circle (45 degrees where that is a right one).
+    """
     tip_radius = involute.tip_radius_mm
     low = tip_radius - height
     end = flank.roll_at(max(low, involute.base_radius_mm))
     place = flank.point(end)
-    polar = atan2(place[1], place[0])
-    direction = np.array([cos(polar - 0.25 * pi), sin(polar - 0.25 * pi)])
+    normal = flank.normal(end)
+    halved = 0.5 * (atan2(normal[1], normal[0]) + atan2(place[1], place[0])) - 0.5 * pi
+    direction = np.array([cos(halved), sin(halved)])
     along = float(place @ direction)
     length = -along + sqrt(along**2 + tip_radius**2 - float(place @ place))
     if low <= involute.form_radius_mm or (place + length * direction)[1] <= 0.0:

@@ -1,0 +1,55 @@
+"""Bodies: from the keys of a scene to flank curve, sector mesh and material; one file per kind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.bodies.body import Body, Material, SectorMesh
+
+if TYPE_CHECKING:
+    from flankload.scene import Gear, MeshBody
+
+__all__ = ["Body", "Material", "SectorMesh", "build_body"]
+
+
+def build_body(
+    spec: Gear | MeshBody,
+    key: str,
+    *,
+    folder: Path,
+    flank_element_mm: float | None,
+    flank_element_parts: float,
+) -> Body:
+    """Build the body that a table of a scene asks for.
+
+    Parameters
+    ----------
+    spec : Gear or MeshBody
+    key : str
+        Key of the table in the scene, for messages.
+    folder : Path
+        Folder that mesh files are relative to.
+    flank_element_mm : float or None
+        Largest length of a finite element along the flank of a parametric body.
+    flank_element_parts : float
+        The same in modules, where `flank_element_mm` is None.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    SceneError
+        If the body cannot be made; names the key. MeshError where a mesh file is at fault.
+    """
+    if spec.kind == "gear":
+        from flankload.bodies.gear import build_gear
+
+        if flank_element_mm is None:
+            flank_element_mm = flank_element_parts * spec.module_mm
+        return build_gear(spec, key, flank_element_mm=flank_element_mm)
+    from flankload.bodies.mesh_body import build_mesh_body
+
+    return build_mesh_body(spec, key, folder=folder)

@@ -1,0 +1,317 @@
+"""Structured sector mesh of a gear: quadratic quadrilaterals in four blocks.
+
+The tooth stands on a line that sags between the two fillets; below it a middle block and, under the
+lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet three
+blocks meet at the split point, where the fillet has turned halfway. Both halves are mirror images.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, pi, radians, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.blocks import (
+    BlockMesh,
+    coons,
+    even_breaks,
+    growing_breaks,
+    jacobians,
+    symmetric_breaks,
+    with_middles,
+)
+from flankload.bodies.body import SectorMesh
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.gear_profile import GearProfile
+    from flankload.flank_curve import FlankCurve
+
+    Floats = NDArray[np.float64]
+
+#: Angle of the fillet's tangent to the tooth's centre line at the split point.
+SPLIT_ANGLE = radians(50.0)
+
+#: Largest ratio of neighbouring elements.
+GROWTH = 1.4
+
+#: Lengths relative to the wanted flank element: along the fillet, first layer below the flank, largest
+#: inside the tooth, first row below the root.
+FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.5, 0.5, 1.0, 0.5
+
+#: Largest turn of the profile within one element of the fillet.
+LARGEST_TURN = radians(25.0)
+
+#: Rows of the rim are at most this part of their radius high (or one pitch, where that is more).
+ROW_PART = 0.35
+
+
+@dataclass(frozen=True)
+class _Breaks:
+    """Arc lengths and parts at which elements end.
+
+    Attributes
+    ----------
+    low : from the root circle to the split point, along the curve
+    flank : from the split point to the block's corner at the tip
+    tip : from there to the end of the curve (tip rounding or chamfer); one value where there is none
+    columns : parts of the way across the tooth, even in number
+    rows : parts of the way from the split point down to the bore
+    """
+
+    low: Floats
+    flank: Floats
+    tip: Floats
+    columns: Floats
+    rows: Floats
+
+
+def sector_mesh(
+    profile: GearProfile, *, bore_radius_mm: float, flank_element_mm: float, key: str
+) -> SectorMesh:
+    """Mesh one tooth and its share of the rim.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        With its tooth on the +x axis.
+    bore_radius_mm : float
+        Radius of the bore, smaller than the root circle.
+    flank_element_mm : float
+        Largest length of an element along the flank.
+    key : str
+        Key of the body in the scene, for messages.
+
+    Returns
+    -------
+    SectorMesh
+
+    Raises
+    ------
+    SceneError
+        If no valid mesh can be made.
+    """
+    if not bore_radius_mm < profile.involute.root_radius_mm:
+        raise SceneError(
+            key=f"{key}.bore_diameter_mm",
+            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
+            found=f"{2 * bore_radius_mm:g}",
+        )
+    breaks = _breaks(profile, bore_radius_mm, flank_element_mm)
+    mesh = _assemble(profile, bore_radius_mm, breaks)
+    least = jacobians(mesh.nodes, mesh.cells[0][1]).min()
+    if not least > 0.0:
+        raise SceneError(
+            key=f"{key}.bore_diameter_mm",
+            expected="a tooth and rim that can be meshed in blocks",
+            found=f"an element with a Jacobian of {least:.3g} relative to its size "
+            f"(bore {2 * bore_radius_mm:g}, flank elements {flank_element_mm:g} mm)",
+        )
+    return mesh
+
+
+def _breaks(profile: GearProfile, bore_radius: float, h: float) -> _Breaks:
+    curve = profile.curve
+    form = profile.mode_range_mm[0]
+    split = _split_point(curve, form)
+    corner, end = _tip_corner(curve)
+    radius = float(np.linalg.norm(curve.point([split])[0]))
+    pieces = [_turned_breaks(curve, split, form, FILLET * h)]
+    parts = np.unique([form, *curve.range_of("flank", "relief"), corner])
+    for start, stop in zip(parts[:-1], parts[1:], strict=True):
+        least = 3 if start == form else 1
+        pieces.append(even_breaks(start, stop, h, least)[1:])
+    tip = np.array([corner])
+    if end > corner:
+        tip = even_breaks(corner, end, h)
+    width = 2 * curve.point([0.5 * (form + corner)])[0, 1]
+    depth = radius - bore_radius
+    pitch = 2 * pi / profile.teeth
+    below = np.linspace(0.0, depth, 50)
+    caps = np.stack([below, np.maximum(ROW_PART, pitch) * (radius - below)])
+    rows = growing_breaks(depth, FIRST_ROW * h, GROWTH, caps)
+    if rows.size < 3:
+        rows = np.array([0.0, 0.5, 1.0])
+    return _Breaks(
+        low=_turned_breaks(curve, 0.0, split, FILLET * h),
+        flank=np.concatenate(pieces),
+        tip=tip,
+        columns=symmetric_breaks(width, FIRST_LAYER * h, GROWTH, INNER * h),
+        rows=rows,
+    )
+
+
+def _slants(curve: FlankCurve, s: Floats) -> Floats:
+    """Angle of the curve's tangent to the tooth's centre line, positive where it leans inwards."""
+    tangent = curve.tangent(s)
+    return np.arctan2(-tangent[:, 1], tangent[:, 0])
+
+
+def _split_point(curve: FlankCurve, form: float) -> float:
+    """Arc length at which the fillet leans by the split angle, kept off the ends of the fillet."""
+    s = np.linspace(0.0, form, 400)
+    slant = _slants(curve, s)
+    low, high = np.interp([0.25, 0.75], [0.0, 1.0], [slant.min(), slant[0]])
+    wanted = min(max(SPLIT_ANGLE, low), high)
+    return float(s[np.argmax(slant <= wanted)])
+
+
+def _tip_corner(curve: FlankCurve) -> tuple[float, float]:
+    """Arc lengths of the tooth block's corner at the tip, and of the end of the curve."""
+    start = curve.range_of("flank", "relief")[1]
+    if "tip_radius" in curve.labels:
+        return 0.5 * (start + curve.length_mm), curve.length_mm
+    return start, curve.length_mm
+
+
+def _turned_breaks(curve: FlankCurve, start: float, end: float, largest: float) -> Floats:
+    """Breaks between two places: none longer than `largest`, none that turns too much."""
+    s = np.linspace(start, end, 200)
+    turn = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(_slants(curve, s))))])
+    # equal parts of a mean of length and turn, so that both bounds hold about evenly
+    measure = (s - start) / largest + turn / LARGEST_TURN
+    longest = max((end - start) / largest, turn[-1] / LARGEST_TURN)
+    count = max(1, int(np.ceil(longest)))
+    return np.interp(np.linspace(0.0, measure[-1], count + 1), measure, s)
+
+
+def _assemble(profile: GearProfile, bore_radius: float, breaks: _Breaks) -> SectorMesh:
+    curve, teeth = profile.curve, profile.teeth
+    tip_radius = profile.involute.tip_radius_mm
+    mirror = np.array([1.0, -1.0])
+    s_flank = with_middles(breaks.flank)
+    flank = curve.point(s_flank)
+    split = flank[0]
+    up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
+    columns = with_middles(breaks.columns)
+    rows = with_middles(breaks.rows)
+    angle = atan2(split[1], split[0])
+    foot = _sagging_line(curve, s_flank[0], angle, columns, bore_radius)
+    s_tip = with_middles(breaks.tip) if breaks.tip.size > 1 else breaks.tip
+    top, top_parts = _tip_line(curve, s_tip, tip_radius, columns)
+    shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
+
+    # Left to right means from the working flank (positive angle) through the tooth to its mirror
+    # image when looking up the tooth: rows go up, columns go from negative to positive y reversed.
+    mesh = BlockMesh()
+    tooth = mesh.add(
+        coons(foot, top, flank, flank * mirror, np.stack([columns, top_parts]), np.stack([up, up])),
+        {},
+    )
+    bore = _arc(bore_radius, angle * (1 - 2 * columns))
+    middle = mesh.add(
+        coons(
+            bore,
+            foot,
+            shaft[::-1],
+            shaft[::-1] * mirror,
+            np.stack([columns, columns]),
+            np.stack([1 - rows[::-1]] * 2),
+        ),
+        {"top": tooth[0]},
+    )
+    side_top, side_parts = _root_line(profile, breaks.low)
+    bore = _arc(bore_radius, angle + (pi / teeth - angle) * (1 - side_parts))
+    ray = np.array([cos(pi / teeth), sin(pi / teeth)])
+    cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
+    cut_line = cut[::-1, None] * ray
+    grid = coons(
+        bore,
+        side_top,
+        cut_line,
+        shaft[::-1],
+        np.stack([side_parts, side_parts]),
+        np.stack([1 - rows[::-1]] * 2),
+    )
+    right = mesh.add(grid, {"right": middle[:, 0]})
+    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+    nodes = np.concatenate(mesh.places)
+    numbers = np.concatenate([tooth[:, 0], tooth[-1, 1 : s_tip.size]])
+    lengths = np.concatenate([s_flank, s_tip[1:]])
+    low, high = profile.mode_range_mm
+    carries = (lengths >= low - 1e-12) & (lengths <= high + 1e-12)
+    path = numbers[carries]
+    arc_length = np.full(len(nodes), np.nan)
+    arc_length[path] = lengths[carries]
+    return SectorMesh(
+        nodes=nodes,
+        cells=(("quad9", np.concatenate(mesh.cells)),),
+        flank_edges=np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1),
+        flank_arc_length=arc_length,
+        fixed_nodes=np.unique(np.concatenate([right[0], middle[0], left[0]])),
+        left_nodes=left[1:, -1],
+        right_nodes=right[1:, 0],
+        teeth=teeth,
+    )
+
+
+def _arc(radius: float, angles: Floats) -> Floats:
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _sagging_line(
+    curve: FlankCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
+) -> Floats:
+    """Foot of the tooth, from the split point to its mirror image: a cubic that sags into the rim."""
+    start = curve.point([s_split])[0]
+    slant = float(_slants(curve, np.array([s_split]))[0])
+    # halves the angle that tooth and middle block share: between the profile and the ray to the bore
+    lean = 0.5 * (slant + pi - angle)
+    width = 2 * start[1]
+    # a thin rim must not be cut through: the line sags by width * cos / 4
+    deepest = 0.35 * (start[0] - bore_radius)
+    fall = min(-cos(lean), 4 * deepest / width)
+    reach = width * np.array([-fall, -np.sqrt(1 - fall**2)])
+    x = columns[:, None]
+    h00, h01 = (1 + 2 * x) * (1 - x) ** 2, x**2 * (3 - 2 * x)
+    h10, h11 = x * (1 - x) ** 2, x**2 * (x - 1)
+    mirror = np.array([1.0, -1.0])
+    return h00 * start + h01 * start * mirror + h10 * reach + h11 * reach * np.array([-1.0, 1.0])
+
+
+def _tip_line(
+    curve: FlankCurve, s_tip: Floats, tip_radius: float, columns: Floats
+) -> tuple[Floats, Floats]:
+    """Upper edge of the tooth block from the working side to its mirror image, and its parts."""
+    end = curve.point([curve.length_mm])[0]
+    half_angle = atan2(end[1], end[0])
+    length = curve.length_mm - s_tip[0] + tip_radius * half_angle
+    n_own = s_tip.size - 1
+    own = (s_tip - s_tip[0]) / (2 * length)
+    m = (columns.size - 1) // 2
+    # the nodes of the tip circle keep the spacing of the columns
+    land = columns[n_own : m + 1]
+    if n_own:
+        land = own[-1] + (land - land[0]) / (0.5 - land[0]) * (0.5 - own[-1])
+    half = np.concatenate([own[:-1] if n_own else own[:0], land])
+    half[m] = 0.5
+    along = np.clip((half[n_own:] * 2 * length - (curve.length_mm - s_tip[0])) / tip_radius, 0, None)
+    places = np.concatenate([curve.point(s_tip[:-1]), _arc(tip_radius, half_angle - along)])
+    places[m] = [tip_radius, 0.0]
+    return (
+        np.concatenate([places, places[-2::-1] * [1.0, -1.0]]),
+        np.concatenate([half, 1 - half[-2::-1]]),
+    )
+
+
+def _root_line(profile: GearProfile, low: Floats) -> tuple[Floats, Floats]:
+    """Upper edge of a side block from the cut along the root arc to the split point; its parts."""
+    radius = profile.involute.root_radius_mm
+    start = profile.root_half_angle_rad
+    root = radius * (pi / profile.teeth - start)
+    size = float(np.diff(low).mean())
+    breaks = low + root
+    if root > 1e-9 * radius:
+        breaks = np.concatenate([even_breaks(0.0, root, size)[:-1], breaks])
+    path = with_middles(breaks)
+    on_root = path < root
+    places = np.where(
+        on_root[:, None],
+        _arc(radius, pi / profile.teeth - path / radius),
+        profile.curve.point(np.maximum(path - root, 0.0)),
+    )
+    return places, (path - path[0]) / (path[-1] - path[0])

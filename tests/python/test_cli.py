@@ -1,0 +1,374 @@
+"""The command line as its users use it: exit codes, one-line errors, files whole or not at all."""
+
+import csv
+import importlib
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_up_result import made_up_result
+
+from flankload.cli import main
+from flankload.errors import NoContactState, SceneError
+
+SCENE = """
+name = "small job"
+[body_1]
+kind = "gear"
+teeth = 16
+module_mm = 4.5
+profile_shift = 0.182
+tip_diameter_mm = 82.46
+bore_diameter_mm = 30
+[body_2]
+kind = "gear"
+teeth = 24
+module_mm = 4.5
+profile_shift = 0.171
+tip_diameter_mm = 118.36
+bore_diameter_mm = 40
+[pair]
+center_distance_mm = 91.5
+face_width_mm = 14
+[load]
+torque_Nm = 302
+[positions]
+count = 2
+[accuracy]
+tolerance = 0.1
+estimate = false
+flank_element_mm = 2
+"""
+
+
+#: The console script.
+PROGRAM = "import sys; from flankload.cli import main; sys.exit(main())"
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "pair.toml"
+    path.write_text(SCENE, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The conductor replaced by one that hands over what stands in the list."""
+    answers: list[Any] = [made_up_result()]
+
+    def solve(*_: object, **__: object) -> Any:
+        if isinstance(answers[0], BaseException):
+            raise answers[0]
+        return answers[0]
+
+    monkeypatch.setattr(importlib.import_module("flankload.solve"), "solve", solve)
+    return answers
+
+
+def run(capsys: pytest.CaptureFixture[str], *argv: str | Path) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command."""
+    try:
+        code = main([str(argument) for argument in argv])
+    except SystemExit as leaving:
+        code = int(leaving.code or 0)
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def one_line(text: str) -> str:
+    assert text.startswith("flankload: ")
+    assert text.endswith("\n")
+    assert text.count("\n") == 1
+    return text[len("flankload: ") : -1]
+
+
+# --- the real thing -------------------------------------------------------------------------------
+def test_run_solves_and_writes_everything(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, err = run(
+        capsys, "run", scene, "--json", tmp_path / "a.json", "--csv", tmp_path / "a.csv",
+        "--plot", tmp_path / "out",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert out.startswith("small job: 302 N m, 2 positions over one pitch of 22.5 deg\n")
+    tree = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert len(tree["transmission_error_um"]) == 2
+    assert tree["cost"]["fe_factorisations"] == 2
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
+    assert [float(row["transmission_error_um"]) for row in rows] == tree["transmission_error_um"]
+    assert len(os.listdir(tmp_path / "out")) == 4
+
+
+def test_installed_command_prints_no_progress_into_a_pipe(scene: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, "run", str(scene), "--json", "-"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert json.loads(done.stdout)["name"] == "small job"
+
+
+def test_mesh_writes_both_bodies_with_their_sets(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, _ = run(capsys, "mesh", scene, "-o", tmp_path / "meshes")
+    assert code == 0
+    assert sorted(os.listdir(tmp_path / "meshes")) == ["body_1.msh", "body_2.msh"]
+    assert "one of 16 sectors" in out
+    code, out, _ = run(capsys, "check", tmp_path / "meshes" / "body_1.msh")
+    assert code == 0
+    for name in ("FLANK", "BORE", "CUT_LEFT", "CUT_RIGHT"):
+        assert name in out
+
+
+def test_mesh_as_vtu(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, _ = run(capsys, "mesh", scene, "-o", tmp_path / "m", "--format", "vtu")
+    assert code == 0
+    assert sorted(os.listdir(tmp_path / "m")) == ["body_1.vtu", "body_2.vtu"]
+
+
+def test_check_says_what_was_understood(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "check", scene)
+    assert (code, err) == (0, "")
+    rows = dict(line.strip().split("  ", 1) for line in out.splitlines() if line.startswith("  "))
+    words = {name: value.strip() for name, value in rows.items()}
+    assert words["root diameter"] == "98.2890 mm"  # body 2, printed last
+    assert words["tip diameter"] == "118.3600 mm"
+    assert words["working pressure angle"].startswith("22.4")
+    assert words["contact ratio"].startswith("1.4")
+    assert words["elastic body 1"] == "yes"
+    assert words["friction"] == "no"
+
+
+def test_rigid_body_has_no_mesh_file(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene.write_text(SCENE.replace("[body_2]", "[body_2]\nrigid = true"), encoding="utf-8")
+    code, out, _ = run(capsys, "mesh", scene, "-o", tmp_path / "m")
+    assert code == 0
+    assert os.listdir(tmp_path / "m") == ["body_1.msh"]
+    assert "body_2: rigid, so it has no mesh" in out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("teeth = 16", "teeth = 2", "body_1.teeth"),
+        ("torque_Nm = 302", "torque_Nm = -302", "load.torque_Nm"),
+        ("torque_Nm = 302", "torqe_Nm = 302", "load.torqe_Nm"),
+        ("torque_Nm = 302", "", "load.torque_Nm"),
+        ("face_width_mm = 14", 'face_width_mm = "14"', "pair.face_width_mm"),
+        ("center_distance_mm = 91.5", "center_distance_mm = 101", "pair.center_distance_mm"),
+        ("center_distance_mm = 91.5", "center_distance_mm = 80", "pair.center_distance_mm"),
+        ("tip_diameter_mm = 82.46", "tip_diameter_mm = 99", "body_1.tip_diameter_mm"),
+        ("bore_diameter_mm = 30", "bore_diameter_mm = 70", "body_1.bore_diameter_mm"),
+        ("teeth = 24\nmodule_mm = 4.5", "teeth = 24\nmodule_mm = 4.4", "body_2"),
+    ],
+)
+@pytest.mark.parametrize("command", ["run", "check", "mesh"])
+def test_bad_input_gets_exit_2_and_one_line(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    command: str, old: str, new: str, key: str,
+) -> None:  # fmt: skip
+    assert old in SCENE
+    scene.write_text(SCENE.replace(old, new), encoding="utf-8")
+    more = {"run": ["--json", tmp_path / "a.json"], "check": [], "mesh": ["-o", tmp_path / "m"]}
+    code, out, err = run(capsys, command, scene, *more[command])
+    assert (code, out) == (2, "")
+    line = one_line(err)
+    assert line.startswith(f"{scene}: {key}")
+    assert ": expected " in line
+    assert ", found " in line
+    assert os.listdir(tmp_path) == ["pair.toml"]
+
+
+# --- what does not need a solution ----------------------------------------------------------------
+def test_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    import flankload
+
+    assert run(capsys, "--version") == (0, f"flankload {flankload.__version__}\n", "")
+
+
+def test_schema_is_json(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "schema")
+    assert (code, err) == (0, "")
+    assert json.loads(out)["title"] == "flankload scene"
+
+
+@pytest.mark.parametrize(
+    "argv", [[], ["fly"], ["run"], ["mesh", "a.toml"], ["run", "a.toml", "--fast"]]
+)
+def test_wrong_arguments_get_one_line(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, *argv)
+    assert (code, out) == (2, "")
+    one_line(err)
+
+
+@pytest.mark.parametrize("command", [["run"], ["check"], ["mesh", "-o", "m"]])
+def test_missing_scene_is_named(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "none.toml"
+    code, _, err = run(capsys, *command, path)
+    assert code == 2
+    assert one_line(err).startswith(f"{path}: file: expected a scene file to read, found ")
+
+
+def test_missing_mesh_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "check", tmp_path / "none.msh")
+    assert code == 2
+    assert one_line(err) == f"{tmp_path / 'none.msh'}: expected a mesh file, found no such file"
+
+
+def test_file_that_is_no_mesh_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.msh"
+    path.write_text("not a mesh\n", encoding="utf-8")
+    code, _, err = run(capsys, "check", path)
+    assert code == 2
+    assert one_line(err).startswith(f"{path}: expected a readable mesh file, found ")
+
+
+# --- outputs --------------------------------------------------------------------------------------
+def test_table_goes_to_stdout(
+    scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(capsys, "run", scene) == (0, solved[0].table() + "\n", "")
+
+
+def test_quiet_prints_nothing(
+    scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(capsys, "run", scene, "--quiet") == (0, "", "")
+
+
+@pytest.mark.parametrize(("option", "method"), [("--json", "to_json"), ("--csv", "to_csv")])
+def test_dash_sends_only_the_data_to_stdout(
+    option: str, method: str, scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(capsys, "run", scene, option, "-") == (0, getattr(solved[0], method)(), "")
+
+
+def test_list_of_torques_gives_a_list_of_everything(
+    scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
+    code, out, _ = run(
+        capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
+    )
+    assert code == 0
+    assert "made-up pair: 100 N m" in out
+    assert "made-up pair: 302 N m" in out
+    tree = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert tree["torques_Nm"] == [100.0, 302.0]
+    assert sorted(os.listdir(tmp_path / "out")) == ["torque_100_Nm", "torque_302_Nm"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--json", "no/a"], "--json: expected a file in a folder that exists, found no folder no"),
+        (["--csv", "no/a"], "--csv: expected a file in a folder that exists, found no folder no"),
+        (["--json", "."], "--json: expected a file, found the folder ."),
+        (["--plot", "pair.toml"], "--plot: expected a folder, found the file pair.toml"),
+        (["--csv", "-", "--json", "-"],
+         "--csv: expected a file, since --json takes stdout, found -"),
+    ],
+)  # fmt: skip
+def test_impossible_output_is_refused_before_the_work(
+    arguments: list[str], line: str, scene: Path, solved: list[Any],
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    solved[0] = AssertionError("the work was begun")
+    monkeypatch.chdir(scene.parent)
+    code, out, err = run(capsys, "run", scene, *arguments)
+    assert (code, out) == (2, "")
+    assert one_line(err) == line
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "line"),
+    [
+        (NoContactState("no state at position 3"), 1, "no state at position 3"),
+        (SceneError(file="a.toml", key="pair.x", expected="this", found="that"), 2,
+         "a.toml: pair.x: expected this, found that"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+    ids=["not solved", "bad input", "interrupted"],
+)  # fmt: skip
+def test_failed_run_leaves_no_output(
+    error: BaseException, code: int, line: str, scene: Path, tmp_path: Path,
+    solved: list[Any], capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    solved[0] = error
+    found, out, err = run(
+        capsys, "run", scene, "--json", tmp_path / "a.json", "--csv", tmp_path / "a.csv",
+        "--plot", tmp_path / "out",
+    )  # fmt: skip
+    assert (found, out) == (code, "")
+    assert one_line(err) == line
+    assert os.listdir(tmp_path) == ["pair.toml"]
+
+
+def test_failed_picture_leaves_no_output(
+    scene: Path, tmp_path: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    import flankload.plot
+
+    def refuse(*_: object) -> None:
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(flankload.plot, "write_atomically", refuse)
+    code, out, err = run(
+        capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
+    )
+    assert (code, out) == (1, "")
+    assert one_line(err) == "no space left on device"
+    assert not (tmp_path / "a.json").exists()
+    assert os.listdir(tmp_path / "out") == []
+
+
+def test_reader_that_leaves_early_gets_no_traceback() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, "schema"],
+        stdout=writing, stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    os.close(writing)
+    assert done.stderr == ""
+    assert done.returncode == 0
+
+
+def test_progress_shows_after_patience_on_a_terminal_only(
+    scene: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    import time
+
+    import flankload.cli.run as room
+
+    monkeypatch.setattr(room, "PATIENCE_S", 0.05)
+    found = solved[0]
+
+    def slow(_: object, progress: Any) -> Any:
+        progress("compliance body 1", 1, 5)
+        time.sleep(0.6)
+        progress("sweep", 3, 5)
+        return found
+
+    monkeypatch.setattr(importlib.import_module("flankload.solve"), "solve", slow)
+    assert "compliance" not in run(capsys, "run", scene)[2]
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    assert "compliance body 1" in run(capsys, "run", scene)[2]
