@@ -2,7 +2,8 @@
 !> another set of pairs, whether it is the only one.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
-    use flankload_contact_problem, only: contact_problem, contact_result, row_sizes, row_tolerance
+    use flankload_contact_problem, only: contact_problem, contact_result, unshifted, contact_gaps, &
+        & row_sizes, row_tolerance
     use flankload_lapack, only: potrf
     implicit none
     private
@@ -15,27 +16,30 @@ module flankload_contact_certificate
 contains
 
     !> Fill in the certificate and the status of a state.
-    pure subroutine certify(problem, compliance, forces, gaps, motion, result)
+    !>
+    !> Its rows are those of the caller: what the returned numbers lack there is what counts.
+    pure subroutine certify(problem, compliance, forces, motion, result)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n)
         real(wp), intent(in) :: forces(:)
-        !> Scaled gaps as computed, shape (n)
-        real(wp), intent(in) :: gaps(:)
         !> Scaled motion from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         !> Its condition is known already
         type(contact_result), intent(inout) :: result
 
-        real(wp), allocatable :: sizes(:), lacking(:), load_sizes(:)
+        type(contact_problem) :: original
+        real(wp), allocatable :: gaps(:), sizes(:), lacking(:), load_sizes(:)
         real(wp) :: largest
         logical, allocatable :: active(:)
         logical :: degenerate
 
-        allocate (sizes(problem%n))
-        call row_sizes(problem, compliance, forces, motion, sizes)
+        allocate (gaps(problem%n), sizes(problem%n))
+        original = unshifted(problem)
+        call contact_gaps(original, compliance, forces, problem%start_motion + motion, gaps)
+        call row_sizes(original, compliance, forces, problem%start_motion + motion, sizes)
         ! A row without any size (no force, no gap, no lever) is met exactly.
         sizes = max(sizes, tiny(1.0_wp))
         active = abs(forces) > 0.0_wp

@@ -144,7 +144,7 @@ contains
         result%refactorisations = state%system%refactorisations
         result%growth = state%system%growth
         result%condition = bordered_condition(state%system, problem, compliance, state%tangent)
-        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
+        call certify(problem, compliance, state%forces, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
             & state%system%pairs, result)
     end subroutine run_single
@@ -168,7 +168,7 @@ contains
         result%refactorisations = state%refactorisations
         result%growth = state%factor%growth
         result%condition = state%condition
-        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
+        call certify(problem, compliance, state%forces, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
             & result)
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then

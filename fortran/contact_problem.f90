@@ -12,7 +12,7 @@ module flankload_contact_problem
     private
 
     public :: contact_problem, contact_result
-    public :: new_contact_problem, shift_gaps, contact_gaps, row_size, row_sizes, is_finite
+    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps, row_size, row_sizes, is_finite
     public :: row_tolerance
 
     !> A scaled problem; the compliance itself stays where the caller has it.
@@ -31,7 +31,8 @@ module flankload_contact_problem
         real(wp), allocatable :: motion_scale(:)
         real(wp), allocatable :: load_row_scale(:)
         real(wp) :: load_scale = 1.0_wp
-        !> Scaled g0 - B q_start, shape (n)
+        !> Scaled g0, and g0 - B q_start, shape (n)
+        real(wp), allocatable :: normal_gaps(:)
         real(wp), allocatable :: gaps(:)
         !> Scaled B and R, shape (n, n_motions)
         real(wp), allocatable :: motions(:, :)
@@ -127,6 +128,7 @@ contains
         end if
         problem%loads = problem%loads/problem%load_scale
         problem%gaps = problem%gaps/problem%load_scale
+        problem%normal_gaps = problem%gaps
         allocate (problem%start_motion(problem%n_motions), source=0.0_wp)
     end subroutine new_contact_problem
 
@@ -207,6 +209,17 @@ contains
         problem%gaps(touching) = 0.0_wp
         problem%start_motion = problem%start_motion + motion
     end subroutine shift_gaps
+
+    !> The problem with motions measured from zero, as the caller measures them.
+    pure function unshifted(problem) result(original)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        type(contact_problem) :: original
+
+        original = problem
+        original%gaps = problem%normal_gaps
+        original%start_motion = 0.0_wp
+    end function unshifted
 
     !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it. One product per run of active
     !> columns, since active pairs are mostly neighbours.

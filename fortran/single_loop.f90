@@ -40,6 +40,8 @@ module flankload_single_loop
     integer, parameter :: pivots_at_least = 100
     !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
+    !> A start this many times as far as the end is too far to measure from.
+    real(wp), parameter :: far_start = 4.0_wp
     !> Refinements of the final equations, one always, more where the rows are not yet met
     integer, parameter :: max_refinements = 3
 
@@ -355,10 +357,30 @@ contains
         call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
     end subroutine let_join
 
+    !> Measure motions from where they are now, where the start was so far off that its size, not
+    !> that of the caller's rows, would set the rounding.
+    pure subroutine measure_from_here(problem, compliance, state)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+
+        integer, allocatable :: nothing(:)
+
+        if (all(abs(problem%start_motion) <= &
+            & far_start*abs(problem%start_motion + state%motion))) return
+        allocate (nothing(0))
+        call shift_gaps(problem, state%motion, nothing)
+        state%motion = 0.0_wp
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+    end subroutine measure_from_here
+
     !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
     pure subroutine finish(problem, compliance, state, joining, done)
         !> The problem
-        type(contact_problem), intent(in) :: problem
+        type(contact_problem), intent(inout) :: problem
         !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
@@ -374,6 +396,7 @@ contains
         logical :: solved, met
 
         joining = 0
+        call measure_from_here(problem, compliance, state)
         do step = 1, max_refinements
             if (step == max_refinements) then
                 call factor_pairs_anew(state%system, problem, compliance, solved)

@@ -1,6 +1,7 @@
 """The contact loop: which pairs touch and what they carry; one call of the core each.
 
-The angle form (equations (16), (17) and (20) of the paper) is a thin wrapper around the general form
+The angle form (equations (16), (17) and (20) of the paper) is a thin wrapper around the general
+form
 
     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   R^T F = Q.
 """

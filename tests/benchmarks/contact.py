@@ -104,34 +104,37 @@ def limit(compliance: np.ndarray, gaps: np.ndarray, pairs: np.ndarray, torque: f
     return compliance[:, first:last] @ forces + gaps - ARM * rotation
 
 
+def measure(n: int) -> str:
+    """One line of the table."""
+    none = np.empty(0, dtype=np.int32)
+    compliance, gaps, torque = hertz_problem(n)
+    compliance = np.asfortranarray(compliance)
+    levers = np.full(n, ARM)
+    influence = np.asfortranarray(compliance / ARM)
+    state = solve_contact(influence, levers, gaps / ARM, torque)
+    pairs = state.active_pairs
+    warm = (pairs + 1).astype(np.int32)
+    forces = paper_dgesv(compliance, gaps, torque)
+    if not np.allclose(forces, state.normal_forces, rtol=0, atol=1e-8 * forces.max()):
+        raise ValueError("the paper's method and the loop disagree")
+    single = best_time(lambda: core_call(compliance, gaps, torque, method=1, warm=none))
+    from_warm = best_time(lambda: core_call(compliance, gaps, torque, method=1, warm=warm))
+    python = best_time(lambda: solve_contact(influence, levers, gaps / ARM, torque))
+    paper = best_time(lambda: core_call(compliance, gaps, torque, method=2, warm=none))
+    dense = best_time(lambda: paper_dgesv(compliance, gaps, torque))
+    bound = best_time(lambda: limit(compliance, gaps, pairs, torque))
+    return (
+        f"{n:5d} {pairs.size:4d} {1e3 * single:10.3f} {1e3 * from_warm:7.3f} "
+        f"{1e3 * python:14.3f} {1e3 * paper:9.3f} {1e3 * dense:15.2f} {1e3 * bound:9.4f} "
+        f"{dense / single:13.1f} {single / bound:9.1f} {from_warm / bound:7.1f} "
+        f"{state.info.backward_error / np.finfo(float).eps:19.1f}"
+    )
+
+
 def run() -> str:
     """Table of times and ratios."""
-    lines = [
+    head = (
         "    n    k  single ms  (warm)  (with Python)  paper ms  paper+dgesv ms      L ms"
         "  dgesv/single  single/L  warm/L  backward error/eps"
-    ]
-    none = np.empty(0, dtype=np.int32)
-    for n in SIZES:
-        compliance, gaps, torque = hertz_problem(n)
-        compliance = np.asfortranarray(compliance)
-        levers = np.full(n, ARM)
-        influence = np.asfortranarray(compliance / ARM)
-        state = solve_contact(influence, levers, gaps / ARM, torque)
-        pairs = state.active_pairs
-        warm = (pairs + 1).astype(np.int32)
-        forces = paper_dgesv(compliance, gaps, torque)
-        if not np.allclose(forces, state.normal_forces, rtol=0, atol=1e-8 * forces.max()):
-            raise ValueError("the paper's method and the loop disagree")
-        single = best_time(lambda: core_call(compliance, gaps, torque, method=1, warm=none))
-        from_warm = best_time(lambda: core_call(compliance, gaps, torque, method=1, warm=warm))
-        python = best_time(lambda: solve_contact(influence, levers, gaps / ARM, torque))
-        paper = best_time(lambda: core_call(compliance, gaps, torque, method=2, warm=none))
-        dense = best_time(lambda: paper_dgesv(compliance, gaps, torque))
-        bound = best_time(lambda: limit(compliance, gaps, pairs, torque))
-        lines.append(
-            f"{n:5d} {pairs.size:4d} {1e3 * single:10.3f} {1e3 * from_warm:7.3f} "
-            f"{1e3 * python:14.3f} {1e3 * paper:9.3f} {1e3 * dense:15.2f} {1e3 * bound:9.4f} "
-            f"{dense / single:13.1f} {single / bound:9.1f} {from_warm / bound:7.1f} "
-            f"{state.info.backward_error / np.finfo(float).eps:19.1f}"
-        )
-    return "\n".join(lines)
+    )
+    return "\n".join([head, *(measure(n) for n in SIZES)])

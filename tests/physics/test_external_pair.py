@@ -25,7 +25,7 @@ INTERIOR = {"rotation": 2e-3, "load": 3e-3, "pressure": 1.5e-2}
 EDGE = {"rotation": 1.2e-2, "load": 1.2e-2}
 
 
-def fzg_scene(**accuracy: object) -> fl.Scene:
+def fzg_scene(torque_Nm: float = 302.0, **accuracy: object) -> fl.Scene:
     """The FZG type C pair at the eight positions of the reference."""
     bodies = {}
     for key, bore in (("body_1", 30.0), ("body_2", 40.0)):
@@ -47,7 +47,7 @@ def fzg_scene(**accuracy: object) -> fl.Scene:
                 "center_distance_mm": REFERENCE["bodies"]["center_distance_mm"],
                 "face_width_mm": REFERENCE["bodies"]["face_width_mm"],
             },
-            "load": {"torque_Nm": REFERENCE["bodies"]["torque_Nm"]},
+            "load": {"torque_Nm": torque_Nm},
             "positions": {"count": 8},
             "accuracy": {"estimate": False, **accuracy},
         }
@@ -117,7 +117,6 @@ def test_single_pair_stiffness_is_near_iso_6336(result: fl.Result) -> None:
 
 def test_fzg_c14_has_hertz_pressure_at_the_pitch_point() -> None:
     expected = CLOSED_FORM["fzg_c14_pitch_point"]
-    scene = fzg_scene(flank_element_mm=1.0)
     one, two = expected["profile_shifts"]
     scene = fl.Scene.from_dict(
         {
@@ -152,10 +151,7 @@ def _gear(teeth: int, shift: float, tip: float, bore: float) -> dict[str, object
 
 
 def test_zero_torque_gives_the_unloaded_transmission_error() -> None:
-    scene = fzg_scene()
-    data = scene.as_dict()
-    data["load"] = {"torque_Nm": 0}
-    result = fl.solve(fl.Scene.from_dict(data))
+    result = fl.solve(fzg_scene(torque_Nm=0.0))
     # conjugate flanks touch everywhere: nothing but the fit of the curves is left
     np.testing.assert_allclose(result.transmission_error_um, 0.0, rtol=0, atol=1e-6)
     assert not result.site_force_N.any()

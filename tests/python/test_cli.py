@@ -356,7 +356,7 @@ def test_progress_shows_after_patience_on_a_terminal_only(
 ) -> None:  # fmt: skip
     import time
 
-    import flankload.cli.run as room
+    import flankload.cli.solving as room
 
     monkeypatch.setattr(room, "PATIENCE_S", 0.05)
     found = solved[0]

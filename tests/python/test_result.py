@@ -84,6 +84,8 @@ def test_summary_by_hand() -> None:
     assert summary["peak_pressure_pair"] == 1
     assert summary["peak_pressure_at_corner"] is True
     assert summary["peak_pressure_off_corners_MPa"] == 1000.0
+    assert summary["peak_pressure_off_corners_position_rad"] == 0.0
+    assert summary["peak_pressure_off_corners_pair"] == 0
 
 
 def test_harmonics_of_a_known_curve() -> None:
@@ -264,7 +266,8 @@ def test_table_has_a_line_per_position_and_marks_corners() -> None:
         "1700*",
     ]
     assert "sharp corner" in text
-    assert "elsewhere at most 1000 MPa" in text
+    assert "1000 MPa on pair 0 at 0.000 deg" in text
+    assert "up to 1700 MPa on a sharp corner (*), which means nothing" in text
 
 
 def test_table_quotes_summary_estimate_cost_and_warnings() -> None:

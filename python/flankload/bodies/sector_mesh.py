@@ -41,7 +41,7 @@ GROWTH = 1.4
 
 #: Lengths relative to the wanted flank element: along the fillet, first layer below the flank, largest
 #: inside the tooth, first row below the root.
-FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.5, 0.5, 1.0, 0.5
+FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 
 #: Largest turn of the profile within one element of the fillet.
 LARGEST_TURN = radians(25.0)

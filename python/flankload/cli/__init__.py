@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.cli.check import check
-from flankload.cli.run import mesh, run, schema
+from flankload.cli.checking import check
+from flankload.cli.solving import mesh, run, schema
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:

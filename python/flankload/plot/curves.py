@@ -164,7 +164,9 @@ def plot_peak_pressure(result: Result) -> Figure:
                 linestyle=(0, (3, 2)),
                 label="dashed: on a sharp corner, not meaningful",
             )
-        axes.set_ylim(bottom=0)
+        # Numbers that mean nothing must not press the others flat.
+        smooth = result.summary["peak_pressure_off_corners_MPa"]
+        axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
         axes.set_ylabel("peak pressure in MPa")
         _legend_of_pairs(axes)
         return figure

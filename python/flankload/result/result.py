@@ -193,13 +193,11 @@ class Result:
         `contact_ratio_under_load` (mean number of loaded pairs), both None where the positions do
         not divide one period evenly; `loaded_pairs_min`, `loaded_pairs_max`; `peak_pressure_MPa`
         with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
-        `peak_pressure_off_corners_MPa`, the largest that means something.
+        the same of `peak_pressure_off_corners`, the largest that means something.
         """
         error = self.transmission_error_um
         loaded = (self.site_force_N > 0).sum(axis=1)
-        p, s = np.unravel_index(np.argmax(self.peak_pressure_MPa), self.peak_pressure_MPa.shape)
         smooth = np.where(self.corner_contact, 0.0, self.peak_pressure_MPa)
-        carries = bool(loaded.any())
         return {
             "transmission_error_mean_um": float(error.mean()),
             "transmission_error_peak_to_peak_um": float(np.ptp(error)),
@@ -207,11 +205,19 @@ class Result:
             "contact_ratio_under_load": float(loaded.mean()) if self.closed else None,
             "loaded_pairs_min": int(loaded.min()),
             "loaded_pairs_max": int(loaded.max()),
-            "peak_pressure_MPa": float(self.peak_pressure_MPa[p, s]),
-            "peak_pressure_position_rad": float(self.position_rad[p]) if carries else None,
-            "peak_pressure_pair": int(self.sites[s]) if carries else None,
-            "peak_pressure_at_corner": bool(self.corner_contact[p, s]),
-            "peak_pressure_off_corners_MPa": float(smooth.max()),
+            **self._largest("peak_pressure", self.peak_pressure_MPa),
+            "peak_pressure_at_corner": bool(self.peak_pressure_MPa.max() > smooth.max()),
+            **self._largest("peak_pressure_off_corners", smooth),
+        }
+
+    def _largest(self, key: str, pressure: Floats) -> dict[str, Any]:
+        """Largest pressure, and the position and pair where it is; None where there is none."""
+        p, s = np.unravel_index(np.argmax(pressure), pressure.shape)
+        found = float(pressure[p, s])
+        return {
+            f"{key}_MPa": found,
+            f"{key}_position_rad": float(self.position_rad[p]) if found > 0 else None,
+            f"{key}_pair": int(self.sites[s]) if found > 0 else None,
         }
 
     def pairs(self, p: int) -> PairTable:

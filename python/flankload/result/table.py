@@ -113,16 +113,19 @@ def _labelled(label: str, text: str) -> str:
 
 
 def _largest_pressure(summary: dict[str, Any]) -> str:
-    text = (
-        f"{summary['peak_pressure_MPa']:.0f} MPa on pair {summary['peak_pressure_pair']} at "
-        f"{degrees(summary['peak_pressure_position_rad']):.3f} deg"
-    )
-    if summary["peak_pressure_at_corner"]:
-        text += (
-            f" {CORNER_MARK} on a sharp corner, where it means nothing; elsewhere at most "
-            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa"
+    parts = []
+    if summary["peak_pressure_off_corners_pair"] is not None:
+        parts.append(
+            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa on pair "
+            f"{summary['peak_pressure_off_corners_pair']} at "
+            f"{degrees(summary['peak_pressure_off_corners_position_rad']):.3f} deg"
         )
-    return text
+    if summary["peak_pressure_at_corner"]:
+        parts.append(
+            f"up to {summary['peak_pressure_MPa']:.0f} MPa on a sharp corner ({CORNER_MARK}), "
+            "which means nothing"
+        )
+    return "; ".join(parts)
 
 
 def _estimate(estimate: Any) -> str:

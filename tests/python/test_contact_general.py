@@ -1,0 +1,157 @@
+"""The general form of the contact loop: several motions, preload, levers of any sign."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from tolerances import ROUND_OFF, SOLVER
+
+import flankload as fl
+from flankload import errors
+
+EPS = float(np.finfo(float).eps)
+TEETH = 24
+BASE_RADIUS = 20.0
+TORQUE = 5000.0 * BASE_RADIUS
+
+
+def floating_spline() -> tuple[np.ndarray, np.ndarray]:
+    """Compliance and levers of a spline whose hub turns and floats: (φ, x, y)."""
+    angle = 2 * np.pi * np.arange(TEETH) / TEETH
+    levers = np.column_stack([np.full(TEETH, BASE_RADIUS), np.cos(angle), np.sin(angle)])
+    compliance = 1e-5 * np.eye(TEETH)
+    for offset, part in ((1, 0.2), (2, 0.05)):
+        for sign in (-1, 1):
+            compliance += 1e-5 * part * np.roll(np.eye(TEETH), sign * offset, axis=1)
+    return compliance, levers
+
+
+def test_centred_spline_shares_equally() -> None:
+    compliance, levers = floating_spline()
+    state = fl.solve_contact_general(compliance, np.zeros(TEETH), levers, [TORQUE, 0, 0])
+    np.testing.assert_allclose(
+        state.normal_forces, TORQUE / (TEETH * BASE_RADIUS), rtol=ROUND_OFF, atol=0
+    )
+    np.testing.assert_allclose(state.motions[1:] / state.motions[0], 0.0, rtol=0, atol=ROUND_OFF)
+    assert state.info.backward_error <= 10 * EPS
+
+
+@pytest.mark.parametrize("radial_load", [1000.0, 2400.0])
+def test_radial_load_adds_a_cosine(radial_load: float) -> None:
+    compliance, levers = floating_spline()
+    state = fl.solve_contact_general(
+        compliance, np.zeros(TEETH), levers, [TORQUE, radial_load, 0.0]
+    )
+    expected = TORQUE / (TEETH * BASE_RADIUS) + 2 * radial_load / TEETH * levers[:, 1]
+    np.testing.assert_allclose(
+        state.normal_forces, expected, rtol=0, atol=10 * ROUND_OFF * expected.max()
+    )
+
+
+def test_radial_load_lifts_teeth_off() -> None:
+    """Beyond M/(2 r_b) the teeth on the far side open; the loads are still held."""
+    compliance, levers = floating_spline()
+    loads = np.array([TORQUE, 4500.0, 0.0])
+    state = fl.solve_contact_general(compliance, np.zeros(TEETH), levers, loads)
+    assert 0 < state.active_pairs.size < TEETH
+    assert state.normal_forces[0] == state.normal_forces.max()
+    np.testing.assert_allclose(
+        levers.T @ state.normal_forces, loads, rtol=0, atol=ROUND_OFF * TORQUE
+    )
+    assert state.final_gap_angles.min() >= 0
+    assert state.info.backward_error <= 10 * EPS
+
+
+def test_radial_load_beyond_the_drive_flanks_has_no_state() -> None:
+    compliance, levers = floating_spline()
+    loads = np.array([TORQUE, 6000.0, 0.0])
+    with pytest.raises(errors.NoContactState, match="free to move along") as caught:
+        fl.solve_contact_general(compliance, np.zeros(TEETH), levers, loads)
+    motion = caught.value.motion
+    assert loads @ motion > 0
+    assert (levers @ motion).max() <= ROUND_OFF * np.abs(levers @ motion).max()
+
+
+def test_random_problems_against_linear_programming() -> None:
+    """A state exists exactly where forces >= 0 can hold the loads; zero levers included."""
+    rng = np.random.default_rng(4)
+    with_state = without = 0
+    for case in range(200):
+        q = int(rng.integers(1, 5))
+        n = int(rng.integers(q + 1, 40))
+        root = rng.standard_normal((n, n))
+        compliance = root @ root.T / n + 10.0 ** rng.uniform(-4, 0) * np.eye(n)
+        levers = rng.standard_normal((n, q))
+        levers[rng.random(n) < 0.1] = 0.0
+        gaps = rng.uniform(-0.2, 1.0, n)
+        loads = rng.standard_normal(q)
+        if case % 2:
+            loads = levers.T @ np.abs(rng.standard_normal(n))
+        held = linprog(np.zeros(n), A_eq=levers.T, b_eq=loads, method="highs").status == 0
+        if np.linalg.matrix_rank(levers) < q:
+            continue
+        if not held:
+            without += 1
+            with pytest.raises(errors.NoContactState) as caught:
+                fl.solve_contact_general(compliance, gaps, levers, loads)
+            work = levers @ caught.value.motion
+            assert loads @ caught.value.motion > 0
+            assert work.max() <= SOLVER * np.abs(work).max()
+            continue
+        state = fl.solve_contact_general(compliance, gaps, levers, loads)
+        with_state += 1
+        assert state.info.unique
+        assert state.info.backward_error <= 10 * EPS
+        forces = state.normal_forces
+        final = compliance @ forces + gaps - levers @ state.motions
+        scale = np.abs(compliance) @ forces + np.abs(gaps) + np.abs(levers) @ np.abs(state.motions)
+        assert (final >= -20 * EPS * scale).all()
+        assert (np.abs(final) <= 20 * EPS * scale)[state.active_pairs].all()
+        assert (forces >= 0).all()
+    assert with_state > 100
+    assert without > 20
+
+
+def test_one_motion_is_the_angle_form() -> None:
+    compliance = np.array([[10, 7, 5], [7, 10, 7], [5, 7, 10.0]])
+    levers = np.array([20.0, 21.0, 22.0])
+    gaps = np.array([0.3, 0.0, 0.2])
+    angles = fl.solve_contact(compliance / levers[:, None], levers, gaps / levers, 50.0)
+    general = fl.solve_contact_general(compliance, gaps, levers, 50.0)
+    np.testing.assert_allclose(
+        general.normal_forces, angles.normal_forces, rtol=ROUND_OFF, atol=ROUND_OFF
+    )
+    np.testing.assert_allclose(general.rotation, angles.rotation, rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(
+        general.final_gap_angles / levers, angles.final_gap_angles, rtol=0, atol=ROUND_OFF
+    )
+
+
+def test_preload_needs_no_load() -> None:
+    """Drive and coast flank with interference: both press with d / (2 c), and nothing turns."""
+    overlap, c = 0.01, 1e-4
+    state = fl.solve_contact_general(c * np.eye(2), [-overlap, -overlap], [30.0, -30.0], 0.0)
+    np.testing.assert_allclose(state.normal_forces, overlap / c, rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(state.rotation, 0.0, rtol=0, atol=ROUND_OFF * overlap)
+
+
+def test_a_pair_whose_normal_meets_the_axis_carries_its_overlap() -> None:
+    state = fl.solve_contact_general(np.diag([1e-4, 2e-4]), [-0.02, 0.0], [0.0, 30.0], 300.0)
+    np.testing.assert_allclose(state.normal_forces, [200.0, 10.0], rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(state.rotation, 10.0 * 2e-4 / 30.0, rtol=ROUND_OFF, atol=0)
+
+
+def test_a_motion_that_no_pair_holds_is_singular() -> None:
+    with pytest.raises(errors.SingularContact):
+        fl.solve_contact_general(
+            np.eye(3), np.zeros(3), np.column_stack([np.ones(3), np.zeros(3)]), [1.0, 0.0]
+        )
+
+
+def test_a_load_against_all_levers_has_no_state() -> None:
+    with pytest.raises(errors.NoContactState) as caught:
+        fl.solve_contact_general(np.eye(2), [0, 0], [1, 1], -1.0)
+    assert caught.value.code == -1
+    assert caught.value.largest_torque == 0.0
+    assert caught.value.motion.tolist() == [-1.0]

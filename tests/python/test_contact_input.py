@@ -1,0 +1,187 @@
+"""Arguments of `solve_contact` that make no problem: one line that names what is wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload import _core, errors
+
+MATRIX = np.array([[10, 7, 5], [7, 10, 7], [5, 7, 10.0]])
+
+
+def refusal(code: int, **changed: Any) -> str:
+    """The message for a good problem with some arguments changed."""
+    arguments: dict[str, Any] = {
+        "flexibility_matrix": MATRIX,
+        "lever_arms": np.ones(3),
+        "gap_angles": np.zeros(3),
+        "torque": 5.0,
+    } | changed
+    with pytest.raises(errors.InputError) as caught:
+        fl.solve_contact(**arguments)
+    assert caught.value.code == code
+    assert isinstance(caught.value, ValueError)
+    return str(caught.value)
+
+
+def test_matrix_that_is_not_square() -> None:
+    message = refusal(-4, flexibility_matrix=MATRIX[:2])
+    assert message == "flexibility_matrix: expected shape (2, 2), found (2, 3)"
+
+
+def test_matrix_with_one_axis() -> None:
+    message = refusal(-4, flexibility_matrix=[1.0])
+    assert message == "flexibility_matrix: expected 2 axes, found shape (1,)"
+
+
+def test_no_pairs() -> None:
+    message = refusal(-4, flexibility_matrix=np.empty((0, 0)), lever_arms=[], gap_angles=[])
+    assert "at least one pair" in message
+
+
+@pytest.mark.parametrize("name", ["lever_arms", "gap_angles", "normal_lever_arms"])
+def test_vector_of_the_wrong_length(name: str) -> None:
+    assert refusal(-4, **{name: np.ones(4)}) == f"{name}: expected shape (3,), found (4,)"
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", ["lever_arms", "gap_angles", "normal_lever_arms"])
+def test_vector_with_nan_or_infinity(name: str, bad: float) -> None:
+    message = refusal(-4, **{name: [1.0, bad, 1.0]})
+    assert message == f"{name}: expected finite numbers, found {bad} at [1]"
+
+
+def test_matrix_with_nan() -> None:
+    matrix = MATRIX.copy()
+    matrix[2, 1] = np.nan
+    message = refusal(-4, flexibility_matrix=matrix)
+    assert message == "flexibility_matrix: expected finite numbers, found nan at [2, 1]"
+
+
+def test_words_in_place_of_numbers() -> None:
+    assert refusal(-4, gap_angles=["a", "b", "c"]).startswith("gap_angles: expected an array")
+
+
+def test_negative_torque() -> None:
+    assert refusal(-4, torque=-1.0) == "torque: expected a number >= 0, found -1"
+
+
+def test_torque_that_is_a_list() -> None:
+    assert refusal(-4, torque=[1.0, 2.0]) == "torque: expected a number, found shape (2,)"
+
+
+def test_torque_nan() -> None:
+    assert refusal(-4, torque=np.nan).startswith("torque: expected finite numbers, found nan")
+
+
+def test_unknown_method_names_the_available_ones() -> None:
+    assert refusal(-4, method="lemke") == (
+        "method: expected one of 'auto', 'single', 'paper', found 'lemke'"
+    )
+
+
+def test_row_scale_of_zero() -> None:
+    message = refusal(-5, lever_arms=[1.0, 0.0, 1.0])
+    assert message == "lever_arms: expected row scales > 0, found 0 at pair 1"
+
+
+def test_negative_row_scale() -> None:
+    message = refusal(-5, normal_lever_arms=[1.0, 1.0, -2.0])
+    assert message == "normal_lever_arms: expected row scales > 0, found -2 at pair 2"
+
+
+def test_no_lever_arm_above_zero() -> None:
+    assert refusal(-5, lever_arms=[-1.0, -1.0, -2.0]).startswith(
+        "lever_arms: expected at least one > 0"
+    )
+
+
+def test_diagonal_that_is_not_positive() -> None:
+    matrix = MATRIX.copy()
+    matrix[1, 1] = 0.0
+    message = refusal(-5, flexibility_matrix=matrix)
+    assert message == "flexibility_matrix: expected a diagonal > 0, found 0 at pair 1"
+
+
+@pytest.mark.parametrize(
+    ("warm", "words"),
+    [
+        ([3], "from 0 to 2, found 3"),
+        ([-1, 0], "found -1"),
+        ([0, 0], "found a pair twice"),
+        ([0.5], "list of integers"),
+    ],
+)
+def test_warm_pairs_that_are_none(warm: list[float], words: str) -> None:
+    message = refusal(-4, warm_pairs=warm)
+    assert message.startswith("warm_pairs: expected")
+    assert words in message
+
+
+def test_general_form_with_loads_that_do_not_fit() -> None:
+    with pytest.raises(errors.InputError, match=r"motions: expected shape \(3, 2\), found \(3,\)"):
+        fl.solve_contact_general(MATRIX, np.zeros(3), np.ones(3), [1.0, 2.0])
+
+
+def test_method_paper_takes_one_motion() -> None:
+    with pytest.raises(errors.InputError, match="'paper' expected one motion"):
+        fl.solve_contact_general(MATRIX, np.zeros(3), np.eye(3), np.ones(3), method="paper")
+
+
+def test_lists_singles_and_strides_are_the_same_problem() -> None:
+    gaps = np.array([0.5, 0.0, 0.25])
+    reference = fl.solve_contact(MATRIX, np.ones(3), gaps, 5.0)
+    padded = np.zeros((6, 6))
+    padded[::2, ::2] = MATRIX
+    for matrix in (
+        MATRIX.tolist(),
+        MATRIX.astype(np.float32),
+        np.asfortranarray(MATRIX),
+        padded[::2, ::2],
+    ):
+        state = fl.solve_contact(
+            matrix, [1, 1, 1], gaps.astype(np.float32)[::-1][::-1], np.float32(5)
+        )
+        assert state.normal_forces.tolist() == reference.normal_forces.tolist()
+        assert state.rotation == reference.rotation
+
+
+def test_arguments_stay_as_they_were() -> None:
+    matrix, gaps = MATRIX.copy(), np.array([0.5, 0.0, 0.25])
+    fl.solve_contact(matrix, np.ones(3), gaps, 5.0)
+    assert matrix.tolist() == MATRIX.tolist()
+    assert gaps.tolist() == [0.5, 0.0, 0.25]
+
+
+def test_failures_leave_no_numbers_behind() -> None:
+    """Singular and refused problems at the flat door: every output is NaN, no pair is active."""
+    none = np.empty(0, dtype=np.int32)
+    levers = np.asfortranarray(np.column_stack([np.ones(3), np.zeros(3)]))
+    singular = _core.flankload_solve_contact(
+        np.asfortranarray(MATRIX), np.zeros(3), levers, levers, np.array([1.0, 0.0]), 1, 1, none
+    )
+    assert singular[-1] == -3
+    column = np.ones((3, 1), order="F")
+    refused = _core.flankload_solve_contact(
+        np.asfortranarray(-MATRIX), np.zeros(3), column, column, np.ones(1), 1, 1, none
+    )
+    assert refused[-1] == -5
+    unknown = _core.flankload_solve_contact(
+        np.asfortranarray(MATRIX), np.zeros(3), column, column, np.ones(1), 1, 99, none
+    )
+    assert unknown[-1] == -4
+    for outcome in (singular, refused, unknown):
+        forces, gaps, motion, tangent, active, _, certificate, _ = outcome
+        for numbers in (forces, gaps, motion, tangent, certificate):
+            assert np.isnan(numbers).all()
+        assert not active.any()
+
+
+def test_states_are_frozen() -> None:
+    state = fl.solve_contact(MATRIX, np.ones(3), np.zeros(3), 5.0)
+    with pytest.raises(AttributeError):
+        state.rotation = 0.0  # type: ignore[misc]
