@@ -258,7 +258,8 @@ contains
         gaps = problem%row_scale*gaps + problem%gaps - matmul(problem%motions, motion)
     end subroutine contact_gaps
 
-    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, gaps and motion measured from the start.
+    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, motions measured from the start or from
+    !> zero, whichever is less: small loads at large gaps are resolved, large starts excuse nothing.
     pure function row_size(problem, compliance, forces, motion, pairs, i) result(total)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -281,8 +282,10 @@ contains
             total = total + abs(compliance(i, pairs(k))*forces(pairs(k))) &
                 & *problem%row_scale(pairs(k))
         end do
-        total = problem%row_scale(i)*total + abs(problem%gaps(i)) &
-            & + dot_product(abs(problem%motions(i, :)), abs(motion))
+        total = problem%row_scale(i)*total + min( &
+            & abs(problem%gaps(i)) + dot_product(abs(problem%motions(i, :)), abs(motion)), &
+            & abs(problem%normal_gaps(i)) + dot_product(abs(problem%motions(i, :)), &
+            & abs(problem%start_motion + motion)))
     end function row_size
 
     !> Sizes of all rows, by columns.

@@ -41,7 +41,7 @@ module flankload_single_loop
     !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
     !> A start this many times as far as the end is too far to measure from.
-    real(wp), parameter :: far_start = 4.0_wp
+    real(wp), parameter :: far_start = 1.5_wp
     !> Refinements of the final equations, one always, more where the rows are not yet met
     integer, parameter :: max_refinements = 3
 

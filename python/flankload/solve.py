@@ -173,6 +173,8 @@ def build_bodies(scene: Scene) -> BodyPair:
             position_rad=position_rad,
         )
     except SceneError as error:
+        if error.file is not None or scene.file is None:
+            raise
         raise error.with_file(scene.file) from None
     notes = (
         *(f"body_1: {note}" for note in body_1.notes),

@@ -103,12 +103,6 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         right_nodes=sector.right,
         teeth=spec.teeth,
     )
-    if spec.pitch_errors_um and len(spec.pitch_errors_um) != spec.teeth:
-        raise SceneError(
-            key=f"{key}.pitch_errors_um",
-            expected=f"one value per tooth, {spec.teeth}",
-            found=f"{len(spec.pitch_errors_um)} values",
-        )
     reference = spec.reference_radius_mm or (involute and involute.base_radius_mm)
     if reference is None:
         raise SceneError(
