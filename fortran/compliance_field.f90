@@ -37,7 +37,8 @@ contains
         real(wp) :: xi(size(s))
 
         n_modes = size(compliance%smooth, 1)
-        xi = (2.0_wp*s - compliance%s_low - compliance%s_high)/(compliance%s_high - compliance%s_low)
+        xi = (2.0_wp*s - compliance%s_low - compliance%s_high) &
+            & /(compliance%s_high - compliance%s_low)
         xi = min(1.0_wp, max(-1.0_wp, xi))
         if (n_modes > 0) values(:, 1) = 1.0_wp
         if (n_modes > 1) values(:, 2) = xi

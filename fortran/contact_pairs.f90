@@ -32,7 +32,8 @@ module flankload_contact_pairs
         real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
         !> Radius of the circle about O1 [mm], gap angle [rad], shape (n)
         real(wp), allocatable :: radius(:), gap_angle(:)
-        !> Lever arms about O1 [mm]: of the force on body 1 (torque row), and of the pair (row scale)
+        !> Lever arms about O1 [mm]: of the force on body 1 (torque row), and of the pair (row
+        !> scale)
         real(wp), allocatable :: torque_lever(:), lever(:)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
@@ -145,7 +146,8 @@ contains
             pairs%s_2(i) = pair%s_2
             pairs%radius(i) = pair%radius
             pairs%torque_lever(i) = lever_1
-            pairs%lever(i) = 0.5_wp*(lever_1 + lever_2)   ! one lever for both bodies: K stays symmetric
+            ! one lever for both bodies: K stays symmetric
+            pairs%lever(i) = 0.5_wp*(lever_1 + lever_2)
             pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
             pairs%point(:, i) = pair%point_1
             pairs%normal(:, i) = normal

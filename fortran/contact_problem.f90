@@ -12,7 +12,8 @@ module flankload_contact_problem
     private
 
     public :: contact_problem, contact_result
-    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps, row_size, row_sizes, is_finite
+    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps, row_size, row_sizes
+    public :: is_finite
     public :: row_tolerance
 
     !> A scaled problem; the compliance itself stays where the caller has it.
@@ -205,9 +206,10 @@ contains
         !> Pairs that touch by definition of this motion: their gap is zero without rounding
         integer, intent(in) :: touching(:)
 
-        problem%gaps = problem%gaps - matmul(problem%motions, motion)
-        problem%gaps(touching) = 0.0_wp
         problem%start_motion = problem%start_motion + motion
+        ! From the caller's gaps each time: an earlier start that was far off leaves no rounding.
+        problem%gaps = problem%normal_gaps - matmul(problem%motions, problem%start_motion)
+        problem%gaps(touching) = 0.0_wp
     end subroutine shift_gaps
 
     !> The problem with motions measured from zero, as the caller measures them.

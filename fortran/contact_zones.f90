@@ -64,7 +64,8 @@ module flankload_contact_zones
 
     !> Samples a flank: fine enough to see every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
-    !> A flank that stands this steeply across its circle ends there: the pair (and 1/(P.t)) is lost.
+    !> A flank that stands this steeply across its circle ends there: the pair (and 1/(P.t)) is
+    !> lost.
     real(wp), parameter :: least_rise = 0.02_wp
     !> One-sided slopes at a corner are taken this far beside it, relative to the flank's length.
     real(wp), parameter :: beside = 1.0e-9_wp
@@ -89,7 +90,8 @@ contains
         step = curve_length(curve)/samples_per_flank
         allocate (parts(n_intervals))
         do interval = 1, n_intervals
-            parts(interval) = max(1, ceiling((curve%breaks(interval) - curve%breaks(interval - 1))/step))
+            parts(interval) = max(1, &
+                & ceiling((curve%breaks(interval) - curve%breaks(interval - 1))/step))
         end do
         n = sum(parts) + 1
         flank%curve = curve
@@ -164,7 +166,8 @@ contains
         type(frame_type), intent(in) :: frame_2
         !> Number of the site, noted in the zones
         integer, intent(in) :: site
-        !> Zones found are appended here; what does not fit is dropped (n_zones then passes the size)
+        !> Zones found are appended here; what does not fit is dropped (n_zones then passes the
+        !> size)
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
         integer, intent(inout) :: n_zones
@@ -214,13 +217,15 @@ contains
         !> Flank of body 2 and where it stands
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Places on flank 1, ascending: its samples and the circles through special points of flank 2
+        !> Places on flank 1, ascending: its samples and the circles through special points of flank
+        !> 2
         real(wp), allocatable, intent(out) :: s_1(:)
         !> Least gap angle on that circle [rad]
         real(wp), allocatable, intent(out) :: gap(:)
         !> Segment of flank 2's polyline that makes it, 0 where the circle misses flank 2
         integer, allocatable, intent(out) :: segment(:)
-        !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else 0
+        !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else
+        !> 0
         integer, allocatable, intent(out) :: corner(:)
 
         integer :: l, k, n_2, n, at

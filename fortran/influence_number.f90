@@ -1,7 +1,8 @@
 !> Influence numbers of all pairs of a position, (5)–(15), in the form that the contact loop wants.
 !>
-!> With the row lever b_i of the pair, K_ij = b_i a_ij = recession of both bodies at pair i along the
-!> normal for a unit normal force at pair j: the limit F -> 0 of the paper's construction (Fig. 5).
+!> With the row lever b_i of the pair, K_ij = b_i a_ij = recession of both bodies at pair i along
+!> the normal for a unit normal force at pair j: the limit F -> 0 of the paper's construction (Fig.
+!> 5).
 module flankload_influence_number
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel
@@ -55,7 +56,8 @@ contains
                 last = last_of_site(first)
                 carried = matmul(values(first:last, :), &
                     & body%smooth(:, :, body%block(site(first), site(load_first))))
-                matrix(first:last, load_first:load_last) = matrix(first:last, load_first:load_last) &
+                matrix(first:last, load_first:load_last) = &
+                    & matrix(first:last, load_first:load_last) &
                     & + matmul(carried, transpose(values(load_first:load_last, :)))
                 first = last + 1
             end do

@@ -1,8 +1,8 @@
 !> The cheapest level: one unknown for each place of contact, the near field by Hertz.
 !>
 !> b_i (phi - eps_i) = sum_j S_ij F_j + c F_i (1/2 + ln(2/h_i)) for the places in contact, with the
-!> half-width h_i = sqrt(2 F_i c / kappa_i); all forces in N, c per face width. Here it tells how wide
-!> the contacts are and which flanks can touch, before cells are laid.
+!> half-width h_i = sqrt(2 F_i c / kappa_i); all forces in N, c per face width. Here it tells how
+!> wide the contacts are and which flanks can touch, before cells are laid.
 module flankload_lumped_hertz
     use flankload_kinds, only: wp
     use flankload_error, only: error_type

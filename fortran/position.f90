@@ -50,7 +50,8 @@ module flankload_position
         !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
         type(pairs_type) :: pairs
         real(wp), allocatable :: forces(:), gaps(:)
-        !> Force [N], peak of force over cell width [N/mm], and body whose corner works, shape (sites)
+        !> Force [N], peak of force over cell width [N/mm], and body whose corner works, shape
+        !> (sites)
         real(wp), allocatable :: site_force(:), site_peak(:)
         integer, allocatable :: site_corner(:)
         !> Certificate of the contact loop
@@ -70,8 +71,9 @@ module flankload_position
     real(wp), parameter :: widening = 1.6_wp
     !> … at most so often; 1.6**12 half-widths cover any flank.
     integer, parameter :: max_passes = 14
-    !> A zone joins when its gap is below the estimated rotation plus this part of it: the estimate of
-    !> the lumped level is better than 1 %, and a zone missed is found by the check after the loop.
+    !> A zone joins when its gap is below the estimated rotation plus this part of it: the estimate
+    !> of the lumped level is better than 1 %, and a zone missed is found by the check after the
+    !> loop.
     real(wp), parameter :: joining = 0.02_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
@@ -149,8 +151,8 @@ contains
         joins = estimate > 0.0_wp .or. gap < rotation*(1.0_wp + joining)
         do pass = 1, max_passes
             state%passes = pass
-            call solve_on_grid(body_1, body_2, frames_1, frames_2, zones(:n_zones), joins, estimate, &
-                & widths, kernel, torque, settings, state, settled, error)
+            call solve_on_grid(body_1, body_2, frames_1, frames_2, zones(:n_zones), joins, &
+                & estimate, widths, kernel, torque, settings, state, settled, error)
             if (allocated(error)) return
             if (any(gap < state%rotation .and. .not. joins)) settled = .false.
             joins = joins .or. gap < state%rotation

@@ -1,8 +1,9 @@
 !> Flat door to the sweep: arrays in, arrays out (see flankload.h, flankload.inc).
 !>
 !> info = 0: every position has an answer, its status stands in status(:). info > 0: that many
-!> positions failed; their status is negative and their numbers are NaN. info = -i: argument i is not
-!> valid. More pairs at a position than max_pairs: n_pairs tells how many, the table holds the first.
+!> positions failed; their status is negative and their numbers are NaN. info = -i: argument i is
+!> not valid. More pairs at a position than max_pairs: n_pairs tells how many, the table holds the
+!> first.
 subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, torque, &
         & n_breaks_1, degree_1, breaks_1, coefficients_1, corners_1, &
         & n_breaks_2, degree_2, breaks_2, coefficients_2, corners_2, &
@@ -44,7 +45,8 @@ subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, tor
     double precision, intent(in) :: deviations_1(n_sites)
     double precision, intent(in) :: deviations_2(n_sites)
     !> Compliance of body 1 per its face width: modes, blocks, arc lengths between which modes live
-    !> [mm], strength of the logarithm [mm/N], smooth part [mm/N], block of each pair of sites (from 1)
+    !> [mm], strength of the logarithm [mm/N], smooth part [mm/N], block of each pair of sites (from
+    !> 1)
     integer, intent(in) :: n_modes_1
     integer, intent(in) :: n_blocks_1
     double precision, intent(in) :: mode_range_1(2)

@@ -1,9 +1,9 @@
-"""One body's compliance at its flanks: unit loads on one sector, the ring closed by a Fourier transform.
+"""One body's compliance at its flanks: unit loads on one sector, the ring closed by Fourier.
 
-A body of z equal sectors needs the mesh of one. Its stiffness is factorised once; on the right stand
-the pressure modes of the flank and the columns of the cut faces. With the forces G that the loads
-carry to the cuts and the condensed stiffness S of the cuts, the ring closes sector harmonic by sector
-harmonic; nothing is approximated.
+A body of z equal sectors needs the mesh of one. Its stiffness is factorised once; on the right
+stand the pressure modes of the flank and the columns of the cut faces. With the forces G that the
+loads carry to the cuts and the condensed stiffness S of the cuts, the ring closes sector harmonic
+by sector harmonic; nothing is approximated.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ from flankload.near_field import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
+    from scipy.sparse import csc_matrix
 
     from flankload.bodies.body import Body, SectorMesh
 
@@ -39,14 +42,15 @@ class BodyCompliance:
     Attributes
     ----------
     smooth : (z, p, p) array
-        smooth[t] maps the pressure modes of tooth 0 to displacements out of the material on tooth t,
-        as mode coefficients, without the logarithm; mm²/N.
+        smooth[t] maps the pressure modes of tooth 0 to displacements out of the material on tooth
+        t, as mode coefficients, without the logarithm; mm²/N.
     kernel : float
         Strength c0 of the logarithm, mm²/N; 0 for a rigid body.
     mode_range_mm : (float, float)
         Arc lengths of the flank curve between which the modes live.
     asymmetry : float
-        Largest difference of smooth[t] and smooth[-t] transposed before both were averaged, relative.
+        Largest difference of smooth[t] and smooth[-t] transposed before both were averaged,
+        relative.
     degrees_of_freedom, fe_factorisations, unit_loads_normal : int
     bytes : int
     seconds : dict of str to float
@@ -64,7 +68,7 @@ class BodyCompliance:
     seconds: dict[str, float] = field(default_factory=dict)
 
     def fewer_modes(self) -> BodyCompliance:
-        """The same compliance without its highest mode: a block of it, as the modes are orthogonal."""
+        """The same without the highest mode: a block, since the modes are orthogonal."""
         if self.smooth.shape[1] < 2:
             return self
         return replace(self, smooth=self.smooth[:, :-1, :-1])
@@ -145,7 +149,10 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
 
 
 def condense(
-    matrix: object, loads: NDArray[np.float64], mesh: SectorMesh, lap: object = None
+    matrix: csc_matrix,
+    loads: NDArray[np.float64],
+    mesh: SectorMesh,
+    lap: Callable[[str], None] | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts with one sparse factorisation.
 
@@ -165,14 +172,14 @@ def condense(
     degrees_of_freedom : int
         Those that are not held.
     """
-    tell = lap if callable(lap) else (lambda step: None)
+    tell = lap if lap is not None else (lambda step: None)
     cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
     held = degrees_of(mesh.fixed_nodes)
-    inner = np.ones(matrix.shape[0], dtype=bool)  # type: ignore[attr-defined]
+    inner = np.ones(matrix.shape[0], dtype=bool)
     inner[cut] = False
     inner[held] = False
     inside = np.flatnonzero(inner)
-    rows = matrix[inside]  # type: ignore[index]
+    rows = matrix[inside]
     factor = splu(
         rows[:, inside].tocsc(),
         permc_spec="MMD_AT_PLUS_A",
@@ -187,7 +194,7 @@ def condense(
         block = slice(first, first + BLOCK)
         solved[:, block] = factor.solve(right[:, block])
     p = loads.shape[1]
-    at_cut = matrix[cut][:, cut].toarray()  # type: ignore[index]
+    at_cut = matrix[cut][:, cut].toarray()
     tell("solution")
     sector = CondensedSector(
         local=loads[inside].T @ solved[:, :p],
@@ -232,7 +239,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
     for k in range(teeth // 2 + 1):
         weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
         shift = np.exp(1j * pitch * k)
-        # unknowns w_t = w exp(i k pitch t); sector 0 is loaded: load on its left (t = 0), right (t = 1)
+        # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
         unknown = np.linalg.solve(
             left_left + right_right + left_right * shift + right_left / shift,
             load_left + load_right / shift,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csc_matrix, coo_matrix
+from scipy.sparse import coo_matrix, csc_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -3,7 +3,8 @@
 Both coarser sweeps use what is there already (no further finite elements): halving the number of
 strips shows the error of the cells, dropping the highest pressure mode (the Legendre modes are
 orthogonal, so the smaller matrix is a block of the larger) that of the load modes. The error of the
-mesh has no embedded pair; it is predicted from the length of the flank elements (see MESH_CONSTANT).
+mesh has no embedded pair; it is predicted from the length of the flank elements (see
+MESH_CONSTANT).
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from flankload.compliance import BodyCompliance
     from flankload.sweep import Grid, Sweep
 
-#: Parts of the difference to half the strips: the error falls at least linearly with the cell width.
+#: Parts of the difference to half the strips: the error falls at least linearly with the cell
+#: width.
 STRIPS_FACTOR = 1.0
 
 
@@ -82,7 +84,7 @@ def estimate_errors(
         "modes": _differences(found, run(compliances=tuple(c.fewer_modes() for c in compliances))),
     }
     total = {
-        quantity: float(np.hypot(*(source[quantity] for source in by_source.values())))
+        quantity: float(np.linalg.norm([source[quantity] for source in by_source.values()]))
         for quantity in ("transmission_error", "load_share", "peak_pressure")
     }
     return Estimate(**total, by_source=by_source)

@@ -1,7 +1,8 @@
 """Mesh files, in and out: the only room that knows meshio.
 
-What comes out of `read_mesh` is plain: nodes, element blocks, and named sets of nodes. Names come from
-gmsh's physical groups, from node and element sets, and from integer 0/1 point data (VTU has no sets).
+What comes out of `read_mesh` is plain: nodes, element blocks, and named sets of nodes. Names come
+from gmsh's physical groups, from node and element sets, and from integer 0/1 point data (VTU has no
+sets).
 """
 
 from __future__ import annotations
@@ -97,7 +98,9 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
             expected="all nodes in one plane z = const",
             found=f"z from {points[:, 2].min():g} to {points[:, 2].max():g}",
         )
-    cells = [(b.type, np.asarray(b.data, dtype=np.int64)) for b in raw.cells if b.type in PLANE_CELLS]
+    cells = [
+        (b.type, np.asarray(b.data, dtype=np.int64)) for b in raw.cells if b.type in PLANE_CELLS
+    ]
     used = np.unique(np.concatenate([data.ravel() for _, data in cells]))
     new_number = np.full(len(points), -1)
     new_number[used] = np.arange(used.size)
@@ -113,7 +116,7 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
 
 
 def _read_with_meshio(path: Path, key: str) -> meshio.Mesh:
-    """meshio reports trouble by exceptions of every kind, SystemExit and prints: one error for all."""
+    """Read a file; whatever way meshio reports trouble (SystemExit, prints), one error."""
     import meshio
 
     try:
@@ -166,8 +169,8 @@ def write_sector(path: str | Path, mesh: SectorMesh, *, turn_rad: float = 0.0) -
         point data).
     mesh : SectorMesh
     turn_rad : float
-        The nodes are turned by this angle about the axis first: the file then stands as the body stands
-        at position zero.
+        The nodes are turned by this angle about the axis first: the file then stands as the body
+        stands at position zero.
 
     Raises
     ------
@@ -187,7 +190,9 @@ def write_sector(path: str | Path, mesh: SectorMesh, *, turn_rad: float = 0.0) -
     edges = {
         "FLANK": mesh.flank_edges,
         "BORE": _edges_among(mesh, mesh.fixed_nodes),
-        "CUT_LEFT": _edges_among(mesh, np.union1d(mesh.left_nodes, mesh.fixed_nodes), mesh.left_nodes),
+        "CUT_LEFT": _edges_among(
+            mesh, np.union1d(mesh.left_nodes, mesh.fixed_nodes), mesh.left_nodes
+        ),
         "CUT_RIGHT": _edges_among(
             mesh, np.union1d(mesh.right_nodes, mesh.fixed_nodes), mesh.right_nodes
         ),

@@ -1,9 +1,9 @@
 """Pressure modes on a flank, their consistent loads, and the analytic near field they leave out.
 
 The compliance of a flank is split: a half-plane's
-logarithm K(s, s') = -c0 ln|s - s'| on the same flank, and a smooth remainder that a few Legendre modes
-over the flank's arc length carry. The unit loads of the finite elements are these modes, never forces
-on nodes: the self term of a nodal load has no limit under refinement.
+logarithm K(s, s') = -c0 ln|s - s'| on the same flank, and a smooth remainder that a few Legendre
+modes over the flank's arc length carry. The unit loads of the finite elements are these modes,
+never forces on nodes: the self term of a nodal load has no limit under refinement.
 """
 
 from __future__ import annotations
@@ -53,13 +53,14 @@ def mode_values(
     (n, n_modes) array
     """
     low, high = mode_range_mm
-    return legvander((2.0 * np.asarray(s) - low - high) / (high - low), n_modes - 1)
+    values = legvander((2.0 * np.asarray(s) - low - high) / (high - low), n_modes - 1)
+    return np.asarray(values, dtype=np.float64)
 
 
 def mode_norms(mode_range_mm: tuple[float, float], n_modes: int) -> NDArray[np.float64]:
     """D_a = integral of P_a² over the range, mm: length/(2a + 1)."""
     low, high = mode_range_mm
-    return (high - low) / (2.0 * np.arange(n_modes) + 1.0)
+    return np.asarray((high - low) / (2.0 * np.arange(n_modes) + 1.0), dtype=np.float64)
 
 
 def mode_loads(
@@ -67,8 +68,8 @@ def mode_loads(
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of the pressure modes along the normal out of the material.
 
-    B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic geometry
-    and shape functions; s is interpolated like the place.
+    B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
+    geometry and shape functions; s is interpolated like the place.
 
     Parameters
     ----------

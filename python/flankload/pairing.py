@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
 
-#: Flanks that overlap by more than this part of the base pitch at the pitch circle cannot mesh; less is
-#: a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only a warning.
+#: Flanks that overlap by more than this part of the base pitch at the pitch circle cannot mesh;
+#: less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only a
+#: warning.
 LARGEST_OVERLAP = 0.01
 
 #: Two gears mesh when their base pitches agree to this relative difference.
@@ -43,7 +44,8 @@ class Mesh:
         Working pitch circles.
     base_pitch_mm : float
     path_start_mm, path_end_mm : float
-        Ends of the theoretical path of contact, counted from the pitch point in the sense of motion.
+        Ends of the theoretical path of contact, counted from the pitch point in the sense of
+        motion.
     contact_ratio : float
         Length of that path over the base pitch.
     backlash_mm : float
@@ -135,8 +137,8 @@ def pair_bodies(
     if body_1.involute is not None and body_2.involute is not None:
         mesh = _gear_mesh(body_1, body_2, center_distance_mm, warnings)
     turns = (
-        _turn_to_pitch_point(body_1, mesh and mesh.pitch_radius_1_mm, 0.0),
-        _turn_to_pitch_point(body_2, mesh and mesh.pitch_radius_2_mm, pi),
+        _turn_to_pitch_point(body_1, mesh.pitch_radius_1_mm if mesh else None, 0.0),
+        _turn_to_pitch_point(body_2, mesh.pitch_radius_2_mm if mesh else None, pi),
     )
     sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad)
     # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
@@ -161,7 +163,8 @@ def _gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str])
     """Working geometry of two external involute gears (DIN 3960), checked."""
     key = "pair.center_distance_mm"
     one, two = body_1.involute, body_2.involute
-    assert one is not None and two is not None
+    assert one is not None
+    assert two is not None
     pitch_1 = 2 * pi * one.base_radius_mm / body_1.teeth
     pitch_2 = 2 * pi * two.base_radius_mm / body_2.teeth
     if abs(pitch_2 / pitch_1 - 1) > PITCH_TOLERANCE:
@@ -193,7 +196,8 @@ def _gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str])
     )
     backlash = 2 * pi * radius_1 / body_1.teeth - thickness
     if backlash < -LARGEST_OVERLAP * pitch_1:
-        # the working pitch circles widen with the distance: d(backlash)/d(distance) = 2 tan(alpha_w)
+        # the working pitch circles widen with the distance: d(backlash)/d(distance) = 2
+        # tan(alpha_w)
         raise SceneError(
             key=key,
             expected=f"about {distance - backlash / (2 * tan(angle)):.4f} mm or more, where the "
@@ -226,7 +230,7 @@ def _gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str])
     contact_ratio = (end - start) / pitch_1
     if contact_ratio < 1.0:
         warnings.append(
-            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries alone"
+            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
         )
     _warn_of_root_contact(body_1, tangent_1 + start, "1", warnings)
     _warn_of_root_contact(body_2, tangent_2 - end, "2", warnings)
@@ -256,7 +260,7 @@ def _warn_of_root_contact(body: Body, roll_mm: float, name: str, warnings: list[
 
 
 def _turn_to_pitch_point(body: Body, pitch_radius: float | None, direction: float) -> float:
-    """Turn that brings the flank of tooth 0 to the pitch point; 0 where the file stands as it is."""
+    """Turn that brings tooth 0's flank to the pitch point; 0 where the file stands as it is."""
     if not body.flank_angle_known or pitch_radius is None or body.involute is None:
         return 0.0
     return direction - body.involute.polar_angle_at(pitch_radius)
@@ -265,7 +269,7 @@ def _turn_to_pitch_point(body: Body, pitch_radius: float | None, direction: floa
 def _sites(
     mesh: Mesh | None, teeth_1: int, teeth_2: int, position_rad: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """Pairs that can come near the path of contact at any of the positions, one to spare at each end."""
+    """Pairs that come near the path of contact at any position, one to spare at each end."""
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
     if mesh is None:
         first = floor(-UNKNOWN_PATH_SITES - float(pitches.max()))
@@ -297,9 +301,6 @@ def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:
         ),
         ("base pitch", f"{mesh.base_pitch_mm:.4f} mm"),
         ("contact ratio", f"{mesh.contact_ratio:.4f}"),
-        (
-            "backlash",
-            f"{mesh.backlash_mm:.4f} mm on the pitch circle, "
-            f"{mesh.backlash_mm * cos(mesh.pressure_angle_rad):.4f} mm normal",
-        ),
+        ("backlash on the pitch circle", f"{mesh.backlash_mm:.4f} mm"),
+        ("backlash, normal", f"{mesh.backlash_mm * cos(mesh.pressure_angle_rad):.4f} mm"),
     )

@@ -22,7 +22,9 @@ CORNERS = {"triangle": 3, "quad": 4}
 REVERSED = {"triangle6": [0, 2, 1, 5, 4, 3], "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
-def raise_to_quadratic(nodes: NDArray[np.float64], cells: Cells) -> tuple[NDArray[np.float64], Cells]:
+def raise_to_quadratic(
+    nodes: NDArray[np.float64], cells: Cells
+) -> tuple[NDArray[np.float64], Cells]:
     """Bring every element to "triangle6" or "quad9".
 
     Linear elements get middle nodes on their straight edges, "quad8" gets the centre that its own
@@ -87,7 +89,9 @@ def boundary_edges(cells: Cells) -> NDArray[np.int64]:
     return edges[np.sort(first[count == 1])]
 
 
-def jacobians(nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]) -> NDArray[np.float64]:
+def jacobians(
+    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
+) -> NDArray[np.float64]:
     """Jacobian determinants of quadratic elements at their corners, middles and centre.
 
     Parameters

@@ -222,9 +222,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     compliances = []
     for z, body in enumerate(bodies):
         with clock.stage(f"compliance body {z + 1}", 1 + z, total):
-            compliances.append(
-                flank_compliance(body, n_modes=modes[z], plane=scene.accuracy.plane)
-            )
+            compliances.append(flank_compliance(body, n_modes=modes[z], plane=scene.accuracy.plane))
     pair_of = (compliances[0], compliances[1])
     done = 3
     results = []
@@ -264,7 +262,7 @@ def _torques(scene: Scene) -> tuple[float, ...]:
 
 
 def _modes_of(body: Body, wanted: int) -> int:
-    """Degree at most half the number of elements along the flank: more makes a coarse mesh worse."""
+    """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
     if body.mesh is None:
         return 0
     return max(2, min(wanted, len(body.mesh.flank_edges) // 2 + 1))
@@ -350,9 +348,9 @@ def _warnings(pair: BodyPair, found: Sweep) -> Iterator[str]:
     corner = np.flatnonzero((found.site_corner > 0).any(axis=1))
     if corner.size:
         yield (
-            f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip corner: "
-            "its peak pressure grows with the resolution and is no number to design by; a tip radius "
-            "or chamfer cures it"
+            f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip "
+            "corner: its peak pressure grows with the resolution and is no number to design by; a "
+            "tip radius or chamfer cures it"
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         low = body.mode_range_mm[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
 
-#: Status of a position without an answer: the contact loop's codes, then those of the stages before it.
+#: Status of a position without an answer: the contact loop's codes, then those of the stages before
+#: it.
 FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -1: (NoContactState, "no state of contact holds this torque"),
     -2: (PivotLimit, "the contact loop used up its pivots"),
@@ -164,9 +165,9 @@ def _core_arguments(
     compliances: tuple[BodyCompliance, BodyCompliance],
     pairing: Pairing,
     face_width_mm: float,
-) -> list[tuple[NDArray[np.generic] | float, ...]]:
+) -> list[tuple[NDArray[Any] | float, ...]]:
     """Per body: curve arrays, then compliance arrays, in the layout of the flat door."""
-    arguments: list[tuple[NDArray[np.generic] | float, ...]] = []
+    arguments: list[tuple[NDArray[Any] | float, ...]] = []
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
         teeth = pairing.site_teeth[z]
         offset = (teeth[:, None] - teeth[None, :]) % body.teeth
@@ -197,10 +198,10 @@ def _call_core(
     turn_2: NDArray[np.float64],
     pairing: Pairing,
     torque_Nmm: float,
-    arguments: list[tuple[NDArray[np.generic] | float, ...]],
+    arguments: list[tuple[NDArray[Any] | float, ...]],
     grid: Grid,
     room: int,
-) -> tuple[NDArray[np.generic], ...]:
+) -> tuple[NDArray[Any], ...]:
     from flankload import _core
 
     (curve_1, curve_2) = (argument[:3] for argument in arguments)

@@ -1,7 +1,7 @@
 """The FZG type C pair against nonlinear finite elements, Hertz, ISO 6336 and conjugate action.
 
-The reference (reference_solutions/external_pair.json) is a nonlinear finite-element contact solution,
-remeshed at every position; its own uncertainty is 0.1 % in the rotation, 0.3 N/mm in the loads and
+The reference (reference_solutions/external_pair.json) is a nonlinear finite-element contact
+solution, remeshed at every position; its own uncertainty is 0.1 % in the rotation, 0.3 N/mm in the loads and
 1.5 % in the peak pressure, 0.4 % and 2 N/mm where a sharp tip corner works.
 """
 
@@ -108,7 +108,7 @@ def test_torques_are_in_the_ratio_of_the_teeth(result: fl.Result) -> None:
 
 
 def test_single_pair_stiffness_is_near_iso_6336(result: fl.Result) -> None:
-    """The largest secant stiffness of a single pair along the line of action; ISO's is empirical."""
+    """The largest secant stiffness of one pair along the line of action; ISO's is empirical."""
     expected = CLOSED_FORM["iso6336_c_prime_N_per_mm_um"]
     single = (result.site_force_N > 0).sum(axis=1) == 1
     stiffness = result.stiffness_secant_N_per_um[single].max() / 14.0
@@ -131,7 +131,9 @@ def test_fzg_c14_has_hertz_pressure_at_the_pitch_point() -> None:
     result = fl.solve(scene)
     zero = result.sites.tolist().index(0)
     assert result.site_force_N[0, zero] == pytest.approx(expected["normal_force_N"], rel=1e-4)
-    assert result.peak_pressure_MPa[0, zero] == pytest.approx(expected["peak_pressure_MPa"], rel=5e-3)
+    assert result.peak_pressure_MPa[0, zero] == pytest.approx(
+        expected["peak_pressure_MPa"], rel=5e-3
+    )
     loaded = result.pairs(0).force_N > 0
     half_width = 0.5 * result.pairs(0).cell_mm[loaded].sum()
     cell = result.pairs(0).cell_mm[loaded][0]

@@ -87,7 +87,7 @@ def test_pressure_and_half_width_are_those_of_hertz(load: float) -> None:
 
 
 def test_pressure_converges_with_the_cells() -> None:
-    """Error against Hertz below C (d/b)^1.5 with C = 0.05 over a factor of eight in the cell width."""
+    """Error against Hertz below 0.05 (d/b)^1.5 over a factor of eight in the cell width."""
     for strips in (4, 8, 16, 32):
         state = contact(CASE["line_load_N_per_mm"], Grid(strips_per_half_width=strips))
         error = abs(state.site_peak_N_per_mm[0, 0] / CASE["peak_pressure_MPa"] - 1)

@@ -79,7 +79,7 @@ def test_random_problems_against_linear_programming() -> None:
     with_state = without = 0
     for case in range(200):
         q = int(rng.integers(1, 5))
-        n = int(rng.integers(q + 1, 40))
+        n = int(rng.integers(q + 1, 13))
         root = rng.standard_normal((n, n))
         compliance = root @ root.T / n + 10.0 ** rng.uniform(-4, 0) * np.eye(n)
         levers = rng.standard_normal((n, q))

@@ -80,7 +80,7 @@ def test_energy_of_constant_strain_is_that_of_hooke(plane: str) -> None:
 
 
 def test_pressurised_thick_ring_agrees_with_lame() -> None:
-    """Radial displacement of a ring held by nothing but its symmetry, inner pressure 1, plane strain."""
+    """Radial displacement of a ring held by its symmetry alone, inner pressure 1, plane strain."""
     teeth, inner, outer = 12, 10.0, 30.0
     mesh, _ = ring_sector(teeth, rows=6, columns=4, lobe=0.0)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")

@@ -74,9 +74,7 @@ def test_unit_of_length_changes_only_the_constant_mode() -> None:
 
 def test_strip_kernel_is_the_mean_of_the_logarithm() -> None:
     for distance in (0.0, 0.3, 1.0, 5.0):
-        mean, _ = quad(
-            lambda t, x=distance: -np.log(abs(x - t)), -0.5, 0.5, points=[0.0, 0.3, 0.5]
-        )
+        mean, _ = quad(lambda t, x=distance: -np.log(abs(x - t)), -0.5, 0.5, points=[0.0, 0.3, 0.5])
         assert strip_kernel(np.array(distance), 1.0, 1.0) == pytest.approx(mean, abs=1e-7)
 
 

@@ -74,7 +74,9 @@ class GearProfile:
                 for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
             ]
         )
-        flank = self.curve.rotated(-self.involute.turn_rad).point(np.append(s, self.curve.breaks[-1]))
+        flank = self.curve.rotated(-self.involute.turn_rad).point(
+            np.append(s, self.curve.breaks[-1])
+        )
         radius, tip_radius = self.involute.root_radius_mm, self.involute.tip_radius_mm
         tip = _arc(tip_radius, 0.0, atan2(flank[-1, 1], flank[-1, 0]), 5)[:-1]
         root = _arc(radius, self.root_half_angle_rad, pi / self.teeth, 5)[1:]

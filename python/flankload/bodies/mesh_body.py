@@ -1,9 +1,9 @@
 """kind = "mesh": one sector of a body from a mesh file with named sets.
 
-The file stands as the body stands at position zero, its axis at the origin. The flank is put in order
-(material on its right, from root to tip), the cut faces are matched, linear elements are raised to
-quadratic ones. With the exact profile given, that is the flank's curve, turned so that it fits the
-nodes; else a smooth curve goes through the nodes and its deviation is reported.
+The file stands as the body stands at position zero, its axis at the origin. The flank is put in
+order (material on its right, from root to tip), the cut faces are matched, linear elements are
+raised to quadratic ones. With the exact profile given, that is the flank's curve, turned so that it
+fits the nodes; else a smooth curve goes through the nodes and its deviation is reported.
 """
 
 from __future__ import annotations
@@ -83,14 +83,15 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     if spec.profile is None:
         curve = curve_through_nodes(sector.nodes[sector.flank_nodes])
         s, _ = curve.arc_length_of(sector.nodes[sector.flank_nodes])
-        involute, mode_range = None, (0.0, curve.length_mm)
+        involute: Involute | None = None
+        mode_range = (0.0, curve.length_mm)
         deviation = nodes_deviation(sector.nodes[sector.flank_nodes])
-        notes = (
-            f"the flank is a smooth curve through {len(s)} nodes, estimated deviation from the true "
-            f"profile {1000 * deviation:.2g} um",
+        note = (
+            f"the flank is a smooth curve through {len(s)} nodes, estimated deviation from the "
+            f"true profile {1000 * deviation:.2g} um"
         )
     else:
-        curve, involute, s, mode_range, notes = _fit_profile(spec, key, sector)
+        curve, involute, s, mode_range, note = _fit_profile(spec, key, sector)
     arc_length = np.full(len(sector.nodes), np.nan)
     arc_length[sector.flank_nodes] = s
     mesh = SectorMesh(
@@ -103,7 +104,9 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         right_nodes=sector.right,
         teeth=spec.teeth,
     )
-    reference = spec.reference_radius_mm or (involute and involute.base_radius_mm)
+    reference = spec.reference_radius_mm
+    if reference is None and involute is not None:
+        reference = involute.base_radius_mm
     if reference is None:
         raise SceneError(
             key=f"{key}.reference_radius_mm",
@@ -124,7 +127,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         pitch_errors_um=tuple(spec.pitch_errors_um),
         outline=sector.nodes[_consecutive(sector.outer)],
         bore_radius_mm=float(np.hypot(*sector.nodes[sector.fixed].T).mean()),
-        notes=(*sector.notes, *notes),
+        notes=(*sector.notes, note),
     )
 
 
@@ -154,7 +157,9 @@ def _read_sector(spec: MeshBody, key: str, path: Path) -> _Sector:
     nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
     cells = _counter_clockwise(nodes, cells, path, key)
     edges = boundary_edges(cells)
-    flank = _flank_edges(nodes, edges, _grown(raw, spec.flank_set, edges), path, key, spec.flank_set)
+    flank = _flank_edges(
+        nodes, edges, _grown(raw, spec.flank_set, edges), path, key, spec.flank_set
+    )
     middle = nodes[flank[len(flank) // 2]]
     along = middle[1] - middle[0]
     if float(middle.mean(axis=0) @ along) < 0.0:
@@ -188,8 +193,8 @@ def _read_sector(spec: MeshBody, key: str, path: Path) -> _Sector:
 def _grown(raw: RawMesh, name: str, edges: NDArray[np.int64]) -> NDArray[np.int64]:
     """Nodes of a set, with the middle nodes of boundary edges both of whose ends are in it.
 
-    A set that names only corners would otherwise leave out the middle nodes; one that names edges of
-    the boundary is not changed.
+    A set that names only corners would otherwise leave out the middle nodes; one that names edges
+    of the boundary is not changed.
     """
     members = raw.sets[name]
     whole = np.isin(edges[:, :2], members).all(axis=1)
@@ -240,7 +245,7 @@ def _flank_edges(
         raise MeshError(
             file=path,
             key=f"{key}.flank_set",
-            expected=f"set {name!r} to be one open line of at least 2 element edges on the boundary",
+            expected=f"set {name!r} to be one open line of at least 2 edges of the boundary",
             found=found,
         )
     return runs[0]
@@ -285,7 +290,7 @@ def _match_cuts(
 
 def _fit_profile(
     spec: MeshBody, key: str, sector: _Sector
-) -> tuple[FlankCurve, Involute, NDArray[np.float64], tuple[float, float], tuple[str, ...]]:
+) -> tuple[FlankCurve, Involute, NDArray[np.float64], tuple[float, float], str]:
     """The exact profile, turned so that it fits the flank's nodes (least squares)."""
     given = spec.profile
     assert given is not None
@@ -295,9 +300,7 @@ def _fit_profile(
     angles = np.arctan2(points[:, 1], points[:, 0])
     radii = np.hypot(points[:, 0], points[:, 1])
     inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
-    turn = float(
-        np.median(angles - [profile.involute.polar_angle_at(radius) for radius in inside])
-    )
+    turn = float(np.median(angles - [profile.involute.polar_angle_at(radius) for radius in inside]))
     for _ in range(8):
         s, distance = curve.rotated(turn).arc_length_of(points)
         # a curve turned by d moves by d (P . t) along its normal: Gauss-Newton
@@ -325,7 +328,7 @@ def _fit_profile(
         f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "
         f"which lie within {1000 * worst:.2g} um of it"
     )
-    return curve, involute, s, (low, high), (note,)
+    return curve, involute, s, (low, high), note
 
 
 def _consecutive(edges: NDArray[np.int64]) -> NDArray[np.int64]:

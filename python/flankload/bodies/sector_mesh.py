@@ -46,6 +46,9 @@ FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 #: Largest turn of the profile within one element of the fillet.
 LARGEST_TURN = radians(25.0)
 
+#: The foot of the tooth sags at most by this part of the rim's height.
+SAG_PART = 0.35
+
 #: Rows of the rim are at most this part of their radius high (or one pitch, where that is more).
 ROW_PART = 0.35
 
@@ -103,13 +106,16 @@ def sector_mesh(
         )
     breaks = _breaks(profile, bore_radius_mm, flank_element_mm)
     mesh = _assemble(profile, bore_radius_mm, breaks)
-    least = jacobians(mesh.nodes, mesh.cells[0][1]).min()
-    if not least > 0.0:
+    cells = mesh.cells[0][1]
+    worst = jacobians(mesh.nodes, cells).min(axis=1)
+    if not worst.min() > 0.0:
+        place = float(np.linalg.norm(mesh.nodes[cells[worst.argmin(), 8]]))
+        in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
-            key=f"{key}.bore_diameter_mm",
+            key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element with a Jacobian of {least:.3g} relative to its size "
-            f"(bore {2 * bore_radius_mm:g}, flank elements {flank_element_mm:g} mm)",
+            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} relative "
+            f"to its size (bore {2 * bore_radius_mm:g}, flank elements {flank_element_mm:g} mm)",
         )
     return mesh
 
@@ -136,11 +142,14 @@ def _breaks(profile: GearProfile, bore_radius: float, h: float) -> _Breaks:
     rows = growing_breaks(depth, FIRST_ROW * h, GROWTH, caps)
     if rows.size < 3:
         rows = np.array([0.0, 0.5, 1.0])
+    columns = symmetric_breaks(width, FIRST_LAYER * h, GROWTH, INNER * h)
+    if tip.size > (columns.size - 1) // 2:
+        tip = np.linspace(corner, end, (columns.size - 1) // 2)
     return _Breaks(
         low=_turned_breaks(curve, 0.0, split, FILLET * h),
         flank=np.concatenate(pieces),
         tip=tip,
-        columns=symmetric_breaks(width, FIRST_LAYER * h, GROWTH, INNER * h),
+        columns=columns,
         rows=rows,
     )
 
@@ -262,9 +271,11 @@ def _sagging_line(
     # halves the angle that tooth and middle block share: between the profile and the ray to the bore
     lean = 0.5 * (slant + pi - angle)
     width = 2 * start[1]
-    # a thin rim must not be cut through: the line sags by width * cos / 4
-    deepest = 0.35 * (start[0] - bore_radius)
-    fall = min(-cos(lean), 4 * deepest / width)
+    # a thin rim must not be cut through: the middle of the line falls by width * fall / 4, and stays
+    # above the lower part of the rim below the split point
+    radius = float(np.hypot(*start))
+    deepest = start[0] - radius + SAG_PART * (radius - bore_radius)
+    fall = max(min(-cos(lean), 4 * deepest / width), -0.9)
     reach = width * np.array([-fall, -np.sqrt(1 - fall**2)])
     x = columns[:, None]
     h00, h01 = (1 + 2 * x) * (1 - x) ** 2, x**2 * (3 - 2 * x)
@@ -289,7 +300,9 @@ def _tip_line(
         land = own[-1] + (land - land[0]) / (0.5 - land[0]) * (0.5 - own[-1])
     half = np.concatenate([own[:-1] if n_own else own[:0], land])
     half[m] = 0.5
-    along = np.clip((half[n_own:] * 2 * length - (curve.length_mm - s_tip[0])) / tip_radius, 0, None)
+    along = np.clip(
+        (half[n_own:] * 2 * length - (curve.length_mm - s_tip[0])) / tip_radius, 0, None
+    )
     places = np.concatenate([curve.point(s_tip[:-1]), _arc(tip_radius, half_angle - along)])
     places[m] = [tip_radius, 0.0]
     return (
