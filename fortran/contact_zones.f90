@@ -157,7 +157,7 @@ contains
     end subroutine pair_on_circle
 
     !> All places of least gap between two flanks.
-    pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, zones, n_zones)
+    pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, zones, n_zones, lost)
         !> Flank of body 1 and where it stands (its axis is O1)
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -171,6 +171,8 @@ contains
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
         integer, intent(inout) :: n_zones
+        !> True if a place of least gap could not be made exact; never passed over in silence
+        logical, intent(out) :: lost
 
         integer :: n, i, first, last
         real(wp), allocatable :: s_1(:), gap(:)
@@ -180,6 +182,7 @@ contains
 
         call scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner)
         n = size(s_1)
+        lost = .false.
         first = 1
         do while (first <= n)
             if (segment(first) == 0) then
@@ -201,7 +204,7 @@ contains
                 zone%site = site
                 call refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
                     & first, last, i, zone, found)
-                if (.not. found) cycle
+                lost = lost .or. .not. found
                 n_zones = n_zones + 1
                 if (n_zones <= size(zones)) zones(n_zones) = zone
             end do

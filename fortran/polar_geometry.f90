@@ -12,6 +12,8 @@ module flankload_polar_geometry
     integer, parameter :: max_steps = 60
     !> A few units in the last place of the squared radius: nothing nearer can be told apart.
     real(wp), parameter :: radius_tolerance = 4.0_wp*epsilon(1.0_wp)
+    !> A circle that was itself laid through the end of a flank passes it within several roundings.
+    real(wp), parameter :: end_tolerance = 256.0_wp*epsilon(1.0_wp)
 
 contains
 
@@ -63,12 +65,12 @@ contains
         high = max(s_low, s_high)
         f_low = excess(low)
         found = .true.
-        if (abs(f_low) <= radius_tolerance*radius**2) then
+        if (abs(f_low) <= end_tolerance*radius**2) then
             s = low
             return
         end if
         f = excess(high)
-        if (abs(f) <= radius_tolerance*radius**2) then
+        if (abs(f) <= end_tolerance*radius**2) then
             s = high
             return
         end if

@@ -106,7 +106,7 @@ contains
         real(wp), allocatable :: estimate(:), gap(:), widths(:)
         real(wp) :: rotation, kernel
         logical, allocatable :: joins(:)
-        logical :: settled
+        logical :: settled, lost
 
         n_sites = size(body_1%site_angles)
         allocate (frames_1(n_sites), frames_2(n_sites))
@@ -117,7 +117,12 @@ contains
             frames_1(site) = new_frame(body_1%origin, angle_1 + body_1%site_angles(site))
             frames_2(site) = new_frame(body_2%origin, angle_2 + body_2%site_angles(site))
             call find_zones(body_1%flank, frames_1(site), body_2%flank, frames_2(site), site, &
-                & zones, n_zones)
+                & zones, n_zones, lost)
+            if (lost) then
+                call fatal_error(error, code_circle_misses, &
+                    & 'a place of least gap could not be made exact')
+                return
+            end if
         end do
         if (n_zones == 0) then
             call fatal_error(error, code_no_zone, &

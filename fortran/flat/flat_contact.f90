@@ -4,6 +4,7 @@
 subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &
         & load_rows, loads, symmetric, method, warm_pairs, forces, gaps, motion, tangent, &
         & active, counters, certificate, info)
+    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload, only: solve_contact_problem, contact_result, error_type
     implicit none
     !> Number of pairs
@@ -47,9 +48,14 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
 
     type(contact_result) :: result
     type(error_type), allocatable :: error
+    integer :: n_threads
 
+    ! One BLAS thread, for the calling thread alone: more cost many times what they save here
+    n_threads = omp_get_max_threads()
+    call omp_set_num_threads(1)
     call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
         & symmetric /= 0, method, warm_pairs, result, error)
+    call omp_set_num_threads(n_threads)
     forces = result%forces
     gaps = result%gaps
     motion = result%motion

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flankload import _core
+import flankload._core as _core
 from flankload.errors import (
     InputError,
     NegativeForce,

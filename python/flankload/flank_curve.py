@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import cos, sin
 from typing import NamedTuple
 
@@ -28,7 +29,7 @@ _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 #: Parts of an interval at which a fit is compared with the exact curve.
 _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 
-#: Halvings of a piece before it is refused: such a piece has a cusp.
+#: Halvings of a piece before it is refused: such a piece has a jump.
 _MOST_HALVINGS = 50
 
 
@@ -205,7 +206,7 @@ def fit_flank_curve(
     Raises
     ------
     ValueError
-        If there are no pieces, or a piece cannot be fitted (it has a cusp).
+        If there are no pieces, or a piece cannot be fitted (it has a jump).
     """
     if not pieces:
         raise ValueError("pieces: expected at least one piece, found none")
@@ -243,7 +244,7 @@ def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
         )
     else:
         raise ValueError(
-            f"piece {piece.label!r}: expected a smooth curve, found a cusp near u = {ends[0, 0]:g}"
+            f"piece {piece.label!r}: expected a smooth curve, found a jump near u = {ends[0, 0]:g}"
         )
     starts = np.concatenate([part[0] for part in done])
     order = np.argsort(starts if piece.u_end > piece.u_start else -starts)
@@ -262,7 +263,7 @@ def _arc_lengths(piece: CurvePiece, ends: Floats) -> Floats:
 
 
 def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
-    """Quintics (m, 2, 6) in arc length with place, unit tangent and curvature vector of the ends."""
+    """Quintics (m, 2, 6) in arc length with the places, tangents and curvatures of the ends."""
     sign = 1.0 if piece.u_end > piece.u_start else -1.0
     values = []
     for u in (ends[:, 0], ends[:, 1]):
@@ -344,7 +345,7 @@ def curve_through_nodes(
         If there are fewer than 4 points, or two neighbours coincide.
     """
     place, knots = _spline(_checked_nodes(points))
-    pieces = [CurvePiece(label, place, a, b) for a, b in zip(knots[:-1], knots[1:], strict=True)]
+    pieces = [CurvePiece(label, place, a, b) for a, b in pairwise(knots.tolist())]
     return fit_flank_curve(pieces, corner_at_end=corner_at_end)
 
 

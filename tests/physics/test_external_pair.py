@@ -1,8 +1,8 @@
 """The FZG type C pair against nonlinear finite elements, Hertz, ISO 6336 and conjugate action.
 
 The reference (reference_solutions/external_pair.json) is a nonlinear finite-element contact
-solution, remeshed at every position; its own uncertainty is 0.1 % in the rotation, 0.3 N/mm in the loads and
-1.5 % in the peak pressure, 0.4 % and 2 N/mm where a sharp tip corner works.
+solution, remeshed at every position; its own uncertainty is 0.1 % in the rotation, 0.3 N/mm in the
+loads and 1.5 % in the peak pressure, 0.4 % and 2 N/mm where a sharp tip corner works.
 """
 
 from __future__ import annotations

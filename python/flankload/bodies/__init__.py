@@ -44,7 +44,9 @@ def build_body(
     SceneError
         If the body cannot be made; names the key. MeshError where a mesh file is at fault.
     """
-    if spec.kind == "gear":
+    from flankload.scene import Gear
+
+    if isinstance(spec, Gear):
         from flankload.bodies.gear import build_gear
 
         if flank_element_mm is None:

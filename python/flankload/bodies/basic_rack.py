@@ -1,7 +1,8 @@
 """The basic rack (DIN 867, ISO 53) and the root fillet that it generates (DIN 3960).
 
-Rack coordinates: xi from the gear's reference circle outwards, eta along its tangent from the centre
-of the gear's tooth. At the roll phi a place (xi, eta) of the rack stands in the frame of the gear at
+Rack coordinates: xi from the gear's reference circle outwards, eta along its tangent from the
+centre of the gear's tooth. At the roll phi a place (xi, eta) of the rack stands in the frame
+of the gear at
 
     P = (r + xi) e_r(phi) + (eta - r phi) e_theta(phi).
 
@@ -20,8 +21,6 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -75,19 +74,12 @@ class BasicRack:
 
         beta runs from pi/2 (root circle) to the pressure angle (start of the involute).
         """
-        return self.fillet_less(beta, None)
-
-    def fillet_less(
-        self, beta: Floats, off: Callable[[Floats], tuple[Floats, Floats, Floats]] | None
-    ) -> tuple[Floats, Floats, Floats]:
-        """The same with metal off(beta) taken off along the normal (with its two derivatives)."""
         beta = np.atleast_1d(np.asarray(beta, dtype=float))
         xi, eta = self.center_mm
         r, rho = self.reference_radius_mm, self.tip_radius_mm
         sine, cosine = np.sin(beta), np.cos(beta)
         phi = (eta - xi * cosine / sine) / r
         phi_1 = xi / (r * sine**2)
-        phi_2 = -2 * xi * cosine / (r * sine**3)
         radial = np.stack([np.cos(phi), np.sin(phi)], axis=1)
         across = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
         outward = sine[:, None] * radial + cosine[:, None] * across
@@ -96,15 +88,10 @@ class BasicRack:
         place = place + (xi * cosine / sine - rho * cosine)[:, None] * across
         slope = self.slope(beta)
         slope_1 = (-3 * xi**2 / (r * sine**4) + 2 * rho * xi / (r * sine**3)) * cosine
-        turn = 1 - phi_1
-        o, o_1, o_2 = off(beta) if off is not None else (0.0 * beta,) * 3
-        # d downward = turn outward, d outward = -turn downward
-        along, out = slope + o * turn, -o_1
-        along_1 = slope_1 + o_1 * turn - o * phi_2
-        first = along[:, None] * downward + out[:, None] * outward
-        second = (along_1 - out * turn)[:, None] * downward
-        second = second + (along * turn - o_2)[:, None] * outward
-        return place - o[:, None] * outward, first, second
+        # d downward = (1 - phi') outward
+        first = slope[:, None] * downward
+        second = slope_1[:, None] * downward + (slope * (1 - phi_1))[:, None] * outward
+        return place, first, second
 
 
 def basic_rack(
@@ -165,7 +152,7 @@ def basic_rack(
     if not rack.slope(np.linspace(pressure_angle_rad, 0.5 * pi, 200)).min() > 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",
-            expected="a profile shift at which the tip of the rack generates a fillet without a cusp",
+            expected="a profile shift at which the rack's tip generates a fillet without a cusp",
             found=f"{profile_shift:g} with dedendum_factor {dedendum_factor:g}",
         )
     return rack

@@ -123,7 +123,8 @@ class BlockMesh:
             Places, rows from bottom to top, columns from left to right; n and m odd. The block
             must be right-handed.
         known : dict
-            Numbers of nodes that stand already, by edge: "bottom", "top" (m,), "left", "right" (n,).
+            Numbers of nodes that stand already, by edge: "bottom", "top" (m,), "left",
+            "right" (n,).
         """
         edges = {"bottom": (0, slice(None)), "top": (-1, slice(None))}
         edges |= {"left": (slice(None), 0), "right": (slice(None), -1)}  # type: ignore[dict-item]
@@ -152,34 +153,3 @@ class BlockMesh:
             ).reshape(-1, 9)
         )
         return numbers
-
-
-#: Places of the nodes of a "quad9" on the unit square [-1, 1]².
-_QUAD9 = np.array(
-    [(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0), (0, 0)], dtype=float
-)
-
-
-def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
-    """Quadratic shapes on [-1, 1] for the ends and the middle, by place -1, 0, 1, and slopes."""
-    values = np.stack([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2])
-    return values, np.stack([x - 0.5, -2 * x, x + 0.5])
-
-
-def jacobians(nodes: Floats, cells: Numbers) -> Floats:
-    """Determinants (E, 13) of the map of "quad9" cells at 3 x 3 Gauss points and the 4 corners.
-
-    Each is relative to a quarter of the product of the cell's mean edge lengths (1 for a rectangle).
-    """
-    g = np.sqrt(0.6)
-    points = np.array([(a, b) for b in (-g, 0.0, g) for a in (-g, 0.0, g)] + _QUAD9[:4].tolist())
-    x, dx = _line_shapes(points[:, 0])
-    y, dy = _line_shapes(points[:, 1])
-    column, row = _QUAD9.astype(int).T + 1
-    along, up = dx[column] * y[row], x[column] * dy[row]  # (9, 13)
-    place = nodes[cells]  # (E, 9, 2)
-    a, b = np.einsum("kp,ekd->epd", along, place), np.einsum("kp,ekd->epd", up, place)
-    corner = place[:, :4]
-    edges = np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2)
-    size = (edges[:, 0] + edges[:, 2]) * (edges[:, 1] + edges[:, 3]) / 16
-    return (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) / size[:, None]

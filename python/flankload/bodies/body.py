@@ -84,8 +84,8 @@ class Body:
     involute : Involute or None
         Radii and angles of an involute flank; None where the profile is not known.
     flank_angle_known : bool
-        True: pairing turns the body so that pair 0 stands in the pitch point. False: the body stands
-        as it is.
+        True: pairing turns the body so that pair 0 stands in the pitch point. False: the body
+        stands as it is.
     pitch_errors_um : tuple of float
         Empty, or one per tooth.
     outline : (k, 2) array

@@ -1,6 +1,6 @@
 """The profile of a gear: generated root fillet, involute with its modifications, tip.
 
-The tooth's centre line is the +x axis of the body; the working flank stands at positive polar angle.
+The tooth's centre line is the body's +x axis; the working flank stands at positive polar angle.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: An involute begins at this roll at the least: on the base circle itself its curvature is infinite.
+#: An involute begins at this roll at the least: on the base circle its curvature is infinite.
 #: The piece left out is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
 LEAST_ROLL = 3e-6
 
@@ -141,8 +141,6 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     _check_tooth(involute, rack, start, spec, key)
     modifications = modifications_of(spec, involute, start.roll, key)
     flank = replace(plain, modifications=modifications)
-    if start.undercut and modifications.crowning_mm:
-        start = _form_point(rack, flank)
     curve = fit_flank_curve(
         [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
         corner_at_end=spec.tip_radius_mm is None,
@@ -181,20 +179,21 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
 
 def _fillet_piece(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
     """The fillet; where crowning moves the start of the flank, the fillet goes along smoothly."""
-    moved = float(flank.modifications.at(np.array([start.roll]))[0][0])
-    if start.undercut or moved == 0.0:
+    top, span = np.array([start.beta]), start.beta - 0.5 * pi
+    moved = flank.point(start.roll) - rack.fillet(top)[0][0]
+    if not flank.modifications.crowning_mm:
         return CurvePiece("fillet", rack.fillet, 0.5 * pi, start.beta)
-    span = start.beta - 0.5 * pi
 
-    def off(beta: Floats) -> tuple[Floats, Floats, Floats]:
-        x = (beta - 0.5 * pi) / span
+    def place(beta: Floats) -> tuple[Floats, Floats, Floats]:
+        point, first, second = rack.fillet(beta)
+        x = ((beta - 0.5 * pi) / span)[:, None]
         return (
-            moved * x**3 * (10 - 15 * x + 6 * x**2),
-            moved * 30 * x**2 * (1 - x) ** 2 / span,
-            moved * 60 * x * (1 - x) * (1 - 2 * x) / span**2,
+            point + x**3 * (10 - 15 * x + 6 * x**2) * moved,
+            first + 30 * x**2 * (1 - x) ** 2 / span * moved,
+            second + 60 * x * (1 - x) * (1 - 2 * x) / span**2 * moved,
         )
 
-    return CurvePiece("fillet", lambda beta: rack.fillet_less(beta, off), 0.5 * pi, start.beta)
+    return CurvePiece("fillet", place, 0.5 * pi, start.beta)
 
 
 def _check_tooth(
@@ -212,8 +211,7 @@ def _check_tooth(
         raise SceneError(
             key=f"{key}.profile_shift",
             expected="a profile shift at which the rack does not cut the tooth off its foot",
-            found=f"{spec.profile_shift:g} with {round(2 * rack.reference_radius_mm / spec.module_mm)}"
-            " teeth",
+            found=f"{spec.profile_shift:g}",
         )
     if involute.tip_radius_mm <= involute.form_radius_mm:
         raise SceneError(

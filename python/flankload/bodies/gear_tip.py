@@ -198,11 +198,11 @@ def _tip_chamfer(
 ) -> tuple[float, CurvePiece]:
     """The chamfer: from the flank, that height below the tip circle, straight to the tip circle.
 
-    Its direction halves the angle between flank and tip circle (45 degrees where that is a right one).
+    Its direction halves the angle between flank and tip circle (45 degrees where that is right).
     """
     tip_radius = involute.tip_radius_mm
     low = tip_radius - height
-    end = flank.roll_at(max(low, involute.base_radius_mm))
+    end = flank.roll_at(max(low, involute.form_radius_mm))
     place = flank.point(end)
     normal = flank.normal(end)
     halved = 0.5 * (atan2(normal[1], normal[0]) + atan2(place[1], place[0])) - 0.5 * pi

@@ -1,13 +1,15 @@
 """Structured sector mesh of a gear: quadratic quadrilaterals in four blocks.
 
 The tooth stands on a line that sags between the two fillets; below it a middle block and, under the
-lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet three
-blocks meet at the split point, where the fillet has turned halfway. Both halves are mirror images.
+lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet
+three blocks meet at the split point, where the fillet has turned halfway. Both halves are mirror
+images.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import atan2, cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
@@ -18,12 +20,12 @@ from flankload.bodies.blocks import (
     coons,
     even_breaks,
     growing_breaks,
-    jacobians,
     symmetric_breaks,
     with_middles,
 )
 from flankload.bodies.body import SectorMesh
 from flankload.errors import SceneError
+from flankload.plane_mesh import jacobians
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,8 +41,10 @@ SPLIT_ANGLE = radians(50.0)
 #: Largest ratio of neighbouring elements.
 GROWTH = 1.4
 
-#: Lengths relative to the wanted flank element: along the fillet, first layer below the flank, largest
-#: inside the tooth, first row below the root.
+#: Lengths relative to the wanted flank element: along the fillet, first layer below the flank,
+#: largest inside the tooth, first row below the root. Measured on the FZG type C pinion with elements
+#: of 1 mm: a first layer of 0.5, 0.35, 0.25 leaves 2.0e-4, 1.1e-4, 0.9e-4 in the compliance of even
+#: pressure; finer fillets, rows and inner elements change it by less than 0.6e-4.
 FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 
 #: Largest turn of the profile within one element of the fillet.
@@ -61,7 +65,7 @@ class _Breaks:
     ----------
     low : from the root circle to the split point, along the curve
     flank : from the split point to the block's corner at the tip
-    tip : from there to the end of the curve (tip rounding or chamfer); one value where there is none
+    tip : from there to the end of the curve (rounding or chamfer); one value where there is none
     columns : parts of the way across the tooth, even in number
     rows : parts of the way from the split point down to the bore
     """
@@ -107,15 +111,16 @@ def sector_mesh(
     breaks = _breaks(profile, bore_radius_mm, flank_element_mm)
     mesh = _assemble(profile, bore_radius_mm, breaks)
     cells = mesh.cells[0][1]
-    worst = jacobians(mesh.nodes, cells).min(axis=1)
+    determinants = jacobians(mesh.nodes, "quad9", cells)
+    worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
     if not worst.min() > 0.0:
         place = float(np.linalg.norm(mesh.nodes[cells[worst.argmin(), 8]]))
         in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
             key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} relative "
-            f"to its size (bore {2 * bore_radius_mm:g}, flank elements {flank_element_mm:g} mm)",
+            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} "
+            f"relative to its mean (bore {2 * bore_radius_mm:g} mm)",
         )
     return mesh
 
@@ -128,7 +133,7 @@ def _breaks(profile: GearProfile, bore_radius: float, h: float) -> _Breaks:
     radius = float(np.linalg.norm(curve.point([split])[0]))
     pieces = [_turned_breaks(curve, split, form, FILLET * h)]
     parts = np.unique([form, *curve.range_of("flank", "relief"), corner])
-    for start, stop in zip(parts[:-1], parts[1:], strict=True):
+    for start, stop in pairwise(parts):
         least = 3 if start == form else 1
         pieces.append(even_breaks(start, stop, h, least)[1:])
     tip = np.array([corner])
@@ -265,14 +270,13 @@ def _arc(radius: float, angles: Floats) -> Floats:
 def _sagging_line(
     curve: FlankCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
 ) -> Floats:
-    """Foot of the tooth, from the split point to its mirror image: a cubic that sags into the rim."""
+    """Foot of the tooth, from split point to mirror image: a cubic that sags into the rim."""
     start = curve.point([s_split])[0]
     slant = float(_slants(curve, np.array([s_split]))[0])
-    # halves the angle that tooth and middle block share: between the profile and the ray to the bore
+    # tooth and middle block share the angle between the profile and the ray to the bore
     lean = 0.5 * (slant + pi - angle)
     width = 2 * start[1]
-    # a thin rim must not be cut through: the middle of the line falls by width * fall / 4, and stays
-    # above the lower part of the rim below the split point
+    # a thin rim must not be cut through: the middle of the line falls by width * fall / 4
     radius = float(np.hypot(*start))
     deepest = start[0] - radius + SAG_PART * (radius - bore_radius)
     fall = max(min(-cos(lean), 4 * deepest / width), -0.9)

@@ -96,6 +96,8 @@ def _check_mesh(path: Path) -> None:
 
 
 def _print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
+    rows = list(rows)
+    width = max(24, *(len(name) for name, _ in rows))
     print(f"\n{title}")
     for name, value in rows:
-        print(f"  {name:<26}{value}")
+        print(f"  {name:<{width}}  {value}")

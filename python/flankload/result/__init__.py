@@ -5,7 +5,8 @@ from flankload.result.export import (
     results_to_json,
     write_atomically,
 )
-from flankload.result.result import PairDrawing, PairTable, Result, make_result
+from flankload.result.pairs import PairDrawing, PairTable
+from flankload.result.result import Result, make_result
 
 __all__ = [
     "PairDrawing",

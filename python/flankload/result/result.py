@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.table import text_of
 
 if TYPE_CHECKING:
@@ -20,78 +21,6 @@ Floats = NDArray[np.float64]
 
 #: Harmonics of the transmission error that the summary names.
 N_HARMONICS = 5
-
-
-@dataclass(frozen=True, eq=False)
-class PairTable:
-    """Contact pairs of one position; n pairs, in the order of the core.
-
-    Attributes
-    ----------
-    site : (n,) array
-        Number of the flank pair.
-    radius_mm : (n,) array
-        Distance from the axis of body 1.
-    arc_length_1_mm, arc_length_2_mm : (n,) arrays
-        Places on both flank curves.
-    x_mm, y_mm : (n,) arrays
-        Place on flank 1 before it yields, world frame (axis of body 1 at the origin, axis of body 2
-        on the positive x axis).
-    normal_x, normal_y : (n,) arrays
-        Unit normal out of body 1, world frame.
-    force_N, pressure_MPa : (n,) arrays
-        Normal force on the pair's cell over the face width, and its mean pressure.
-    gap_um : (n,) array
-        Final gap along the normal.
-    cell_mm : (n,) array
-        Length of the pair's cell on the flank.
-    """
-
-    site: NDArray[np.int64]
-    radius_mm: Floats
-    arc_length_1_mm: Floats
-    arc_length_2_mm: Floats
-    x_mm: Floats
-    y_mm: Floats
-    normal_x: Floats
-    normal_y: Floats
-    force_N: Floats
-    pressure_MPa: Floats
-    gap_um: Floats
-    cell_mm: Floats
-
-    def __len__(self) -> int:
-        return len(self.site)
-
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-
-@dataclass(frozen=True, eq=False)
-class PairDrawing:
-    """What a picture of the loaded pair needs beside the pair tables.
-
-    Attributes
-    ----------
-    outline_1, outline_2 : (k, 2) arrays
-        Outer contour of one sector in the body's frame, from cut to cut, mm.
-    teeth_1, teeth_2 : int
-    center_distance_mm : float
-    angle_1, angle_2 : (P,) arrays
-        Turn of both body frames at each position, rad.
-    bore_radius_1_mm, bore_radius_2_mm : float or None
-    """
-
-    outline_1: Floats
-    outline_2: Floats
-    teeth_1: int
-    teeth_2: int
-    center_distance_mm: float
-    angle_1: Floats
-    angle_2: Floats
-    bore_radius_1_mm: float | None = None
-    bore_radius_2_mm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
