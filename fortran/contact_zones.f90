@@ -72,6 +72,8 @@ module flankload_contact_zones
     !> The least gap is found to this fraction of the flank's length: the gap is flat there, so its
     !> own error is of second order.
     real(wp), parameter :: place_tolerance = 1.0e-12_wp
+    !> A circle laid through a sample may miss it by some roundings.
+    real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
 contains
 
@@ -175,12 +177,12 @@ contains
         logical, intent(out) :: lost
 
         integer :: n, i, first, last
-        real(wp), allocatable :: s_1(:), gap(:)
+        real(wp), allocatable :: s_1(:), gap(:), radius_2(:)
         integer, allocatable :: segment(:), corner(:)
         type(zone_type) :: zone
         logical :: found
 
-        call scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner)
+        call scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner, radius_2)
         n = size(s_1)
         lost = .false.
         first = 1
@@ -203,7 +205,7 @@ contains
                 end if
                 zone%site = site
                 call refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-                    & first, last, i, zone, found)
+                    & radius_2, first, last, i, zone, found)
                 lost = lost .or. .not. found
                 n_zones = n_zones + 1
                 if (n_zones <= size(zones)) zones(n_zones) = zone
@@ -213,7 +215,8 @@ contains
     end subroutine find_zones
 
     !> Gap angles on sample circles, flank 2 taken as the polyline of its samples.
-    pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner)
+    pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner, &
+            & radius_2)
         !> Flank of body 1 and where it stands
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -230,10 +233,12 @@ contains
         !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else
         !> 0
         integer, allocatable, intent(out) :: corner(:)
+        !> Distance of flank 2's samples from O1 [mm]
+        real(wp), allocatable, intent(out) :: radius_2(:)
 
         integer :: l, k, n_2, n, at
         real(wp) :: s, point(2), tangent(2), weight, angle
-        real(wp), allocatable :: radius(:), radius_2(:), place_1(:, :), place_2(:, :)
+        real(wp), allocatable :: radius(:), place_1(:, :), place_2(:, :)
         logical :: found
 
         n_2 = size(flank_2%s)
@@ -311,7 +316,7 @@ contains
 
     !> The exact least gap beside a sample that has less gap than its neighbours.
     pure subroutine refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-            & first, last, i, zone, found)
+            & radius_2, first, last, i, zone, found)
         !> Flank of body 1 and where it stands
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -322,6 +327,8 @@ contains
         real(wp), intent(in) :: s_1(:)
         integer, intent(in) :: segment(:)
         integer, intent(in) :: corner(:)
+        !> Distance of flank 2's samples from O1 [mm]
+        real(wp), intent(in) :: radius_2(:)
         !> First and last sample of the stretch, and the sample in question
         integer, intent(in) :: first
         integer, intent(in) :: last
@@ -374,7 +381,8 @@ contains
 
     contains
 
-        !> The exact pair at a place, flank 2 searched around a segment of its polyline.
+        !> The exact pair at a place: flank 2 searched from a segment of its polyline outwards, so
+        !> that of several branches (a rounded tip turns back) the same one is followed.
         pure subroutine exact_pair(s, l, result_pair, is_found)
             !> Place on flank 1 [mm]
             real(wp), intent(in) :: s
@@ -385,13 +393,25 @@ contains
             !> False if the circle misses flank 2 there
             logical, intent(out) :: is_found
 
-            integer :: l_low, l_high
+            integer :: step, at, side
+            real(wp) :: radius, low, high, point(2), tangent(2)
 
-            l_low = max(1, l - 4)
-            l_high = min(size(flank_2%s), l + 5)
-            result_pair%s_2 = 0.5_wp*(flank_2%s(l) + flank_2%s(l + 1))
-            call pair_on_circle(flank_1%curve, frame_1, flank_2%curve, frame_2, s, &
-                & [flank_2%s(l_low), flank_2%s(l_high)], result_pair, is_found)
+            call placed_point(flank_1%curve, frame_1, s, point, tangent)
+            radius = norm2(point)
+            is_found = .false.
+            do step = 0, size(radius_2)
+                do side = -1, 1, 2
+                    at = l + side*step
+                    if (at < 1 .or. at >= size(radius_2)) cycle
+                    low = radius_2(at) - radius
+                    high = radius_2(at + 1) - radius
+                    if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*radius) cycle
+                    result_pair%s_2 = 0.5_wp*(flank_2%s(at) + flank_2%s(at + 1))
+                    call pair_on_circle(flank_1%curve, frame_1, flank_2%curve, frame_2, s, &
+                        & flank_2%s(at:at + 1), result_pair, is_found)
+                    if (is_found) return
+                end do
+            end do
         end subroutine exact_pair
 
         !> Root of the slope of the gap angle (regula falsi, Illinois).

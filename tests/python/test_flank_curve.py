@@ -89,7 +89,7 @@ def test_pieces_join_with_labels_and_corners() -> None:
     assert curve.breaks[at] == pytest.approx(2.0, rel=ROUND_OFF)
     assert curve.range_of("tip_radius") == (curve.breaks[at], curve.length_mm)
     assert curve.range_of("flank", "tip_radius") == (0.0, curve.length_mm)
-    with pytest.raises(ValueError, match="expected some of .*found"):
+    with pytest.raises(ValueError, match=r"expected some of .*found"):
         curve.range_of("fillet")
 
 

@@ -8,22 +8,14 @@ images.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
-from math import atan2, cos, pi, radians, sin
+from math import atan2, cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.blocks import (
-    BlockMesh,
-    coons,
-    even_breaks,
-    growing_breaks,
-    symmetric_breaks,
-    with_middles,
-)
+from flankload.bodies.blocks import BlockMesh, coons, even_breaks, with_middles
 from flankload.bodies.body import SectorMesh
+from flankload.bodies.sector_breaks import SectorBreaks, sector_breaks, slants
 from flankload.errors import SceneError
 from flankload.plane_mesh import jacobians
 
@@ -35,46 +27,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Angle of the fillet's tangent to the tooth's centre line at the split point.
-SPLIT_ANGLE = radians(50.0)
-
-#: Largest ratio of neighbouring elements.
-GROWTH = 1.4
-
-#: Lengths relative to the wanted flank element: along the fillet, first layer below the flank,
-#: largest inside the tooth, first row below the root. Measured on the FZG type C pinion with elements
-#: of 1 mm: a first layer of 0.5, 0.35, 0.25 leaves 2.0e-4, 1.1e-4, 0.9e-4 in the compliance of even
-#: pressure; finer fillets, rows and inner elements change it by less than 0.6e-4.
-FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
-
-#: Largest turn of the profile within one element of the fillet.
-LARGEST_TURN = radians(25.0)
-
 #: The foot of the tooth sags at most by this part of the rim's height.
 SAG_PART = 0.35
-
-#: Rows of the rim are at most this part of their radius high (or one pitch, where that is more).
-ROW_PART = 0.35
-
-
-@dataclass(frozen=True)
-class _Breaks:
-    """Arc lengths and parts at which elements end.
-
-    Attributes
-    ----------
-    low : from the root circle to the split point, along the curve
-    flank : from the split point to the block's corner at the tip
-    tip : from there to the end of the curve (rounding or chamfer); one value where there is none
-    columns : parts of the way across the tooth, even in number
-    rows : parts of the way from the split point down to the bore
-    """
-
-    low: Floats
-    flank: Floats
-    tip: Floats
-    columns: Floats
-    rows: Floats
 
 
 def sector_mesh(
@@ -108,7 +62,7 @@ def sector_mesh(
             expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
             found=f"{2 * bore_radius_mm:g}",
         )
-    breaks = _breaks(profile, bore_radius_mm, flank_element_mm)
+    breaks = sector_breaks(profile, bore_radius_mm, flank_element_mm)
     mesh = _assemble(profile, bore_radius_mm, breaks)
     cells = mesh.cells[0][1]
     determinants = jacobians(mesh.nodes, "quad9", cells)
@@ -125,75 +79,7 @@ def sector_mesh(
     return mesh
 
 
-def _breaks(profile: GearProfile, bore_radius: float, h: float) -> _Breaks:
-    curve = profile.curve
-    form = profile.mode_range_mm[0]
-    split = _split_point(curve, form)
-    corner, end = _tip_corner(curve)
-    radius = float(np.linalg.norm(curve.point([split])[0]))
-    pieces = [_turned_breaks(curve, split, form, FILLET * h)]
-    parts = np.unique([form, *curve.range_of("flank", "relief"), corner])
-    for start, stop in pairwise(parts):
-        least = 3 if start == form else 1
-        pieces.append(even_breaks(start, stop, h, least)[1:])
-    tip = np.array([corner])
-    if end > corner:
-        tip = even_breaks(corner, end, h)
-    width = 2 * curve.point([0.5 * (form + corner)])[0, 1]
-    depth = radius - bore_radius
-    pitch = 2 * pi / profile.teeth
-    below = np.linspace(0.0, depth, 50)
-    caps = np.stack([below, np.maximum(ROW_PART, pitch) * (radius - below)])
-    rows = growing_breaks(depth, FIRST_ROW * h, GROWTH, caps)
-    if rows.size < 3:
-        rows = np.array([0.0, 0.5, 1.0])
-    columns = symmetric_breaks(width, FIRST_LAYER * h, GROWTH, INNER * h)
-    if tip.size > (columns.size - 1) // 2:
-        tip = np.linspace(corner, end, (columns.size - 1) // 2)
-    return _Breaks(
-        low=_turned_breaks(curve, 0.0, split, FILLET * h),
-        flank=np.concatenate(pieces),
-        tip=tip,
-        columns=columns,
-        rows=rows,
-    )
-
-
-def _slants(curve: FlankCurve, s: Floats) -> Floats:
-    """Angle of the curve's tangent to the tooth's centre line, positive where it leans inwards."""
-    tangent = curve.tangent(s)
-    return np.arctan2(-tangent[:, 1], tangent[:, 0])
-
-
-def _split_point(curve: FlankCurve, form: float) -> float:
-    """Arc length at which the fillet leans by the split angle, kept off the ends of the fillet."""
-    s = np.linspace(0.0, form, 400)
-    slant = _slants(curve, s)
-    low, high = np.interp([0.25, 0.75], [0.0, 1.0], [slant.min(), slant[0]])
-    wanted = min(max(SPLIT_ANGLE, low), high)
-    return float(s[np.argmax(slant <= wanted)])
-
-
-def _tip_corner(curve: FlankCurve) -> tuple[float, float]:
-    """Arc lengths of the tooth block's corner at the tip, and of the end of the curve."""
-    start = curve.range_of("flank", "relief")[1]
-    if "tip_radius" in curve.labels:
-        return 0.5 * (start + curve.length_mm), curve.length_mm
-    return start, curve.length_mm
-
-
-def _turned_breaks(curve: FlankCurve, start: float, end: float, largest: float) -> Floats:
-    """Breaks between two places: none longer than `largest`, none that turns too much."""
-    s = np.linspace(start, end, 200)
-    turn = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(_slants(curve, s))))])
-    # equal parts of a mean of length and turn, so that both bounds hold about evenly
-    measure = (s - start) / largest + turn / LARGEST_TURN
-    longest = max((end - start) / largest, turn[-1] / LARGEST_TURN)
-    count = max(1, int(np.ceil(longest)))
-    return np.interp(np.linspace(0.0, measure[-1], count + 1), measure, s)
-
-
-def _assemble(profile: GearProfile, bore_radius: float, breaks: _Breaks) -> SectorMesh:
+def _assemble(profile: GearProfile, bore_radius: float, breaks: SectorBreaks) -> SectorMesh:
     curve, teeth = profile.curve, profile.teeth
     tip_radius = profile.involute.tip_radius_mm
     mirror = np.array([1.0, -1.0])
@@ -272,7 +158,7 @@ def _sagging_line(
 ) -> Floats:
     """Foot of the tooth, from split point to mirror image: a cubic that sags into the rim."""
     start = curve.point([s_split])[0]
-    slant = float(_slants(curve, np.array([s_split]))[0])
+    slant = float(slants(curve, np.array([s_split]))[0])
     # tooth and middle block share the angle between the profile and the ray to the bore
     lean = 0.5 * (slant + pi - angle)
     width = 2 * start[1]

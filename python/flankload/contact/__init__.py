@@ -8,13 +8,12 @@ form
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
+from flankload.contact.arguments import array, columns, expect_shape, pair_numbers
+from flankload.contact.state import ContactInfo, ContactState, undetermined_groups
 from flankload.errors import (
     InputError,
     NegativeForce,
@@ -23,88 +22,13 @@ from flankload.errors import (
     SingularContact,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+__all__ = ["ContactInfo", "ContactState", "solve_contact", "solve_contact_general"]
 
 Vector = NDArray[np.float64]
 
 _METHODS = {"single": 1, "paper": 2}
 # Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
 _ASYMMETRY = 1e-12
-# Directions in which the forces are this much less stiff than in the stiffest are undetermined.
-_UNDETERMINED = 1e-8
-
-
-@dataclass(frozen=True)
-class ContactInfo:
-    """How a state was found, and its certificate.
-
-    Attributes
-    ----------
-    rung : str
-        The loop that found it.
-    pivots, refactorisations : int
-        Pairs that joined or left; factorisations made as a whole to win digits back.
-    condition : float
-        Condition of the equilibrated equations of the active pairs.
-    growth : float
-        Growth of the entries in elimination without exchange of rows.
-    backward_error : float
-        Largest error of a row of the problem, relative to the row's own size.
-    margin : float
-        Distance to the nearest change of the active pairs: the least of force over largest force
-        (active pairs) and gap over the row's own size (others).
-    unique : bool
-        No other state exists, for certain.
-    undetermined : tuple of tuple of int
-        Groups of pairs of which only the sum of the forces is certain.
-    """
-
-    rung: str
-    pivots: int
-    refactorisations: int
-    condition: float
-    growth: float
-    backward_error: float
-    margin: float
-    unique: bool
-    undetermined: tuple[tuple[int, ...], ...] = ()
-
-
-@dataclass(frozen=True)
-class ContactState:
-    """State of contact of n pairs.
-
-    Attributes
-    ----------
-    normal_forces : ndarray of shape (n,)
-        Normal forces [N], zero where a pair is open.
-    final_gap_angles : ndarray of shape (n,)
-        Final gap angles [rad]; from `solve_contact_general` final gaps along the normals [mm].
-    rotation : float
-        Rotation of body 1 in the sense of its torque [rad]; the first motion of the general form.
-    active_pairs : ndarray of int
-        Pairs that carry a force, from 0, ascending.
-    status : int
-        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right); 2 solved,
-        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain. The state
-        attached to a `NegativeForce` has -6.
-    info : ContactInfo
-        Certificate and counters.
-    motions : ndarray of shape (q,)
-        All motions of the general form; ``motions[0] == rotation``.
-    tangent : ndarray of shape (q, q)
-        Change of the motions with the loads while the active pairs stay the same [rad/(N mm)].
-    """
-
-    normal_forces: Vector
-    final_gap_angles: Vector
-    rotation: float
-    active_pairs: NDArray[np.intp]
-    status: int
-    info: ContactInfo
-    motions: Vector
-    tangent: Vector
 
 
 def solve_contact(
@@ -154,24 +78,24 @@ def solve_contact(
     -----
     Weese & Popov, equations (16) to (34), with any pair free to leave.
     """
-    matrix = _array("flexibility_matrix", flexibility_matrix, 2)
+    matrix = array("flexibility_matrix", flexibility_matrix, 2)
     n = matrix.shape[0]
-    _expect_shape("flexibility_matrix", matrix, (n, n))
+    expect_shape("flexibility_matrix", matrix, (n, n))
     if n == 0:
         raise InputError("flexibility_matrix: expected at least one pair, found shape (0, 0)")
-    torque_row = _array("lever_arms", lever_arms, 1)
-    _expect_shape("lever_arms", torque_row, (n,))
-    gaps = _array("gap_angles", gap_angles, 1)
-    _expect_shape("gap_angles", gaps, (n,))
-    load = _array("torque", torque, 0)
+    torque_row = array("lever_arms", lever_arms, 1)
+    expect_shape("lever_arms", torque_row, (n,))
+    gaps = array("gap_angles", gap_angles, 1)
+    expect_shape("gap_angles", gaps, (n,))
+    load = array("torque", torque, 0)
     if load < 0.0:
         raise InputError(f"torque: expected a number >= 0, found {float(load):g}")
     if normal_lever_arms is None:
         row_scale = np.abs(torque_row)
         name = "lever_arms"
     else:
-        row_scale = _array("normal_lever_arms", normal_lever_arms, 1)
-        _expect_shape("normal_lever_arms", row_scale, (n,))
+        row_scale = array("normal_lever_arms", normal_lever_arms, 1)
+        expect_shape("normal_lever_arms", row_scale, (n,))
         name = "normal_lever_arms"
     if not row_scale.min() > 0.0:
         raise InputError(
@@ -234,23 +158,23 @@ def solve_contact_general(
         As `solve_contact`. `NoContactState` carries a motion on which the loads do work and that
         no pair resists.
     """
-    matrix = _array("compliance_matrix", compliance_matrix, 2)
+    matrix = array("compliance_matrix", compliance_matrix, 2)
     n = matrix.shape[0]
-    _expect_shape("compliance_matrix", matrix, (n, n))
+    expect_shape("compliance_matrix", matrix, (n, n))
     if n == 0:
         raise InputError("compliance_matrix: expected at least one pair, found shape (0, 0)")
-    gaps = _array("normal_gaps", normal_gaps, 1)
-    _expect_shape("normal_gaps", gaps, (n,))
-    load = np.atleast_1d(_array("loads", loads, None))
-    _expect_shape("loads", load, (load.size,))
+    gaps = array("normal_gaps", normal_gaps, 1)
+    expect_shape("normal_gaps", gaps, (n,))
+    load = np.atleast_1d(array("loads", loads, None))
+    expect_shape("loads", load, (load.size,))
     if load.size == 0:
         raise InputError("loads: expected at least one motion, found shape (0,)")
-    columns = _columns("motions", motions, (n, load.size))
-    rows = columns if load_rows is None else _columns("load_rows", load_rows, (n, load.size))
+    levers = columns("motions", motions, (n, load.size))
+    rows = levers if load_rows is None else columns("load_rows", load_rows, (n, load.size))
     return _solve(
         matrix,
         gaps,
-        columns,
+        levers,
         rows,
         load,
         method=method,
@@ -288,7 +212,7 @@ def _solve(
             f"with levers from {motions.min():g}",
             code=-4 if loads.size != 1 else -5,
         )
-    warm = _warm_pairs(warm_pairs, n)
+    warm = pair_numbers(warm_pairs, n)
     forces, final_gaps, motion, tangent, active, counters, certificate, code = (
         _core.flankload_solve_contact(
             np.asfortranarray(compliance),
@@ -313,7 +237,7 @@ def _solve(
         backward_error=float(certificate[2]),
         margin=float(certificate[3]),
         unique=bool(counters[2]),
-        undetermined=_undetermined(compliance, load_rows, forces, final_gaps, code),
+        undetermined=undetermined_groups(compliance, load_rows, forces, final_gaps, code),
     )
     state = ContactState(
         normal_forces=forces,
@@ -362,40 +286,6 @@ def _failure(
     return InputError(f"the core refused the problem (code {code})", code=code)
 
 
-def _undetermined(
-    compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector, status: int
-) -> tuple[tuple[int, ...], ...]:
-    """Groups of touching pairs of which only the sum of the forces is certain.
-
-    Directions in force space that neither move a gap nor change a load: right singular vectors of
-    the equilibrated equations with small singular values. Pairs that one of them couples are one
-    group.
-    """
-    if status <= 0:
-        return ()
-    touching = np.flatnonzero(gaps <= 0.0)
-    if touching.size < 2 or not forces.any():
-        return ()
-    scale = 1.0 / np.sqrt(compliance.diagonal()[touching])
-    rows = load_rows[touching].T * scale
-    rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
-    equations = np.vstack([compliance[np.ix_(touching, touching)] * np.outer(scale, scale), rows])
-    _, sizes, vectors = np.linalg.svd(equations)
-    weak = vectors[sizes < _UNDETERMINED * sizes[0]]
-    linked = np.abs(weak.T @ weak) > 1e-3
-    groups = []
-    left = set(np.flatnonzero(linked.diagonal()).tolist())
-    while left:
-        group = {left.pop()}
-        front = set(group)
-        while front:
-            front = {k for k in left if linked[k, list(front)].any()}
-            left -= front
-            group |= front
-        groups.append(tuple(sorted(int(touching[k]) for k in group)))
-    return tuple(sorted(groups))
-
-
 def _is_symmetric(matrix: Vector) -> bool:
     """Symmetric to the rounding of its assembly, each entry on the scale of its diagonal."""
     difference = matrix - matrix.T
@@ -404,53 +294,3 @@ def _is_symmetric(matrix: Vector) -> bool:
         return True
     root = np.sqrt(matrix.diagonal())
     return bool((difference <= _ASYMMETRY * np.outer(root, root)).all())
-
-
-def _array(name: str, values: Any, n_axes: int | None) -> Vector:
-    """Finite double-precision numbers, or an InputError that names the argument."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: expected an array of numbers, found {error}") from None
-    if n_axes is not None and array.ndim != n_axes:
-        kind = "a number" if n_axes == 0 else f"{n_axes} axes"
-        raise InputError(f"{name}: expected {kind}, found shape {array.shape}")
-    if not np.isfinite(array).all():
-        place = np.argwhere(~np.isfinite(array))[0].tolist()
-        found = array[tuple(place)]
-        raise InputError(f"{name}: expected finite numbers, found {found} at {place}")
-    return array
-
-
-def _expect_shape(name: str, array: Vector, shape: tuple[int, ...]) -> None:
-    if array.shape != shape:
-        raise InputError(f"{name}: expected shape {shape}, found {array.shape}")
-
-
-def _columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
-    """An array of one column a motion; a vector is one column."""
-    array = _array(name, values, None)
-    if array.ndim == 1 and shape[1] == 1:
-        array = array[:, np.newaxis]
-    _expect_shape(name, array, shape)
-    return array
-
-
-def _warm_pairs(warm_pairs: ArrayLike | Sequence[int] | None, n: int) -> NDArray[np.int32]:
-    """Numbers of pairs from 0, each once."""
-    if warm_pairs is None:
-        return np.empty(0, dtype=np.int32)
-    pairs = np.asarray(warm_pairs)
-    if pairs.size == 0:
-        return np.empty(0, dtype=np.int32)
-    if pairs.ndim != 1 or not np.issubdtype(pairs.dtype, np.integer):
-        raise InputError(
-            f"warm_pairs: expected a list of integers, found shape {pairs.shape} of {pairs.dtype}"
-        )
-    if pairs.min() < 0 or pairs.max() >= n:
-        raise InputError(
-            f"warm_pairs: expected numbers from 0 to {n - 1}, found {pairs.min()} to {pairs.max()}"
-        )
-    if np.unique(pairs).size != pairs.size:
-        raise InputError("warm_pairs: expected each pair once, found a pair twice")
-    return pairs.astype(np.int32)

@@ -1,0 +1,124 @@
+!> How the contact loop begins: cold with the first pairs, or warm with a given set.
+module flankload_loop_start
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error, no_contact_state, singular_contact
+    use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+        & append_block, drop_pair, solve_bordered
+    use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
+    implicit none
+    private
+
+    public :: loop_state
+    public :: start_loop, start_cold, start_warm
+
+    !> What the loop works on; all scaled.
+    type :: loop_state
+        type(bordered_system) :: system
+        !> Forces (n), gaps (n), motion from the start (n_motions)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: motion(:)
+        !> d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: tangent(:, :)
+        !> Pairs that joined or left
+        integer :: pivots = 0
+        !> Pairs that joined and had to leave at once; they wait until the forces have changed
+        logical, allocatable :: waiting(:)
+    end type loop_state
+
+contains
+
+    !> Choose the first pairs and measure motions from where they touch.
+    pure subroutine start_loop(problem, first, first_forces, state, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> First pairs and their forces, shape (n_motions)
+        integer, allocatable, intent(out) :: first(:)
+        real(wp), allocatable, intent(out) :: first_forces(:)
+        !> The state, without pairs
+        type(loop_state), intent(out) :: state
+        !> The loads cannot be held, or a motion is loose
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: outcome
+        real(wp), allocatable :: motion(:)
+
+        call load_vertex(problem, first, first_forces, motion, outcome)
+        allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
+        allocate (state%waiting(problem%n), source=.false.)
+        allocate (state%motion(problem%n_motions), source=0.0_wp)
+        if (outcome == vertex_infeasible) then
+            state%motion = motion
+            call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
+        else if (outcome /= vertex_found) then
+            call fatal_error(error, singular_contact, 'a motion is held by no pair')
+        else
+            call shift_gaps(problem, motion, first)
+        end if
+    end subroutine start_loop
+
+    !> Begin with the first pairs.
+    pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> First pairs and their forces
+        integer, intent(in) :: first(:)
+        real(wp), intent(in) :: first_forces(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if the pairs depend on each other
+        logical, intent(out) :: ready
+
+        integer :: k
+
+        state%system = new_bordered_system(problem%symmetric)
+        state%forces = 0.0_wp
+        ready = .true.
+        do k = 1, size(first)
+            if (ready) call append_pair(state%system, problem, compliance, first(k), ready)
+            state%forces(first(k)) = first_forces(k)
+        end do
+        state%pivots = state%pivots + size(first)
+    end subroutine start_cold
+
+    !> Begin with a given set: factor it as a block and let pairs go until no force is negative.
+    pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs
+        integer, intent(in) :: warm_pairs(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if no part of the set holds the loads
+        logical, intent(out) :: ready
+
+        integer :: k
+        logical, allocatable :: negative(:)
+        real(wp), allocatable :: forces(:), motion(:)
+
+        state%system = new_bordered_system(problem%symmetric)
+        call append_block(state%system, problem, compliance, warm_pairs, ready)
+        do while (ready)
+            ready = size(state%system%pairs) >= problem%n_motions
+            if (.not. ready) exit
+            call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
+                & problem%loads, forces, motion, ready)
+            if (.not. ready) exit
+            negative = forces < -row_tolerance*maxval(abs(forces))
+            if (.not. any(negative)) exit
+            do k = size(forces), 1, -1
+                if (negative(k) .and. ready) then
+                    call drop_pair(state%system, problem, compliance, k, ready)
+                    state%pivots = state%pivots + 1
+                end if
+            end do
+        end do
+        if (ready) state%forces(state%system%pairs) = max(forces, 0.0_wp)
+    end subroutine start_warm
+
+end module flankload_loop_start

@@ -1,0 +1,64 @@
+"""Arguments of the contact loop: checked once, refused with one line that names them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flankload.errors import InputError
+
+Vector = NDArray[np.float64]
+
+
+def array(name: str, values: Any, n_axes: int | None) -> Vector:
+    """Finite double-precision numbers, or an InputError that names the argument."""
+    try:
+        numbers = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected an array of numbers, found {error}") from None
+    if n_axes is not None and numbers.ndim != n_axes:
+        kind = "a number" if n_axes == 0 else f"{n_axes} axes"
+        raise InputError(f"{name}: expected {kind}, found shape {numbers.shape}")
+    if not np.isfinite(numbers).all():
+        place = np.argwhere(~np.isfinite(numbers))[0].tolist()
+        found = numbers[tuple(place)]
+        raise InputError(f"{name}: expected finite numbers, found {found} at {place}")
+    return numbers
+
+
+def expect_shape(name: str, numbers: Vector, shape: tuple[int, ...]) -> None:
+    """Raise an InputError where the shape is another one."""
+    if numbers.shape != shape:
+        raise InputError(f"{name}: expected shape {shape}, found {numbers.shape}")
+
+
+def columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
+    """An array of one column a motion; a vector is one column."""
+    result = array(name, values, None)
+    if result.ndim == 1 and shape[1] == 1:
+        result = result[:, np.newaxis]
+    expect_shape(name, result, shape)
+    return result
+
+
+def pair_numbers(warm_pairs: ArrayLike | Sequence[int] | None, n: int) -> NDArray[np.int32]:
+    """Numbers of pairs from 0, each once."""
+    if warm_pairs is None:
+        return np.empty(0, dtype=np.int32)
+    pairs = np.asarray(warm_pairs)
+    if pairs.size == 0:
+        return np.empty(0, dtype=np.int32)
+    if pairs.ndim != 1 or not np.issubdtype(pairs.dtype, np.integer):
+        raise InputError(
+            f"warm_pairs: expected a list of integers, found shape {pairs.shape} of {pairs.dtype}"
+        )
+    if pairs.min() < 0 or pairs.max() >= n:
+        raise InputError(
+            f"warm_pairs: expected numbers from 0 to {n - 1}, found {pairs.min()} to {pairs.max()}"
+        )
+    if np.unique(pairs).size != pairs.size:
+        raise InputError("warm_pairs: expected each pair once, found a pair twice")
+    return pairs.astype(np.int32)

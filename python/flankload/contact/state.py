@@ -1,0 +1,119 @@
+"""The state of contact and what is said of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+# Directions in which the forces are this much less stiff than in the stiffest are undetermined.
+_UNDETERMINED = 1e-8
+
+
+@dataclass(frozen=True)
+class ContactInfo:
+    """How a state was found, and its certificate.
+
+    Attributes
+    ----------
+    rung : str
+        The loop that found it.
+    pivots, refactorisations : int
+        Pairs that joined or left; factorisations made as a whole to win digits back.
+    condition : float
+        Condition of the equilibrated equations of the active pairs.
+    growth : float
+        Growth of the entries in elimination without exchange of rows.
+    backward_error : float
+        Largest error of a row of the problem, relative to the row's own size.
+    margin : float
+        Distance to the nearest change of the active pairs: the least of force over largest force
+        (active pairs) and gap over the row's own size (others).
+    unique : bool
+        No other state exists, for certain.
+    undetermined : tuple of tuple of int
+        Groups of pairs of which only the sum of the forces is certain.
+    """
+
+    rung: str
+    pivots: int
+    refactorisations: int
+    condition: float
+    growth: float
+    backward_error: float
+    margin: float
+    unique: bool
+    undetermined: tuple[tuple[int, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """State of contact of n pairs.
+
+    Attributes
+    ----------
+    normal_forces : ndarray of shape (n,)
+        Normal forces [N], zero where a pair is open.
+    final_gap_angles : ndarray of shape (n,)
+        Final gap angles [rad]; from `solve_contact_general` final gaps along the normals [mm].
+    rotation : float
+        Rotation of body 1 in the sense of its torque [rad]; the first motion of the general form.
+    active_pairs : ndarray of int
+        Pairs that carry a force, from 0, ascending.
+    status : int
+        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right); 2 solved,
+        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain. The state
+        attached to a `NegativeForce` has -6.
+    info : ContactInfo
+        Certificate and counters.
+    motions : ndarray of shape (q,)
+        All motions of the general form; ``motions[0] == rotation``.
+    tangent : ndarray of shape (q, q)
+        Change of the motions with the loads while the active pairs stay the same [rad/(N mm)].
+    """
+
+    normal_forces: Vector
+    final_gap_angles: Vector
+    rotation: float
+    active_pairs: NDArray[np.intp]
+    status: int
+    info: ContactInfo
+    motions: Vector
+    tangent: Vector
+
+
+def undetermined_groups(
+    compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector, status: int
+) -> tuple[tuple[int, ...], ...]:
+    """Groups of touching pairs of which only the sum of the forces is certain.
+
+    Directions in force space that neither move a gap nor change a load: right singular vectors of
+    the equilibrated equations with small singular values. Pairs that one of them couples are one
+    group.
+    """
+    if status <= 0:
+        return ()
+    touching = np.flatnonzero(gaps <= 0.0)
+    if touching.size < 2 or not forces.any():
+        return ()
+    scale = 1.0 / np.sqrt(compliance.diagonal()[touching])
+    rows = load_rows[touching].T * scale
+    rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
+    equations = np.vstack([compliance[np.ix_(touching, touching)] * np.outer(scale, scale), rows])
+    _, sizes, vectors = np.linalg.svd(equations)
+    weak = vectors[sizes < _UNDETERMINED * sizes[0]]
+    linked = np.abs(weak.T @ weak) > 1e-3
+    groups = []
+    left = set(np.flatnonzero(linked.diagonal()).tolist())
+    while left:
+        group = {left.pop()}
+        front = set(group)
+        while front:
+            front = {k for k in left if linked[k, list(front)].any()}
+            left -= front
+            group |= front
+        groups.append(tuple(sorted(int(touching[k]) for k in group)))
+    return tuple(sorted(groups))

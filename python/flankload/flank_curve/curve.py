@@ -1,0 +1,137 @@
+"""The curve: place, tangent, normal and curvature by arc length, and closest places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FlankCurve:
+    """A curve by its own arc length, piecewise quintic.
+
+    Attributes
+    ----------
+    breaks : (n + 1,) array
+        Arc length at the ends of the intervals, mm; ascending from 0.
+    coefficients : (n, 2, degree + 1) array
+        Ascending powers of s - breaks[k], for x and y in mm.
+    labels : tuple of n str
+        What each interval is.
+    corners : (n + 1,) bool array
+        True at breaks with a sharp corner; at the last one where the curve ends in a corner.
+    """
+
+    breaks: Floats
+    coefficients: Floats
+    labels: tuple[str, ...]
+    corners: NDArray[np.bool_]
+
+    @property
+    def length_mm(self) -> float:
+        """Arc length of the whole curve."""
+        return float(self.breaks[-1])
+
+    def derivatives(self, s: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Place and its first two derivatives by arc length, each (m, 2).
+
+        Parameters
+        ----------
+        s : (m,) array_like
+            Arc length, mm; outside the curve the end interval goes on.
+        """
+        places = np.atleast_1d(np.asarray(s, dtype=float))
+        interval = np.clip(
+            np.searchsorted(self.breaks, places, side="right") - 1, 0, len(self.labels) - 1
+        )
+        x = (places - self.breaks[interval])[:, None]
+        c = self.coefficients[interval]
+        point, first, second = c[:, :, -1].copy(), np.zeros((x.size, 2)), np.zeros((x.size, 2))
+        for power in range(c.shape[2] - 2, -1, -1):
+            second = second * x + 2 * first
+            first = first * x + point
+            point = point * x + c[:, :, power]
+        return point, first, second
+
+    def point(self, s: ArrayLike) -> Floats:
+        """Places at arc lengths s (m,): (m, 2), mm."""
+        return self.derivatives(s)[0]
+
+    def tangent(self, s: ArrayLike) -> Floats:
+        """Unit tangents towards the tip at arc lengths s (m,): (m, 2)."""
+        first = self.derivatives(s)[1]
+        return first / np.linalg.norm(first, axis=1, keepdims=True)
+
+    def normal(self, s: ArrayLike) -> Floats:
+        """Unit normals out of the material at arc lengths s (m,): (m, 2)."""
+        tangent = self.tangent(s)
+        return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+
+    def curvature(self, s: ArrayLike) -> Floats:
+        """Curvature at arc lengths s (m,), 1/mm; positive where the flank is convex."""
+        _, first, second = self.derivatives(s)
+        speed = np.linalg.norm(first, axis=1)
+        return (first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]) / speed**3
+
+    def rotated(self, angle: float) -> FlankCurve:
+        """Return the same curve, turned counter-clockwise about the origin by an angle in rad."""
+        turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+        return replace(self, coefficients=np.einsum("ij,njk->nik", turn, self.coefficients))
+
+    def range_of(self, *labels: str) -> tuple[float, float]:
+        """Arc lengths between which all intervals with one of the labels lie.
+
+        Raises
+        ------
+        ValueError
+            If no interval has one of the labels.
+        """
+        found = [k for k, label in enumerate(self.labels) if label in labels]
+        if not found:
+            raise ValueError(
+                f"labels: expected some of {sorted(set(self.labels))}, found {list(labels)}"
+            )
+        return float(self.breaks[found[0]]), float(self.breaks[found[-1] + 1])
+
+    def arc_length_of(self, points: ArrayLike) -> tuple[Floats, Floats]:
+        """Closest places on the curve.
+
+        Parameters
+        ----------
+        points : (m, 2) array_like
+            Places near the curve, mm.
+
+        Returns
+        -------
+        s, distance : (m,) arrays
+            Arc length of the closest place of the curve and its distance (>= 0), mm.
+        """
+        wanted = np.atleast_2d(np.asarray(points, dtype=float))
+        parts = np.arange(8) / 8
+        samples = np.append(
+            (self.breaks[:-1, None] + np.diff(self.breaks)[:, None] * parts).ravel(),
+            self.breaks[-1],
+        )
+        squares = ((wanted[:, None, :] - self.point(samples)[None, :, :]) ** 2).sum(axis=2)
+        nearest = np.argmin(squares, axis=1)
+        low = samples[np.maximum(nearest - 1, 0)]
+        high = samples[np.minimum(nearest + 1, samples.size - 1)]
+        s = samples[nearest]
+        for _ in range(50):
+            # Newton on the derivative of half the squared distance, kept between the neighbours
+            point, first, second = self.derivatives(s)
+            away = point - wanted
+            slope = (away * first).sum(axis=1)
+            bend = (first**2).sum(axis=1) + (away * second).sum(axis=1)
+            step = -slope / np.where(bend > 0, bend, 1.0)
+            new = np.clip(s + step, low, high)
+            done = np.abs(new - s).max(initial=0.0) <= 4 * np.finfo(float).eps * self.length_mm
+            s = new
+            if done:
+                break
+        return s, np.linalg.norm(self.point(s) - wanted, axis=1)
