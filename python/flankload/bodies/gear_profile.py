@@ -48,7 +48,8 @@ class GearProfile:
         Radii and angles.
     teeth : int
     mode_range_mm : (float, float)
-        Arc lengths of the active flank, tip rounding included: where pressure modes live.
+        Arc lengths of the active flank, where pressure modes live; neither fillet nor tip rounding,
+        where the normal turns away and few modes would not follow it.
     root_half_angle_rad : float
         Polar angle at which the fillet leaves the root circle.
     """
@@ -149,7 +150,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
         curve=curve,
         involute=involute,
         teeth=z,
-        mode_range_mm=curve.range_of("flank", "relief", "tip_radius"),
+        mode_range_mm=curve.range_of("flank", "relief"),
         root_half_angle_rad=rack.root_half_angle_rad,
     )
 

@@ -27,8 +27,8 @@ GROWTH = 1.4
 
 #: Lengths relative to the wanted flank element: along the fillet, first layer below the flank,
 #: largest inside the tooth, first row below the root. Measured on the FZG type C pinion with
-#: elements of 1 mm: a first layer of 0.5, 0.35, 0.25 leaves 2.0e-4, 1.1e-4, 0.9e-4 in the compliance
-#: of even pressure; finer fillets, rows and inner elements change it by less than 0.6e-4.
+#: elements of 1 mm: a first layer of 0.5, 0.35, 0.25 leaves 2.0e-4, 1.1e-4, 0.9e-4 in the
+#: compliance of even pressure; finer fillets, rows and inner elements change it by at most 0.6e-4.
 FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 
 #: Largest turn of the profile within one element of the fillet.
