@@ -99,7 +99,7 @@ contains
 
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
-            & deviation, pairs, found)
+            & deviation, corner_weight, pairs, found)
         !> Flank of body 1 and where it stands
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -113,32 +113,36 @@ contains
         type(grid_type), intent(in) :: grid
         !> Metal that touches early, sum of both flanks, along the normal [mm]
         real(wp), intent(in) :: deviation
+        !> 0: each body has its own normal; 1: both have the mean, where the contact is one-sided
+        real(wp), intent(in) :: corner_weight
         !> The pairs; room must have been reserved
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle misses flank 2
         logical, intent(out) :: found
 
         integer :: k, i
-        real(wp) :: s_1, s_2_range(2), lever_1, lever_2, normal(2)
+        real(wp) :: s_1, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2), normal(2), weight
         type(pair_type) :: pair
 
         s_2_range = [zone%s_2_low, zone%s_2_high]
         pair = zone%nearest
+        weight = 0.5_wp*corner_weight
         found = .true.
         do k = 1, grid%n
             s_1 = grid%first + (k - 1)*grid%cell
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
             if (.not. found) return
-            ! n = t turned by a right angle, so P x n = P . t; on a sharp corner the force stands
-            ! normal to the smooth flank that it touches
-            normal = [-pair%tangent_1(2), pair%tangent_1(1)]
-            if (zone%corner == 1) normal = [pair%tangent_2(2), -pair%tangent_2(1)]
-            lever_1 = abs(cross(pair%point_1, normal))   ! Eq. (17)
-            lever_2 = abs(dot_product(pair%point_2, pair%tangent_2))
+            ! Out of body 1, by each flank; n = t turned by a right angle, so |P x n| = |P . t|
+            own_1 = [-pair%tangent_1(2), pair%tangent_1(1)]
+            own_2 = [pair%tangent_2(2), -pair%tangent_2(1)]
             i = pairs%n + 1
             pairs%cell_1(i) = grid%cell
-            pairs%cell_2(i) = grid%cell*abs(dot_product(pair%point_1, pair%tangent_1))/lever_2
-            if (zone%corner == 2) lever_2 = abs(cross(pair%point_2, normal))
+            pairs%cell_2(i) = grid%cell*abs(cross(pair%point_1, own_1)/cross(pair%point_2, own_2))
+            normal = (1.0_wp - weight)*own_2 + weight*own_1
+            lever_2 = abs(cross(pair%point_2, normal))/norm2(normal)
+            normal = (1.0_wp - weight)*own_1 + weight*own_2
+            normal = normal/norm2(normal)
+            lever_1 = abs(cross(pair%point_1, normal))   ! Eq. (17)
             pairs%n = i
             pairs%site(i) = zone%site
             pairs%zone(i) = number

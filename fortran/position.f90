@@ -239,7 +239,8 @@ contains
             site = zones(z)%site
             call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
                 & frames_2(site), zones(z), z, grids(z), &
-                & body_1%deviations(site) + body_2%deviations(site), state%pairs, found)
+                & body_1%deviations(site) + body_2%deviations(site), &
+                & corner_weight(zones(z), half_widths(z)), state%pairs, found)
             if (.not. found) then
                 call fatal_error(error, code_circle_misses, &
                     & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -281,6 +282,23 @@ contains
             & .or. (zone%corner_low > 0 .and. zone%nearest%s_1 - zone%s_1_low < half_width) &
             & .or. (zone%corner_high > 0 .and. zone%s_1_high - zone%nearest%s_1 < half_width)
     end function corner_inside
+
+    !> How one-sided a contact is because of a sharp corner: 1 on it, 0 from a half-width on.
+    elemental function corner_weight(zone, half_width) result(weight)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Expected half-width of the contact [mm]
+        real(wp), intent(in) :: half_width
+        real(wp) :: weight
+
+        real(wp) :: distance
+
+        distance = half_width
+        if (zone%corner_low > 0) distance = min(distance, zone%nearest%s_1 - zone%s_1_low)
+        if (zone%corner_high > 0) distance = min(distance, zone%s_1_high - zone%nearest%s_1)
+        if (zone%corner > 0) distance = 0.0_wp
+        weight = 1.0_wp - distance/half_width
+    end function corner_weight
 
     !> The pairs inside the half-widths that are expected: the loop's warm set.
     pure function expected_pairs(pairs, zones, half_widths, estimate) result(warm)

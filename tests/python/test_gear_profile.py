@@ -247,10 +247,11 @@ def test_tip_chamfer_has_its_height_and_two_corners() -> None:
     assert profile.mode_range_mm == curve.range_of("flank")
 
 
-def test_modes_live_on_flank_relief_and_tip_rounding() -> None:
+def test_modes_live_on_flank_and_relief_not_on_the_tip_rounding() -> None:
     spec = gear(tip_radius_mm=0.3, tip_relief_um=10.0, tip_relief_start_diameter_mm=79.0)
     profile = gear_profile(spec, "body_1")
-    assert profile.mode_range_mm == (profile.curve.range_of("flank")[0], profile.curve.length_mm)
+    assert profile.mode_range_mm == profile.curve.range_of("flank", "relief")
+    assert profile.mode_range_mm[1] == profile.curve.range_of("tip_radius")[0]
 
 
 def test_rotated_profile_turns_curve_and_angles() -> None:
