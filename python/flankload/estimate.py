@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.compliance import BodyCompliance
-    from flankload.sweep import Grid, Sweep
+    from flankload.resolution import Grid
+    from flankload.sweep import Sweep
+
 
 @dataclass(frozen=True)
 class Estimate:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
+    from flankload.resolution import Grid
 
 #: Status of a position without an answer: the contact loop's codes, then those of the stages before
 #: it.
@@ -39,25 +40,6 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
 
 #: Room for pairs at a position in the first call; a position that has more asks for a second one.
 FIRST_ROOM = 512
-
-
-@dataclass(frozen=True)
-class Grid:
-    """How fine the cells of the contact are.
-
-    Attributes
-    ----------
-    strips_per_half_width : float
-        Cells on the Hertz half-width of each contact.
-    corner_strips_per_half_width : float
-        The same where a sharp corner lies inside the contact's cells.
-    zone_half_widths : float
-        Half-width of the cells' zone in Hertz half-widths; widened by the core where needed.
-    """
-
-    strips_per_half_width: float = 10.0
-    corner_strips_per_half_width: float = 30.0
-    zone_half_widths: float = 2.5
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import pytest
 
 from flankload.flank_curve import CurvePiece, fit_flank_curve
 from flankload.pairing import Pairing
-from flankload.sweep import Grid, sweep
+from flankload.resolution import Grid
+from flankload.sweep import sweep
 
 CASE = json.loads(
     (Path(__file__).parents[1] / "reference_solutions" / "closed_form.json").read_text()

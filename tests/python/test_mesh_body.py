@@ -12,7 +12,7 @@ import pytest
 import flankload as fl
 from flankload.errors import MeshError, SceneError
 from flankload.mesh_io import read_mesh, write_sector
-from flankload.solve import build_bodies
+from flankload.assembly import build_bodies
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "examples" / "scenes"

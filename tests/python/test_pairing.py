@@ -10,7 +10,7 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload.errors import SceneError
-from flankload.solve import BodyPair, build_bodies
+from flankload.assembly import BodyPair, build_bodies
 
 FZG_1 = {
     "kind": "gear",

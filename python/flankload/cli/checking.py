@@ -25,7 +25,7 @@ def _check_scene(path: Path) -> None:
     scene = read_scene(path)
     from flankload.effects import effects_of
     from flankload.pairing import describe_mesh
-    from flankload.solve import build_bodies
+    from flankload.assembly import build_bodies
 
     pair = build_bodies(scene)
     print(f"{scene.name}: a valid scene")

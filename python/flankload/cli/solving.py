@@ -136,7 +136,7 @@ def mesh(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     from flankload.mesh_io import write_sector
-    from flankload.solve import build_bodies
+    from flankload.assembly import build_bodies
 
     pair = build_bodies(scene)
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,122 @@
+"""Both bodies of a scene, built and put together: all that is known before elements are solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies import Body, build_body
+from flankload.effects import Effects, effects_of
+from flankload.errors import SceneError
+from flankload.pairing import Pairing, pair_bodies
+from flankload.resolution import Resolution, choose_resolution
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import Scene
+
+
+@dataclass(frozen=True)
+class BodyPair:
+    """Both bodies and how they stand to each other.
+
+    Attributes
+    ----------
+    body_1, body_2 : Body
+    pairing : Pairing
+    resolution : Resolution
+    effects : Effects
+    position_rad : (P,) array
+        Angles of body 1 from position zero.
+    closed : bool
+        The positions divide evenly a period after which all repeats (with pitch errors one tooth
+        pitch is none).
+    notes : tuple of str
+        What a user must know of bodies and pair.
+    """
+
+    body_1: Body
+    body_2: Body
+    pairing: Pairing
+    resolution: Resolution
+    effects: Effects
+    position_rad: NDArray[np.float64]
+    closed: bool
+    notes: tuple[str, ...]
+
+    @property
+    def turn_1(self) -> float:
+        """Turn of body 1's frame at position zero, rad."""
+        return self.pairing.turns_at_zero_rad[0]
+
+    @property
+    def turn_2(self) -> float:
+        """Turn of body 2's frame at position zero, rad."""
+        return self.pairing.turns_at_zero_rad[1]
+
+
+def build_bodies(scene: Scene) -> BodyPair:
+    """Bodies of a scene and their pairing; no finite elements are solved.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    BodyPair
+
+    Raises
+    ------
+    SceneError
+        If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
+    """
+    resolution, effects = choose_resolution(scene), effects_of(scene)
+    try:
+        body_1, body_2 = (
+            build_body(
+                spec,
+                key,
+                folder=scene.folder,
+                flank_element_mm=scene.accuracy.flank_element_mm,
+                flank_element_parts=resolution.flank_element_parts,
+            )
+            for spec, key in ((scene.body_1, "body_1"), (scene.body_2, "body_2"))
+        )
+        position_rad, even = _positions(scene, 2 * np.pi / body_1.teeth)
+        pairing = pair_bodies(
+            body_1,
+            body_2,
+            center_distance_mm=scene.pair.center_distance_mm,
+            position_rad=position_rad,
+        )
+    except SceneError as error:
+        if error.file is not None or scene.file is None:
+            raise
+        raise error.with_file(scene.file) from None
+    notes = (
+        *(f"body_1: {note}" for note in body_1.notes),
+        *(f"body_2: {note}" for note in body_2.notes),
+        *pairing.warnings,
+    )
+    return BodyPair(
+        body_1=body_1,
+        body_2=body_2,
+        pairing=pairing,
+        resolution=resolution,
+        effects=effects,
+        position_rad=position_rad,
+        closed=even and not effects.pitch_errors,
+        notes=notes,
+    )
+
+
+def _positions(scene: Scene, period_rad: float) -> tuple[NDArray[np.float64], bool]:
+    """Angles of body 1 (P,), and whether they divide one tooth pitch evenly."""
+    wanted = scene.positions
+    if wanted.angles_deg is not None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), False
+    return period_rad * np.arange(wanted.count) / wanted.count, True

@@ -1,0 +1,85 @@
+"""How finely a scene is resolved: the knobs that it names, the rest from its tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flankload.scene import Scene
+
+
+@dataclass(frozen=True)
+class Grid:
+    """How fine the cells of the contact are.
+
+    Attributes
+    ----------
+    strips_per_half_width : float
+        Cells on the Hertz half-width of each contact.
+    corner_strips_per_half_width : float
+        The same where a sharp corner lies inside the contact's cells.
+    zone_half_widths : float
+        Half-width of the cells' zone in Hertz half-widths; widened by the core where needed.
+    """
+
+    strips_per_half_width: float = 10.0
+    corner_strips_per_half_width: float = 30.0
+    zone_half_widths: float = 2.5
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """The knobs of accuracy, as chosen by the scene's tolerance or named in it.
+
+    Attributes
+    ----------
+    flank_element_parts : float
+        Length of the flank elements in modules (parametric bodies).
+    modes : int
+        Pressure modes of a flank.
+    grid : Grid
+        Cells of the contact.
+    """
+
+    flank_element_parts: float
+    modes: int
+    grid: Grid
+
+
+#: (tolerance, resolution), coarse to fine: the first whose tolerance is not above the wanted one.
+#: Measured on the FZG type C pair (module 4.5) against 0.2 mm, 9 modes, 40 and 120 strips; largest
+#: error of the rotation at interior / tip-corner positions, of the load share there, of the peak
+#: pressure: 0.04 / 0.20 %, 0.2 points, 0.12 % - 0.04 / 0.14 %, 0.14 points, 0.07 % -
+#: 0.01 / 0.07 %, 0.07 points, 0.02 %.
+RESOLUTIONS: tuple[tuple[float, Resolution], ...] = (
+    (2e-3, Resolution(1.0 / 4.5, 5, Grid())),
+    (1.5e-3, Resolution(0.5 / 4.5, 6, Grid(16.0, 48.0))),
+    (0.0, Resolution(0.35 / 4.5, 8, Grid(24.0, 72.0))),
+)
+
+
+def choose_resolution(scene: Scene) -> Resolution:
+    """Knobs for a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Resolution
+        What [accuracy] names; the rest from its tolerance.
+    """
+    accuracy = scene.accuracy
+    chosen = next(knobs for bound, knobs in RESOLUTIONS if accuracy.tolerance >= bound)
+    grid = chosen.grid
+    return Resolution(
+        flank_element_parts=chosen.flank_element_parts,
+        modes=accuracy.modes or chosen.modes,
+        grid=Grid(
+            accuracy.strips_per_half_width or grid.strips_per_half_width,
+            accuracy.corner_strips_per_half_width or grid.corner_strips_per_half_width,
+            accuracy.zone_half_widths or grid.zone_half_widths,
+        ),
+    )

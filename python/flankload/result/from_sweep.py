@@ -1,0 +1,160 @@
+"""From what the core found to a result: units of the trade, costs, warnings, a drawing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.result.pairs import PairDrawing, PairTable
+from flankload.result.result import Result, make_result
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from flankload.assembly import BodyPair
+    from flankload.compliance import BodyCompliance
+    from flankload.pairing import Pairing
+    from flankload.sweep import Sweep
+
+
+def result_of(
+    found: Sweep,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    *,
+    name: str,
+    face_width_mm: float,
+    estimate: Mapping[str, object] | None,
+    stages: Mapping[str, Mapping[str, float]],
+) -> Result:
+    """Make the result of one torque.
+
+    Parameters
+    ----------
+    found : Sweep
+        What the core found.
+    pair : BodyPair
+    compliances : two BodyCompliance
+    name : str
+        Of the scene.
+    face_width_mm : float
+    estimate : mapping or None
+        Error estimates, as the result shows them.
+    stages : mapping
+        Seconds of each stage.
+
+    Returns
+    -------
+    Result
+    """
+    carries = np.flatnonzero((found.site_force_N > 0).any(axis=0) | (pair.pairing.sites == 0))
+    width = face_width_mm
+    return make_result(
+        name=name,
+        torque_Nm=found.torque_Nmm / 1000.0,
+        sites=pair.pairing.sites[carries],
+        position_rad=pair.position_rad,
+        rotation_rad=found.rotation_rad,
+        reference_radius_mm=pair.body_1.reference_radius_mm,
+        site_force_N=found.site_force_N[:, carries],
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        stiffness_tangent_Nm_per_rad=1e-3 / found.tangent_rad_per_Nmm,
+        status=found.status,
+        pair_tables=tuple(_pair_tables(pair.pairing, found, width)),
+        corner_contact=found.site_corner[:, carries] > 0,
+        period_rad=pair.pairing.period_rad,
+        closed=pair.closed,
+        face_width_mm=width,
+        estimate=estimate,
+        cost=_cost(compliances, found, stages),
+        warnings=(*pair.notes, *_warnings(pair, compliances, found)),
+        drawing=_drawing(pair),
+    )
+
+
+def _pair_tables(pairing: Pairing, found: Sweep, width: float) -> Iterator[PairTable]:
+    for k, n in enumerate(found.n_pairs):
+        table = found.pair_table[k, :n].T
+        yield PairTable(
+            site=pairing.sites[found.pair_site[k, :n]],
+            arc_length_1_mm=table[0],
+            arc_length_2_mm=table[1],
+            radius_mm=table[2],
+            x_mm=table[3],
+            y_mm=table[4],
+            normal_x=table[5],
+            normal_y=table[6],
+            force_N=table[7],
+            pressure_MPa=table[7] / (table[8] * width),
+            gap_um=1000.0 * table[9],
+            cell_mm=table[8],
+        )
+
+
+def _cost(
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    found: Sweep,
+    stages: Mapping[str, Mapping[str, float]],
+) -> dict[str, object]:
+    pivots, columns, passes, refactorisations = found.counters.sum(axis=0).tolist()
+    return {
+        "fe_factorisations": sum(c.fe_factorisations for c in compliances),
+        "unit_loads_normal": sum(c.unit_loads_normal for c in compliances),
+        "unit_loads_tangential": 0,
+        "influence_columns": columns,
+        "pivots": pivots,
+        "contact_passes": passes,
+        "refactorisations": refactorisations,
+        "fe_degrees_of_freedom": [c.degrees_of_freedom for c in compliances],
+        "bytes": {
+            "compliance": sum(c.bytes for c in compliances),
+            "pairs": int(found.pair_table.nbytes + found.pair_site.nbytes),
+        },
+        "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
+        "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
+        "stages": {name: dict(account) for name, account in stages.items()},
+    }
+
+
+def _warnings(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], found: Sweep
+) -> Iterator[str]:
+    corner = np.flatnonzero((found.site_corner > 0).any(axis=1))
+    if corner.size:
+        yield (
+            f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip "
+            "corner: its peak pressure grows with the resolution and is no number to design by; a "
+            "tip radius or chamfer cures it"
+        )
+    for z, body in enumerate((pair.body_1, pair.body_2)):
+        modes = compliances[z].unit_loads_normal
+        if body.mesh is not None and 2 * (modes - 1) > len(body.mesh.flank_edges):
+            yield (
+                f"{modes} pressure modes on the {len(body.mesh.flank_edges)} flank elements of "
+                f"body_{z + 1}: more than half as many degrees as elements make the result worse"
+            )
+        low = body.mode_range_mm[0]
+        places = found.pair_table[..., z]
+        below = (places < low - 1e-9) & (found.pair_table[..., 7] > 0)
+        if below.any():
+            deepest = low - float(places[below].min())
+            yield (
+                f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
+                "smooth compliance of its lower end is taken there"
+            )
+
+
+def _drawing(pair: BodyPair) -> PairDrawing:
+    turn_1, turn_2 = pair.pairing.turns(pair.position_rad)
+    return PairDrawing(
+        outline_1=pair.body_1.outline,
+        outline_2=pair.body_2.outline,
+        teeth_1=pair.body_1.teeth,
+        teeth_2=pair.body_2.teeth,
+        center_distance_mm=pair.pairing.center_distance_mm,
+        angle_1=turn_1,
+        angle_2=turn_2,
+        bore_radius_1_mm=pair.body_1.bore_radius_mm,
+        bore_radius_2_mm=pair.body_2.bore_radius_mm,
+    )
