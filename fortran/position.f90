@@ -71,9 +71,8 @@ module flankload_position
     real(wp), parameter :: widening = 1.6_wp
     !> … at most so often; 1.6**12 half-widths cover any flank.
     integer, parameter :: max_passes = 14
-    !> A zone joins when its gap is below the estimated rotation plus this part of it: the estimate
-    !> of the lumped level is better than 1 %, and a zone missed is found by the check after the
-    !> loop.
+    !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
+    !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
     real(wp), parameter :: joining = 0.02_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
@@ -153,7 +152,7 @@ contains
             & state%pivots, error)
         if (allocated(error)) return
         widths = spread(settings%zone_half_widths, 1, n_zones)
-        joins = estimate > 0.0_wp .or. gap < rotation*(1.0_wp + joining)
+        joins = estimate > 0.0_wp .or. gap < rotation + joining*(rotation - minval(gap))
         do pass = 1, max_passes
             state%passes = pass
             call solve_on_grid(body_1, body_2, frames_1, frames_2, zones(:n_zones), joins, &

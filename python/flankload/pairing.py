@@ -144,7 +144,12 @@ def pair_bodies(
     # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
     # on body 1, at a smaller one on body 2.
     teeth = (sites % body_1.teeth, -sites % body_2.teeth)
-    angles = (2 * pi * sites / body_1.teeth, -2 * pi * sites / body_2.teeth)
+    # A pitch error along the base tangent turns its flank about the axis, on body 1 and on body 2
+    # counter-clockwise where the metal touches early.
+    angles = (
+        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, sites),
+        -2 * pi * sites / body_2.teeth + _pitch_turns(body_2, sites),
+    )
     return Pairing(
         center_distance_mm=center_distance_mm,
         turns_at_zero_rad=turns,
@@ -153,7 +158,7 @@ def pair_bodies(
         sites=sites,
         site_teeth=teeth,
         site_angles_rad=angles,
-        site_deviations_mm=(_deviations(body_1, sites), _deviations(body_2, sites)),
+        site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
         mesh=mesh,
         warnings=tuple(warnings),
     )
@@ -284,11 +289,12 @@ def _sites(
     return np.arange(first, last + 1)
 
 
-def _deviations(body: Body, sites: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Pitch errors at the sites, mm; the tooth after pair 0 comes into contact as pair -1."""
+def _pitch_turns(body: Body, sites: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turns (S,) of the flanks by pitch errors, rad; the tooth after pair 0 meets as pair -1."""
     if not body.pitch_errors_um:
         return np.zeros(sites.size)
-    return np.asarray(body.pitch_errors_um)[-sites % body.teeth] / 1000.0
+    errors_mm = np.asarray(body.pitch_errors_um)[-sites % body.teeth] / 1000.0
+    return errors_mm / body.reference_radius_mm
 
 
 def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:

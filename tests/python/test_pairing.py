@@ -96,8 +96,10 @@ def test_pitch_errors_follow_the_order_of_contact() -> None:
     """Entry 0 belongs to the tooth of pair 0, entry 1 to the one that follows, pair -1."""
     errors = [float(k) for k in range(16)]
     pairing = pair(body_1={"pitch_errors_um": errors}).pairing
-    for site, deviation in zip(pairing.sites, pairing.site_deviations_mm[0], strict=True):
-        assert deviation == pytest.approx((-site % 16) / 1000)
+    base_radius = 36.0 * np.cos(np.radians(20))
+    for site, angle in zip(pairing.sites, pairing.site_angles_rad[0], strict=True):
+        turn = (-site % 16) / 1000 / base_radius
+        assert angle == pytest.approx(2 * np.pi * site / 16 + turn, rel=SOLVER, abs=SOLVER)
 
 
 @pytest.mark.parametrize("distance", [84.0, 84.5])
