@@ -2,9 +2,9 @@
 
 Both coarser sweeps use what is there already (no further finite elements): halving the number of
 strips shows the error of the cells, dropping the highest pressure mode (the Legendre modes are
-orthogonal, so the smaller matrix is a block of the larger) that of the load modes. The error of the
-mesh has no embedded pair and is not seen; with the default resolution it is smaller than that of the
-modes (FZG type C pair: 0.03 % of the rotation against 0.1 %).
+orthogonal, so the smaller matrix is a block of the larger) that of the load modes. The error of
+the mesh has no embedded pair and is not seen; with the default resolution it is smaller than that
+of the modes (FZG type C pair: 0.03 % of the rotation against 0.1 %).
 """
 
 from __future__ import annotations

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.assembly import build_bodies
 from flankload.errors import MeshError, SceneError
 from flankload.mesh_io import read_mesh, write_sector
-from flankload.assembly import build_bodies
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "examples" / "scenes"

@@ -9,8 +9,8 @@ import pytest
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.errors import SceneError
 from flankload.assembly import BodyPair, build_bodies
+from flankload.errors import SceneError
 
 FZG_1 = {
     "kind": "gear",

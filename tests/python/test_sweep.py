@@ -1,4 +1,4 @@
-"""The sweep through the whole core: threads, periods, mirror, units, rigid bodies, errors, counters."""
+"""The sweep through the whole core: threads, periods, mirror, units, rigid bodies, counters."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ def _check_scene(path: Path) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(path)
+    from flankload.assembly import build_bodies
     from flankload.effects import effects_of
     from flankload.pairing import describe_mesh
-    from flankload.assembly import build_bodies
 
     pair = build_bodies(scene)
     print(f"{scene.name}: a valid scene")

@@ -135,8 +135,8 @@ def mesh(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    from flankload.mesh_io import write_sector
     from flankload.assembly import build_bodies
+    from flankload.mesh_io import write_sector
 
     pair = build_bodies(scene)
     folder.mkdir(parents=True, exist_ok=True)
