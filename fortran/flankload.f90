@@ -5,11 +5,18 @@ module flankload
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
         & method_single, method_paper
+    use flankload_flank_curve, only: flank_curve_type, new_flank_curve
+    use flankload_contact_zones, only: flank_type, new_flank
+    use flankload_compliance_field, only: compliance_type
+    use flankload_position, only: body_type, grid_settings, position_state, solve_position
+    use flankload_sweep, only: sweep_positions
     implicit none
     private
 
     public :: wp, version_number
     public :: error_type
     public :: contact_result, solve_contact_problem, method_single, method_paper
+    public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
+    public :: body_type, grid_settings, position_state, solve_position, sweep_positions
 
 end module flankload

@@ -1,4 +1,4 @@
-!> Flat door to the sweep: arrays in, arrays out (see flankload.h, flankload.inc).
+!> Flat door to the sweep: arrays in, arrays out.
 !>
 !> info = 0: every position has an answer, its status stands in status(:). info > 0: that many
 !> positions failed; their status is negative and their numbers are NaN. info = -i: argument i is
@@ -13,10 +13,8 @@ subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, tor
         & grid, max_pairs, status, rotation, tangent, certificate, counters, &
         & site_force, site_peak, site_corner, n_pairs, pair_site, pair_table, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload_flank_curve, only: new_flank_curve
-    use flankload_contact_zones, only: new_flank
-    use flankload_position, only: body_type, grid_settings, position_state
-    use flankload_sweep, only: sweep_positions
+    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, &
+        & position_state, sweep_positions
     implicit none
     !> Number of positions, and the turns of both bodies there [rad]
     integer, intent(in) :: n_positions
