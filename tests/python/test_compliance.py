@@ -8,10 +8,12 @@ from plane_sectors import STEEL, ring_sector
 from scipy.sparse.linalg import splu
 from tolerances import ROUND_OFF
 
-from flankload.bodies.body import SectorMesh
-from flankload.compliance import close_ring, condense
+from flankload.bodies.body import Body, SectorMesh
+from flankload.bodies.gear import build_gear
+from flankload.compliance import close_ring, condense, flank_compliance
 from flankload.elasticity import degrees_of, stiffness
 from flankload.near_field import mode_loads
+from flankload.scene import Gear
 
 #: Wanted of the ring closure: identical to the meshed ring but for rounding.
 CLOSURE = 1e-10
@@ -68,3 +70,74 @@ def test_ring_obeys_betti_without_being_told() -> None:
     # a unit of pressure on its own tooth gives way, and most where it presses
     assert (np.diag(response[0]) > 0).all()
     assert response[0, 0, 0] > np.abs(response[1:, 0, 0]).max()
+
+
+def gear_body(teeth: int, element_mm: float, **keys: float) -> Body:
+    spec = Gear(
+        teeth=teeth,
+        module_mm=4.5,
+        **{
+            "profile_shift": 0.182,
+            "tip_diameter_mm": 4.5 * (teeth + 2.3),
+            "bore_diameter_mm": 2.0 * teeth,
+            **keys,
+        },
+    )
+    return build_gear(spec, "body_1", flank_element_mm=element_mm)
+
+
+@pytest.mark.parametrize("teeth", [7, 8])
+def test_ring_closure_of_real_teeth_equals_the_meshed_gear(teeth: int) -> None:
+    body = gear_body(teeth, 2.5, profile_shift=0.5)
+    mesh, n_modes = body.mesh, 3
+    matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    sector, _ = condense(matrix, mode_loads(mesh, body.mode_range_mm, n_modes), mesh)
+    found = close_ring(sector, teeth)
+    expected = full_ring(mesh, body.mode_range_mm, n_modes)
+    assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
+
+
+def test_compliance_of_a_gear_is_symmetric_and_counted() -> None:
+    """Before both halves are averaged: displacement at a under load b = at b under load a."""
+    found = flank_compliance(gear_body(16, 1.0), n_modes=5, plane="strain")
+    assert found.asymmetry < 1e-12
+    assert (found.fe_factorisations, found.unit_loads_normal) == (1, 5)
+    assert found.smooth.shape == (16, 5, 5)
+    assert 1500 < found.degrees_of_freedom < 6000
+
+
+def test_fewer_modes_are_the_leading_block() -> None:
+    """What an own finite-element job with a mode less gives, without it."""
+    body = gear_body(16, 2.0)
+    five, four = (flank_compliance(body, n_modes=n, plane="strain") for n in (5, 4))
+    np.testing.assert_allclose(
+        five.fewer_modes().smooth,
+        four.smooth,
+        rtol=0,
+        atol=1000 * ROUND_OFF * np.abs(four.smooth).max(),
+    )
+
+
+def test_even_pressure_converges_with_the_square_of_the_elements() -> None:
+    finest = flank_compliance(gear_body(16, 0.25), n_modes=4, plane="strain").smooth[0, 0, 0]
+    sizes = np.array([2.0, 1.0, 0.5])
+    errors = [
+        abs(
+            flank_compliance(gear_body(16, h), n_modes=4, plane="strain").smooth[0, 0, 0] / finest
+            - 1
+        )
+        for h in sizes
+    ]
+    slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert slope > 1.8
+    assert errors[1] < 3e-4
+
+
+def test_rigid_body_has_no_compliance_and_no_elements() -> None:
+    spec = Gear(teeth=16, module_mm=4.5, tip_diameter_mm=81.0, bore_diameter_mm=30.0, rigid=True)
+    found = flank_compliance(
+        build_gear(spec, "body_1", flank_element_mm=1.0), n_modes=5, plane="strain"
+    )
+    assert found.kernel == 0.0
+    assert not found.smooth.any()
+    assert (found.fe_factorisations, found.unit_loads_normal, found.bytes) == (0, 0, 0)
