@@ -57,6 +57,15 @@ class RawMesh:
     sets: Mapping[str, NDArray[np.int64]]
 
 
+def is_mesh_name(path: Path) -> bool:
+    """Whether a file is a mesh, as its name says."""
+    if path.suffix.lower() in ("", ".toml"):
+        return False
+    import meshio
+
+    return path.suffix.lower() in meshio.extension_to_filetypes
+
+
 def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     """Read a plane mesh with its named sets.
 
@@ -78,7 +87,8 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     """
     path = Path(path)
     if not path.is_file():
-        raise MeshError(file=path, key=key, expected="a mesh file", found="no such file")
+        found = "a folder" if path.is_dir() else "no such file"
+        raise MeshError(file=path, key=key, expected="a mesh file", found=found)
     raw = _read_with_meshio(path, key)
     kinds = [block.type for block in raw.cells]
     strange = sorted({kind for kind in kinds if kind not in PLANE_CELLS + LOWER_CELLS})
@@ -123,9 +133,9 @@ def _read_with_meshio(path: Path, key: str) -> meshio.Mesh:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             return meshio.read(path)
     except (Exception, SystemExit) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        if isinstance(error, SystemExit):
-            reason = "a file that meshio cannot read"
+        reason = "a file that meshio cannot read"
+        if detail := " ".join(str(error).split()) if isinstance(error, Exception) else "":
+            reason += f" ({detail})"
         raise MeshError(
             file=path, key=key, expected="a readable mesh file", found=reason[:200]
         ) from None
@@ -216,11 +226,13 @@ def write_sector(path: str | Path, mesh: SectorMesh, *, turn_rad: float = 0.0) -
                 **{name: np.array([tag, 1]) for tag, name in enumerate(edges, start=2)},
             },
         )
-    temporary = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
+    temporary = path.with_name(f".flankload.{os.getpid()}{path.suffix}")
     try:
         options = {"binary": False} if path.suffix == ".msh" else {}
         meshio.write(temporary, out, file_format=WRITERS[path.suffix], **options)
         os.replace(temporary, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -1,6 +1,7 @@
 """The command line as its users use it: exit codes, one-line errors, files whole or not at all."""
 
 import csv
+import errno
 import importlib
 import io
 import json
@@ -280,6 +281,7 @@ def test_list_of_torques_gives_a_list_of_everything(
         (["--csv", "no/a"], "--csv: expected a file in a folder that exists, found no folder no"),
         (["--json", "."], "--json: expected a file, found the folder ."),
         (["--plot", "pair.toml"], "--plot: expected a folder, found the file pair.toml"),
+        (["--plot", "pair.toml/out"], "--plot: expected a folder, found the file pair.toml"),
         (["--csv", "-", "--json", "-"],
          "--csv: expected a file, since --json takes stdout, found -"),
     ],
@@ -298,7 +300,8 @@ def test_impossible_output_is_refused_before_the_work(
 @pytest.mark.parametrize(
     ("error", "code", "line"),
     [
-        (NoContactState("no state at position 3"), 1, "no state at position 3"),
+        (NoContactState("no state at position 3"), 1,
+         "{scene}: no state at position 3"),
         (SceneError(file="a.toml", key="pair.x", expected="this", found="that"), 2,
          "a.toml: pair.x: expected this, found that"),
         (KeyboardInterrupt(), 130, "interrupted"),
@@ -315,7 +318,7 @@ def test_failed_run_leaves_no_output(
         "--plot", tmp_path / "out",
     )  # fmt: skip
     assert (found, out) == (code, "")
-    assert one_line(err) == line
+    assert one_line(err) == line.format(scene=scene)
     assert os.listdir(tmp_path) == ["pair.toml"]
 
 
@@ -326,14 +329,14 @@ def test_failed_picture_leaves_no_output(
     import flankload.plot
 
     def refuse(*_: object) -> None:
-        raise OSError("no space left on device")
+        raise OSError(errno.ENOSPC, "No space left on device", "out/picture.png")
 
     monkeypatch.setattr(flankload.plot, "write_atomically", refuse)
     code, out, err = run(
         capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
     )
     assert (code, out) == (1, "")
-    assert one_line(err) == "no space left on device"
+    assert one_line(err) == "out/picture.png: no space left on device"
     assert not (tmp_path / "a.json").exists()
     assert os.listdir(tmp_path / "out") == []
 
@@ -348,6 +351,32 @@ def test_reader_that_leaves_early_gets_no_traceback() -> None:
     os.close(writing)
     assert done.stderr == ""
     assert done.returncode == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="no /dev/full here")
+def test_full_disk_behind_stdout_gets_one_line() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, "schema"],
+            stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert one_line(done.stderr) == "stdout: no space left on device"
+
+
+def test_closed_stdout_gets_no_traceback() -> None:
+    command = f"exec '{sys.executable}' -c '{PROGRAM}' schema >&-"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_scene_of_any_suffix_can_be_checked(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    renamed = scene.rename(scene.with_suffix(".scene"))
+    code, out, _ = run(capsys, "check", renamed)
+    assert code == 0
+    assert "small job: a valid scene" in out
 
 
 def test_progress_shows_after_patience_on_a_terminal_only(

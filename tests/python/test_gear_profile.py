@@ -329,6 +329,14 @@ def test_missing_metal_below_the_flank_is_refused() -> None:
     assert caught.value.key.startswith("body_1.")
 
 
+def test_relief_that_is_too_steep_is_not_called_too_deep() -> None:
+    spec = gear(tip_relief_um=20.0, tip_relief_start_diameter_mm=82.45)
+    with pytest.raises(SceneError) as caught:
+        gear_profile(spec, "body_1")
+    assert caught.value.key == "body_1.tip_relief_um"
+    assert caught.value.expected.startswith("a modification less steep")
+
+
 def test_profile_of_a_mesh_takes_its_teeth_from_outside() -> None:
     profile = gear_profile(gear(), "body_1.profile", teeth=16)
     np.testing.assert_allclose(

@@ -154,6 +154,16 @@ def test_missing_set_names_those_that_exist(key: str) -> None:
     assert "BORE, CUT_LEFT, CUT_RIGHT, FLANK" in error.found
 
 
+def test_flank_that_is_held_is_refused() -> None:
+    error = refused(mesh_scene(fixed_set="FLANK"))
+    assert error.key == "body_1.fixed_set"
+    assert error.found == "19 nodes of 'FLANK' on it"
+
+
+def test_folder_instead_of_a_file(tmp_path: Path) -> None:
+    assert refused(mesh_scene(tmp_path)).found == "a folder"
+
+
 def test_missing_cut_set() -> None:
     error = refused(mesh_scene(cut_sets=["CUT_LEFT", "NOT_THERE"]))
     assert error.key == "body_1.cut_sets"

@@ -192,6 +192,45 @@ def test_angles_in_any_order_make_an_ascending_open_curve() -> None:
     assert np.asarray(line.get_ydata())[0] == result.transmission_error_um[1]
 
 
+def test_long_name_does_not_run_into_the_title() -> None:
+    axes = plot_transmission_error(made_up_result(name="gearbox " * 20)).axes[0]
+    right = axes.get_title(loc="right")
+    assert "…, 302 N m" in right
+    assert len(right) < 60
+
+
+def test_rounding_of_an_unloaded_pair_is_not_magnified() -> None:
+    result = made_up_result(torque_Nm=0.0, rotation_rad=np.linspace(0.0, 1e-16, 32))
+    low, high = plot_transmission_error(result).axes[0].get_ylim()
+    assert high - low >= 1e-3
+
+
+def test_one_position_draws_no_line_over_the_pitch() -> None:
+    line = plot_load_sharing(made_up_result(count=1)).axes[0].lines[0]
+    assert len(line.get_xdata()) == 1
+    assert line.get_marker() == "o"
+
+
+def test_far_positions_are_not_joined_by_a_line() -> None:
+    angles = np.array([0.0, 0.1, 6.4])
+    result = made_up_result(count=3, closed=False, position_rad=angles)
+    line = plot_transmission_error(result).axes[0].lines[0]
+    x = np.asarray(line.get_xdata())
+    np.testing.assert_allclose(x, np.degrees([0.0, 0.1, np.nan, 6.4]), rtol=1e-12)
+
+
+@pytest.mark.filterwarnings("error")
+def test_one_angle_given_twice_draws_without_a_warning() -> None:
+    result = made_up_result(count=2, closed=False, position_rad=np.array([0.1, 0.1]))
+    assert len(plot_transmission_error(result).axes[0].lines[0].get_xdata()) == 2
+
+
+def test_pairs_of_far_positions_have_colours_of_their_own() -> None:
+    far = made_up_result(sites=np.array([-17, -1, 0]))
+    lines = [line for line in plot_load_sharing(far).axes[0].lines if "pair" in line.get_label()]
+    assert len({line.get_color() for line in lines}) == len(lines) >= 2
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
     assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 4

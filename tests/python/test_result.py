@@ -238,6 +238,37 @@ def test_failed_write_keeps_the_old_file_and_leaves_nothing(
     assert os.listdir(tmp_path) == ["result.json"]
 
 
+def test_output_into_a_pipe_is_written_there_and_the_pipe_stays(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reading = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        write_atomically(pipe, "numbers")
+        assert os.read(reading, 100) == b"numbers"
+    finally:
+        os.close(reading)
+    assert pipe.is_fifo()
+    assert os.listdir(tmp_path) == ["pipe"]
+
+
+def test_output_through_a_link_keeps_the_link(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    target, link = tmp_path / "real" / "result.json", tmp_path / "result.json"
+    target.write_text("old", encoding="utf-8")
+    link.symlink_to(target)
+    write_atomically(link, "new")
+    assert link.is_symlink()
+    assert target.read_text(encoding="utf-8") == "new"
+    assert os.listdir(tmp_path / "real") == ["result.json"]
+
+
+def test_failed_write_names_the_file_that_was_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "no" / "result.json"
+    with pytest.raises(FileNotFoundError) as caught:
+        write_atomically(path, "new")
+    assert caught.value.filename == str(path)
+
+
 def test_xarray_is_labelled_and_has_units() -> None:
     pytest.importorskip("xarray")
     result = small_result()

@@ -1,5 +1,6 @@
 """Scenes: what is understood, and the one line that each mistake gets."""
 
+import datetime
 import json
 import tomllib
 from collections.abc import Mapping
@@ -218,7 +219,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__bore_diameter_mm": ABSENT},
             "body_1.bore_diameter_mm",
-            "a number > 0",
+            "a number from 0.001 to 100000",
             "nothing",
         ),
         (
@@ -285,7 +286,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__module_mm": False},
             "body_1.module_mm",
-            "a number > 0",
+            "a number from 0.001 to 100000",
             "false",
         ),
         (
@@ -309,19 +310,19 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"positions__angles_deg": 3.0},
             "positions.angles_deg",
-            "a non-empty list of numbers",
+            "a non-empty list of numbers from -1e+07 to 1e+07",
             "3.0",
         ),
         (
             {"positions__angles_deg": []},
             "positions.angles_deg",
-            "a non-empty list of numbers",
+            "a non-empty list of numbers from -1e+07 to 1e+07",
             "[]",
         ),
         (
             {"positions__angles_deg": [0, "a"]},
             "positions.angles_deg[1]",
-            "a number",
+            "a number from -1e+07 to 1e+07",
             "'a'",
         ),
         (
@@ -340,7 +341,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__module_mm": 0},
             "body_1.module_mm",
-            "a number > 0",
+            "a number from 0.001 to 100000",
             "0",
         ),
         (
@@ -358,19 +359,19 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__young_modulus_MPa": float("inf")},
             "body_1.young_modulus_MPa",
-            "a number > 0",
+            "a number from 0.001 to 1e+09",
             "inf",
         ),
         (
             {"pair__face_width_mm": -14},
             "pair.face_width_mm",
-            "a number > 0",
+            "a number from 0.001 to 100000",
             "-14",
         ),
         (
             {"pair__face_width_mm": 10**400},
             "pair.face_width_mm",
-            "a number > 0",
+            "a number from 0.001 to 100000",
             "1" + 76 * "0" + "...",
         ),
         (
@@ -569,9 +570,63 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
 
 def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "binary.toml"
-    path.write_bytes(b"name = '\xff'")
-    with pytest.raises(SceneError, match="expected text in UTF-8, found byte 8 that is none"):
+    path.write_bytes(b"# a scene\nname = '\xff'")
+    with pytest.raises(SceneError, match="expected text in UTF-8, found line 2: byte 0xff"):
         read_scene(path)
+
+
+def test_byte_order_mark_of_windows_editors_is_welcome(tmp_path: Path) -> None:
+    path = tmp_path / "pair.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + (EXAMPLES / "external_gear.toml").read_bytes())
+    assert read_scene(path).name == "FZG type C"
+
+
+@pytest.mark.parametrize(
+    ("value", "line"),
+    [
+        ("[" * 5000 + "]" * 5000, "expected lists of a few levels, found too many levels"),
+        ("9" * 5000, "expected numbers of a few digits, found one of thousands of digits"),
+    ],
+    ids=["deep list", "long number"],
+)
+def test_toml_that_python_itself_refuses_gets_one_line(
+    tmp_path: Path, value: str, line: str
+) -> None:
+    path = tmp_path / "pair.toml"
+    path.write_text(f"name = {value}\n", encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    assert str(caught.value) == f"{path}: file: {line}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        (
+            {"body_1__bore_diameter_mm": 0.08},
+            (
+                "body_1.bore_diameter_mm: expected at least 0.001 of body_1.tip_diameter_mm "
+                "(0.08246), since the body is held there, found 0.08"
+            ),
+        ),
+        (
+            {"body_1__pitch_errors_um": [0.0, -1e4, *14 * [0.0]]},
+            (
+                "body_1.pitch_errors_um[1]: expected at most 0.1 of the base pitch, 1328 um, "
+                "found -10000.0"
+            ),
+        ),
+        (
+            {"load__torque_Nm": datetime.date(2026, 1, 31)},
+            (
+                "load.torque_Nm: expected a number >= 0 or a non-empty list of numbers >= 0, "
+                "found 2026-01-31"
+            ),
+        ),
+    ],
+)
+def test_nonsense_of_the_right_type_is_refused(changes: dict[str, Any], line: str) -> None:
+    assert str(refusal(changed(**changes))) == f"a.toml: {line}"
 
 
 def test_errors_from_a_file_name_it(tmp_path: Path) -> None:
@@ -605,7 +660,8 @@ def test_schema_knows_ranges_defaults_and_no_null() -> None:
         "description": "radius of the arc between flank and tip circle",
         "unit": "mm",
         "type": "number",
-        "exclusiveMinimum": 0,
+        "minimum": 0.001,
+        "maximum": 100000.0,
     }
     assert gear["additionalProperties"] is False
     assert '"null"' not in json.dumps(schema)

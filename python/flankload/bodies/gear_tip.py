@@ -99,7 +99,8 @@ def modifications_of(
     roll = np.linspace(form_roll, tip_roll, 200)
     off, first, _ = modifications.at(roll)
     base = involute.base_radius_mm
-    if not ((base * roll - off > 0).all() and (first < base).all()):
+    enough, onward = bool((base * roll - off > 0).all()), bool((first < base).all())
+    if not (enough and onward):
         name, value = (
             ("tip_relief_um", spec.tip_relief_um)
             if modifications.tip_relief_mm > modifications.crowning_mm
@@ -108,7 +109,10 @@ def modifications_of(
         raise SceneError(
             key=f"{key}.{name}",
             expected="less metal taken off than the involute has above its base circle, "
-            f"{1000 * base * form_roll:.3f} um at the form circle",
+            f"{1000 * base * form_roll:.3f} um at the form circle"
+            if not enough
+            else "a modification less steep than the flank is high, so that the flank goes on "
+            "towards the tip",
             found=f"{value:g}",
         )
     return modifications

@@ -170,6 +170,14 @@ def _read_sector(spec: MeshBody, key: str, path: Path) -> _Sector:
         edges = edges[:, [1, 0, 2]]
         notes.append("the flank faces clockwise: the body is taken in its mirror image")
     fixed = _grown(raw, spec.fixed_set, edges)
+    if np.isin(flank, fixed).any():
+        raise MeshError(
+            file=path,
+            key=f"{key}.fixed_set",
+            expected=f"nodes that are held to stay clear of the flank ({spec.flank_set!r})",
+            found=f"{np.unique(flank[np.isin(flank, fixed)]).size} nodes of {spec.fixed_set!r} "
+            "on it",
+        )
     left, right = _match_cuts(
         nodes,
         [np.setdiff1d(_grown(raw, name, edges), fixed) for name in spec.cut_sets],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
 from pathlib import Path
@@ -35,18 +36,31 @@ def main(argv: Sequence[str] | None = None) -> int:
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
         command(arguments)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None where the caller closed it
+            sys.stdout.flush()
     except SceneError as error:
         return _fail(error, BAD_INPUT)
-    except (FlankloadError, OSError) as error:
-        if isinstance(error, BrokenPipeError):
-            # The reader has had enough; what is still in the buffer goes nowhere.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except FlankloadError as error:
+        asked = vars(arguments).get("scene") or vars(arguments).get("file")
+        return _fail(f"{asked}: {error}", NOT_SOLVED)
+    except OSError as error:
+        if error.filename is None:
+            _drop_stdout()
+        if isinstance(error, BrokenPipeError):  # the reader has had enough
             return SOLVED
-        return _fail(error, NOT_SOLVED)
+        place = "stdout" if error.filename is None else str(error.filename)
+        return _fail(f"{place}: {(error.strerror or str(error)).lower()}", NOT_SOLVED)
+    except MemoryError:
+        return _fail("not enough memory: fewer positions or torques need less", NOT_SOLVED)
     except KeyboardInterrupt:
         return _fail("interrupted", INTERRUPTED)
     return SOLVED
+
+
+def _drop_stdout() -> None:
+    """What is still in the buffer goes nowhere: Python would try again on its way out."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _fail(message: object, code: int) -> int:

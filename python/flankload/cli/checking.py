@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 def check(arguments: Namespace) -> None:
     """Print what was understood; raise where something is wrong."""
-    is_scene = arguments.file.suffix.lower() in ("", ".toml")
-    (_check_scene if is_scene else _check_mesh)(arguments.file)
+    from flankload.mesh_io import is_mesh_name
+
+    (_check_mesh if is_mesh_name(arguments.file) else _check_scene)(arguments.file)
 
 
 def _check_scene(path: Path) -> None:

@@ -54,9 +54,19 @@ def _check_outputs(arguments: Namespace) -> None:
         if path in (None, STDOUT):
             continue
         _check_file(key, Path(path))
-    folder = arguments.plot
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise SceneError(key="--plot", expected="a folder", found=f"the file {folder}")
+    if arguments.plot is not None:
+        _check_folder("--plot", arguments.plot)
+
+
+def _check_folder(key: str, folder: Path) -> None:
+    """It is there or can be made."""
+    there = next(part for part in (folder, *folder.parents) if part.exists())
+    if not there.is_dir():
+        raise SceneError(key=key, expected="a folder", found=f"the file {there}")
+    if not os.access(there, os.W_OK):
+        raise SceneError(
+            key=key, expected="a folder to write in", found=f"{there}, which is read-only"
+        )
 
 
 def _check_file(key: str, path: Path) -> None:
@@ -66,6 +76,8 @@ def _check_file(key: str, path: Path) -> None:
         raise SceneError(
             key=key, expected="a file in a folder that exists", found=f"no folder {path.parent}"
         )
+    if path.exists() and not path.is_file():
+        return  # a device or a pipe
     if not os.access(path.parent, os.W_OK):
         raise SceneError(
             key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
@@ -130,8 +142,7 @@ class _Progress:
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies as they stand at position zero."""
     folder: Path = arguments.folder
-    if folder.exists() and not folder.is_dir():
-        raise SceneError(key="-o", expected="a folder", found=f"the file {folder}")
+    _check_folder("-o", folder)
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)

@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
+#: Transmission errors are drawn over at least this span, um, and this part of their mean: what is
+#: below is rounding.
+LEAST_SPAN_UM = 1e-3
+LEAST_SPAN_PART = 5e-3
+
 
 def plot_transmission_error(result: Result) -> Figure:
     """Transmission error over the positions, with its mean and peak to peak.
@@ -63,9 +68,11 @@ def plot_transmission_error(result: Result) -> Figure:
                 label="a pair carries on a sharp corner",
             )
             axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
-        if span > 0:
-            # Head-room for the numbers, so that they never lie on the curve.
-            axes.set_ylim(error.min() - 0.12 * span, error.max() + 0.30 * span)
+        # Head-room for the numbers, so that they never lie on the curve; and no magnified rounding.
+        shown = max(span, LEAST_SPAN_UM, LEAST_SPAN_PART * abs(mean))
+        low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
+        low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
+        axes.set_ylim(low - 0.12 * shown, high + 0.30 * shown)
         axes.text(
             0.99,
             0.97,
@@ -100,7 +107,7 @@ def plot_load_sharing(result: Result) -> Figure:
             axes.plot(
                 angle,
                 _lifted(share),
-                color=colour_of(site),
+                color=colour_of(result, site),
                 label=pair_name(site),
                 **_marks(result),
             )
@@ -143,7 +150,7 @@ def plot_peak_pressure(result: Result) -> Figure:
     with rc_context(STYLE):
         figure, axes = _figure(result, "Peak pressure")
         for s, site in loaded_sites(result):
-            colour = colour_of(site)
+            colour = colour_of(result, site)
             angle, whole = _curve_of_pair(result, result.peak_pressure_MPa, s)
             _, corner = _curve_of_pair(result, result.corner_contact.astype(float), s, closing=0.0)
             on_corner = corner > 0
@@ -179,37 +186,50 @@ def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
     axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
     axes.set_xlabel("angle of body 1 in degrees")
     angles = np.degrees(result.position_rad)
-    if result.closed:
+    if _is_closed(result):
         pitch = degrees(result.period_rad)
         axes.set_xlim(0, pitch)
         axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
         axes.set_xlabel(f"angle of body 1 in degrees (one pitch = {pitch:.4g}°)")
-    elif angles.size > 1:
-        axes.set_xlim(angles.min(), angles.max())
+    elif np.ptp(angles) > 0:
+        margin = 0.02 * np.ptp(angles)  # the marks at both ends are whole
+        axes.set_xlim(angles.min() - margin, angles.max() + margin)
     return figure, axes
 
 
 def _marks(result: Result) -> dict[str, Any]:
     """Marks where positions are few: a line through them would hide how few."""
-    if result.position_rad.size > 12:
+    if result.position_rad.size > 12 and (_is_closed(result) or not _gaps(result).size):
         return {}
     return {"marker": "o", "markersize": 4.5}
 
 
 def _curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles in degrees and values; closed over the period, ascending otherwise."""
+    """Angles in degrees and values; closed over the period, else ascending and broken at gaps."""
     angle = np.degrees(result.position_rad)
-    if result.closed:
+    if _is_closed(result):
         return np.append(angle, degrees(result.period_rad)), np.append(values, values[0])
     order = np.argsort(angle, kind="stable")
-    return angle[order], values[order]
+    gaps = _gaps(result)
+    return np.insert(angle[order], gaps, np.nan), np.insert(1.0 * values[order], gaps, np.nan)
+
+
+def _is_closed(result: Result) -> bool:
+    """One position is a point: a line over the period from it would be made up."""
+    return result.closed and result.position_rad.size > 1
+
+
+def _gaps(result: Result) -> NDArray[np.int64]:
+    """Where a line would bridge more than half a pitch, about which nothing is known."""
+    steps = np.diff(np.sort(result.position_rad))
+    return np.asarray(np.flatnonzero(steps > 0.5001 * result.period_rad) + 1)
 
 
 def _curve_of_pair(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of one pair: after a period it stands where the pair one further along stood at 0."""
-    if not result.closed:
+    if not _is_closed(result):
         return _curve(result, values[:, s])
     after = np.flatnonzero(result.sites == result.sites[s] + 1)
     end = values[0, after[0]] if after.size else closing

@@ -155,7 +155,7 @@ def _draw_pressure_on_flank(axes: Axes, result: Result, p: int, s: int, site: in
     largest = float(np.max(result.pairs(p).pressure_MPa))
     height = 0.2 * (high - low) * table.pressure_MPa[rows] / largest
     profile = np.vstack([place, (place + normal * height[:, None])[::-1]])
-    colour = colour_of(site)
+    colour = colour_of(result, site)
     axes.add_patch(
         Polygon(profile, closed=True, facecolor=colour, edgecolor=colour, linewidth=1.0, alpha=0.9)
     )
@@ -189,7 +189,7 @@ def _draw_pressure(axes: Axes, result: Result, p: int, s: int, site: int, reach:
     """The pressure of one pair along its flank, at its true width."""
     table = result.pairs(p)
     along, pressure = _pressure_along(result, p, site)
-    colour = colour_of(site)
+    colour = colour_of(result, site)
     axes.fill_between(
         along,
         pressure,

@@ -39,6 +39,8 @@ STYLE: Any = {
     "savefig.dpi": 160,
 }
 
+LONGEST_NAME = 48  # characters beside the title
+
 SIZE = (7.2, 4.2)  # inches: a text width of A4 with margins
 
 
@@ -57,7 +59,11 @@ def png_of(figure: Figure) -> bytes:
 
 
 def subtitle(result: Result) -> str:
-    return f"{result.name}, {result.torque_Nm:g} N m"
+    """Name and torque; a long name is cut, so that it never runs into the title."""
+    name = result.name
+    if len(name) > LONGEST_NAME:
+        name = name[: LONGEST_NAME - 1].rstrip() + "…"
+    return f"{name}, {result.torque_Nm:g} N m"
 
 
 def loaded_sites(result: Result) -> list[tuple[int, int]]:
@@ -69,9 +75,18 @@ def loaded_sites(result: Result) -> list[tuple[int, int]]:
     ]
 
 
-def colour_of(site: int) -> str:
-    """Colour of a pair, the same in every picture: 0, -1, 1, -2, 2, ... in turn."""
-    return COLOURS[(2 * abs(site) - (site < 0)) % len(COLOURS)]
+def colour_of(result: Result, site: int) -> str:
+    """Colour of a pair, the same in every picture of a result.
+
+    The pairs that carry take the colours in the order 0, -1, 1, -2, 2, ..., so that few pairs never
+    share one, however far from pair 0 they are.
+    """
+    order = sorted((j for _, j in loaded_sites(result)), key=_turn)
+    return COLOURS[order.index(site) % len(COLOURS)]
+
+
+def _turn(site: int) -> int:
+    return 2 * abs(site) - (site < 0)
 
 
 def pair_name(site: int) -> str:

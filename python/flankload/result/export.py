@@ -50,6 +50,8 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     Parameters
     ----------
     path : path
+        What a link points to is written, the link stays. What is no regular file (a device, a
+        pipe) is written to and stays what it is.
     content : str or bytes
 
     Raises
@@ -58,15 +60,30 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         If it cannot be written; what stood there before stays.
     """
     path = Path(path)
-    # Beside the target, so that the last step is a rename within one file system.
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     data = content.encode("utf-8") if isinstance(content, str) else content
+    if is_stream(path):
+        with path.open("ab") as stream:
+            stream.write(data)
+        return
+    target = Path(os.path.realpath(path))
+    # Beside the target, so that the last step is a rename within one file system.
+    part = target.with_name(f".flankload.{os.getpid()}.part")
     try:
         part.write_bytes(data)
-        os.replace(part, path)
-    except BaseException:
+        os.replace(part, target)
+    except BaseException as error:
         part.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno is not None:
+            # The file that was asked for, not the one beside it.
+            raise OSError(error.errno, error.strerror, str(path)) from None
         raise
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path names a device or a pipe: to be written to, never to be replaced."""
+    if not path.exists() or path.is_dir():
+        return False
+    return not path.is_file() or str(path) in ("/dev/stdout", "/dev/stderr")
 
 
 def results_to_json(results: Result | Sequence[Result], path: str | Path | None = None) -> str:

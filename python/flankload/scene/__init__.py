@@ -9,6 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import cos, pi, radians
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,11 @@ from flankload.scene.tables import (
 )
 
 __all__ = ["Gear", "MeshBody", "Profile", "Scene", "read_scene", "scene_schema"]
+
+#: Bore over tip diameter: a body that is held in a point turns about it without resistance.
+LEAST_BORE = 1e-3
+#: Pitch error over base pitch: beyond it the teeth of one space would change places.
+LARGEST_PITCH_ERROR = 0.1
 
 
 @dataclass(frozen=True)
@@ -131,7 +137,7 @@ def read_scene(path: str | Path) -> Scene:
     """
     path = Path(path)
     try:
-        tables = tomllib.loads(path.read_bytes().decode("utf-8"))
+        tables = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
         raise SceneError(
             file=path, key="file", expected="a scene file to read", found=_reason(error)
@@ -141,12 +147,20 @@ def read_scene(path: str | Path) -> Scene:
             file=path,
             key="file",
             expected="text in UTF-8",
-            found=f"byte {error.start} that is none",
+            found=_strange_byte(error),
         ) from None
     except tomllib.TOMLDecodeError as error:
         raise SceneError(
             file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
         ) from None
+    except (RecursionError, ValueError) as error:
+        # What tomllib hands on from Python itself.
+        expected, found = (
+            ("numbers of a few digits", "one of thousands of digits")
+            if isinstance(error, ValueError)
+            else ("lists of a few levels", "too many levels")
+        )
+        raise SceneError(file=path, key="file", expected=expected, found=found) from None
     return Scene.from_dict(tables, file=path)
 
 
@@ -163,6 +177,11 @@ def scene_schema() -> dict[str, Any]:
 
 def _reason(error: OSError) -> str:
     return (error.strerror or type(error).__name__).lower()
+
+
+def _strange_byte(error: UnicodeDecodeError) -> str:
+    line = error.object.count(b"\n", 0, error.start) + 1
+    return f"line {line}: byte 0x{error.object[error.start]:02x}"
 
 
 def _syntax_error(message: str) -> str:
@@ -184,8 +203,16 @@ def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> No
             f"one entry per tooth: {body.teeth}, as in {key}.teeth",
             f"{len(body.pitch_errors_um)} entries",
         )
+    _check_pitch_errors(body, key)
     if isinstance(body, Gear):
         _check_geometry(body, given, key)
+        if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
+            _refuse(
+                f"{key}.bore_diameter_mm",
+                f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
+                f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is held there",
+                body.bore_diameter_mm,
+            )
         if body.bore_diameter_mm >= body.tip_diameter_mm:
             _refuse(
                 f"{key}.bore_diameter_mm",
@@ -210,6 +237,23 @@ def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> No
             f"{body.teeth} as in {key}.teeth, or nothing",
             body.profile.teeth,
         )
+
+
+def _check_pitch_errors(body: Gear | MeshBody, key: str) -> None:
+    """A tooth cannot stand beside its place by more than a part of the pitch."""
+    profile = body if isinstance(body, Gear) else body.profile
+    if profile is not None:
+        base_pitch = pi * profile.module_mm * cos(radians(profile.pressure_angle_deg))
+    else:
+        base_pitch = 2 * pi * (body.reference_radius_mm or 0.0) / body.teeth  # type: ignore[union-attr]
+    for i, error in enumerate(body.pitch_errors_um):
+        if base_pitch and abs(error) > LARGEST_PITCH_ERROR * 1000 * base_pitch:
+            _refuse(
+                f"{key}.pitch_errors_um[{i}]",
+                f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, "
+                f"{LARGEST_PITCH_ERROR * 1000 * base_pitch:.0f} um",
+                error,
+            )
 
 
 def _check_geometry(body: Geometry, given: Mapping[str, Any], key: str) -> None:

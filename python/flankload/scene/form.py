@@ -4,6 +4,7 @@ Every refusal names the key by its dotted path, what was expected and what was f
 """
 
 from collections.abc import Mapping, Sequence
+from datetime import date, time
 from difflib import get_close_matches
 from functools import cache
 from math import isfinite
@@ -62,7 +63,7 @@ def shown(value: object) -> str:
     elif isinstance(value, Real):
         text = f"{value}"
     else:
-        text = repr(value)
+        text = str(value) if isinstance(value, date | time) else repr(value)
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "..."
 

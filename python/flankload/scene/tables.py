@@ -8,9 +8,13 @@ from typing import Annotated, Literal
 from msgspec import Meta, Struct
 
 Positive = Annotated[float, Meta(gt=0)]
+#: mm. The range is far wider than any pair; beyond it numbers overflow or meshes have no end.
+Length = Annotated[float, Meta(ge=1e-3, le=1e5)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Text = Annotated[str, Meta(min_length=1)]
-Angles = Annotated[tuple[float, ...], Meta(min_length=1)]
+# Beyond thousands of turns the place within a tooth pitch is lost to rounding.
+Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
+Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[NotNegative, ...], Meta(min_length=1)]
 Strips = Annotated[float, Meta(ge=2, le=200)]
 
@@ -27,14 +31,14 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Geometry(Table, frozen=True, kw_only=True):
     """Keys of an involute profile, transverse section."""
 
-    module_mm: Annotated[Positive, about("mm", "module")]
+    module_mm: Annotated[Length, about("mm", "module")]
     pressure_angle_deg: Annotated[
         Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
     ] = 20.0
     profile_shift: Annotated[
         Annotated[float, Meta(ge=-5, le=5)], about("-", "profile shift in modules")
     ] = 0.0
-    tip_diameter_mm: Annotated[Positive, about("mm", "diameter of the tip circle")]
+    tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle")]
     dedendum_factor: Annotated[
         Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
     ] = 1.25
@@ -46,16 +50,16 @@ class Geometry(Table, frozen=True, kw_only=True):
         NotNegative | None, about("um", "tip relief at the tip circle, normal to the involute")
     ] = None
     tip_relief_start_diameter_mm: Annotated[
-        Positive | None, about("mm", "diameter at which the tip relief begins")
+        Length | None, about("mm", "diameter at which the tip relief begins")
     ] = None
     tip_relief_shape: Annotated[
         Literal["linear", "parabolic"], about("", "shape of the tip relief over the roll angle")
     ] = "linear"
     tip_radius_mm: Annotated[
-        Positive | None, about("mm", "radius of the arc between flank and tip circle")
+        Length | None, about("mm", "radius of the arc between flank and tip circle")
     ] = None
     tip_chamfer_mm: Annotated[
-        Positive | None, about("mm", "radial height of the chamfer between flank and tip circle")
+        Length | None, about("mm", "radial height of the chamfer between flank and tip circle")
     ] = None
     profile_crowning_um: Annotated[
         NotNegative | None, about("um", "profile crowning, normal to the involute")
@@ -64,7 +68,8 @@ class Geometry(Table, frozen=True, kw_only=True):
 
 # Keys that both kinds of body have.
 Teeth = Annotated[int, Meta(ge=3)]
-YoungModulus = Annotated[Positive, about("MPa", "Young's modulus")]
+Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
+YoungModulus = Annotated[Modulus, about("MPa", "Young's modulus")]
 PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
 Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
 PitchErrors = Annotated[
@@ -81,7 +86,7 @@ class Gear(Geometry, frozen=True, kw_only=True, tag_field="kind", tag="gear"):
     """An external spur gear with a generated root fillet, held at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
-    bore_diameter_mm: Annotated[Positive, about("mm", "diameter of the bore, which is fixed")]
+    bore_diameter_mm: Annotated[Length, about("mm", "diameter of the bore, which is fixed")]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -115,7 +120,7 @@ class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
         "CUT_RIGHT",
     )
     reference_radius_mm: Annotated[
-        Positive | None,
+        Length | None,
         about(
             "mm",
             "radius that turns rotation into transmission error; needed without profile, else the "
@@ -140,8 +145,8 @@ class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
 class Pair(Table, frozen=True, kw_only=True):
     """How the bodies stand to each other."""
 
-    center_distance_mm: Annotated[Positive, about("mm", "distance of the two axes")]
-    face_width_mm: Annotated[Positive, about("mm", "width over which the flanks touch")]
+    center_distance_mm: Annotated[Length, about("mm", "distance of the two axes")]
+    face_width_mm: Annotated[Length, about("mm", "width over which the flanks touch")]
 
 
 class Load(Table, frozen=True, kw_only=True):
@@ -185,7 +190,7 @@ class Accuracy(Table, frozen=True, kw_only=True):
     ] = "strain"
     estimate: Annotated[bool, about("", "false skips the error estimate")] = True
     flank_element_mm: Annotated[
-        Positive | None, about("mm", "length of the finite elements along the flank")
+        Length | None, about("mm", "length of the finite elements along the flank")
     ] = None
     modes: Annotated[
         Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
