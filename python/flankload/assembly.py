@@ -109,7 +109,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         resolution=resolution,
         effects=effects,
         position_rad=position_rad,
-        closed=even and not effects.pitch_errors,
+        closed=even and position_rad.size > 1 and not effects.pitch_errors,
         notes=notes,
     )
 

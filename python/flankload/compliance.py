@@ -67,11 +67,21 @@ class BodyCompliance:
     bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the body does not yield at all."""
+        return self.kernel == 0.0
+
     def fewer_modes(self) -> BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal."""
         if self.smooth.shape[1] < 2:
             return self
         return replace(self, smooth=self.smooth[:, :-1, :-1])
+
+
+def no_compliance(body: Body) -> BodyCompliance:
+    """Of a body that does not yield, or that nothing loads: no finite elements."""
+    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm)
 
 
 @dataclass(frozen=True)
@@ -109,7 +119,7 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
     BodyCompliance
     """
     if body.rigid or body.mesh is None:
-        return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm)
+        return no_compliance(body)
     wall, clock = perf_counter(), process_time()
     seconds: dict[str, float] = {}
 

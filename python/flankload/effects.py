@@ -14,7 +14,8 @@ class Effects:
     Attributes
     ----------
     elastic_body_1, elastic_body_2 : bool
-        The body yields: finite elements are solved for it, once.
+        The body yields: finite elements are solved for it, once. Not where it is rigid, and not
+        where no torque loads it.
     flank_modifications : bool
         A profile departs from the involute below its tip circle (relief, crowning, tip radius or
         chamfer).
@@ -46,9 +47,10 @@ def effects_of(scene: Scene) -> Effects:
     Effects
     """
     bodies = (scene.body_1, scene.body_2)
+    loaded = any(scene.torques_Nm)
     return Effects(
-        elastic_body_1=not scene.body_1.rigid,
-        elastic_body_2=not scene.body_2.rigid,
+        elastic_body_1=loaded and not scene.body_1.rigid,
+        elastic_body_2=loaded and not scene.body_2.rigid,
         flank_modifications=any(_is_modified(body) for body in bodies),
         pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
         several_torques=scene.has_torque_list,

@@ -76,9 +76,10 @@ def estimate_errors(
         strips_per_half_width=grid.strips_per_half_width / 2,
         corner_strips_per_half_width=grid.corner_strips_per_half_width / 2,
     )
+    fewer = tuple(compliance.fewer_modes() for compliance in compliances)
     by_source = {
-        "strips": _differences(found, run(grid=coarse_grid)),
-        "modes": _differences(found, run(compliances=tuple(c.fewer_modes() for c in compliances))),
+        "strips": _differences(found, run(compliances=compliances, grid=coarse_grid)),
+        "modes": _differences(found, run(compliances=fewer, grid=grid)),
     }
     total = {
         quantity: float(np.linalg.norm([source[quantity] for source in by_source.values()]))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.involute import roll_of_involute_angle
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -201,11 +202,9 @@ def _gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str])
     )
     backlash = 2 * pi * radius_1 / body_1.teeth - thickness
     if backlash < -LARGEST_OVERLAP * pitch_1:
-        # the working pitch circles widen with the distance: d(backlash)/d(distance) = 2
-        # tan(alpha_w)
         raise SceneError(
             key=key,
-            expected=f"about {distance - backlash / (2 * tan(angle)):.4f} mm or more, where the "
+            expected=f"{_distance_without_backlash(body_1, body_2):.4f} mm or more, where the "
             "teeth have no negative backlash",
             found=f"{distance:g} mm with a backlash of {backlash:.4f} mm: the teeth overlap",
         )
@@ -249,6 +248,21 @@ def _gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str])
         contact_ratio=contact_ratio,
         backlash_mm=backlash,
     )
+
+
+def _distance_without_backlash(body_1: Body, body_2: Body) -> float:
+    """Centre distance (mm) at which both flanks of a tooth touch.
+
+    The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum of r_b (half angle at
+    the base - inv(alpha_w)) of both gears is half of a base pitch.
+    """
+    one, two = body_1.involute, body_2.involute
+    assert one is not None
+    assert two is not None
+    radii = (one.base_radius_mm, two.base_radius_mm)
+    filled = sum(r * gear.base_half_angle_rad for r, gear in zip(radii, (one, two), strict=True))
+    value = (filled - pi * one.base_radius_mm / body_1.teeth) / sum(radii)
+    return sum(radii) * hypot(1.0, roll_of_involute_angle(max(0.0, value)))
 
 
 def _warn_of_root_contact(body: Body, roll_mm: float, name: str, warnings: list[str]) -> None:

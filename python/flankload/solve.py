@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from flankload.assembly import build_bodies
-from flankload.compliance import BodyCompliance, flank_compliance
+from flankload.assembly import BodyPair, build_bodies
+from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
+from flankload.errors import SceneError
 from flankload.estimate import estimate_errors
 from flankload.result import Result
 from flankload.result.from_sweep import result_of
-from flankload.sweep import Sweep, sweep
+from flankload.sweep import sweep
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.bodies import Body
-    from flankload.resolution import Grid
     from flankload.scene import Scene
 
     Progress = Callable[[str, int, int], None]
+
+#: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
+#: further apart is another tooth, or another centre distance.
+LARGEST_STANDING_GAP = 0.25
 
 
 class _Clock:
@@ -73,62 +78,93 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         If a position has no answer.
     """
     clock = _Clock(progress)
-    torques = _torques(scene)
+    torques = scene.torques_Nm
     total = 3 + len(torques) * (2 if scene.accuracy.estimate else 1)
     with clock.stage("bodies", 0, total):
         pair = build_bodies(scene)
-    bodies = (pair.body_1, pair.body_2)
-    compliances = []
-    for z, body in enumerate(bodies):
-        with clock.stage(f"compliance body {z + 1}", 1 + z, total):
-            modes = scene.accuracy.modes or _modes_of(body, pair.resolution.modes)
-            compliances.append(flank_compliance(body, n_modes=modes, plane=scene.accuracy.plane))
-    pair_of = (compliances[0], compliances[1])
+        standing = _standing_gap(scene, pair)
+    compliances = _compliances(scene, pair, clock, total)
     done = 3
     results = []
     for torque in torques:
-
-        def run(
-            compliances: tuple[BodyCompliance, BodyCompliance] = pair_of,
-            grid: Grid = pair.resolution.grid,
-            torque: float = torque,
-        ) -> Sweep:
-            return sweep(
-                bodies,
-                compliances,
-                pair.pairing,
-                position_rad=pair.position_rad,
-                torque_Nmm=1000.0 * torque,
-                face_width_mm=scene.pair.face_width_mm,
-                grid=grid,
-            )
-
+        run = partial(
+            sweep,
+            (pair.body_1, pair.body_2),
+            pairing=pair.pairing,
+            position_rad=pair.position_rad,
+            torque_Nmm=1000.0 * torque,
+            face_width_mm=scene.pair.face_width_mm,
+        )
+        grid = pair.resolution.grid
         with clock.stage("sweep", done, total):
-            found = run()
+            found = run(compliances=compliances, grid=grid)
         done += 1
         estimate = None
         if scene.accuracy.estimate:
             with clock.stage("estimate", done, total):
-                estimate = estimate_errors(found, run, pair_of, pair.resolution.grid).as_dict()
+                # without torque nothing is approximated
+                estimate = estimate_errors(found, run, compliances, grid) if torque else None
             done += 1
         results.append(
             result_of(
                 found,
                 pair,
-                pair_of,
+                compliances,
                 name=scene.name,
                 face_width_mm=scene.pair.face_width_mm,
-                estimate=estimate,
+                estimate=estimate.as_dict() if estimate is not None else None,
                 stages=clock.stages,
+                notes=standing,
             )
         )
     clock.finish(total)
     return tuple(results) if scene.has_torque_list else results[0]
 
 
-def _torques(scene: Scene) -> tuple[float, ...]:
-    torque = scene.load.torque_Nm
-    return tuple(torque) if scene.has_torque_list else (float(torque),)  # type: ignore[arg-type]
+def _compliances(
+    scene: Scene, pair: BodyPair, clock: _Clock, total: int
+) -> tuple[BodyCompliance, BodyCompliance]:
+    """One finite-element job for each body that yields, none for the others."""
+    found = []
+    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
+    for z, body in enumerate((pair.body_1, pair.body_2)):
+        if not elastic[z]:
+            found.append(no_compliance(body))
+            continue
+        with clock.stage(f"compliance body {z + 1}", 1 + z, total):
+            modes = scene.accuracy.modes or _modes_of(body, pair.resolution.modes)
+            found.append(flank_compliance(body, n_modes=modes, plane=scene.accuracy.plane))
+    return found[0], found[1]
+
+
+def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
+    """How far apart bodies stand whose files say where they stand; too far is an error."""
+    if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
+        return ()
+    unloaded = sweep(
+        (pair.body_1, pair.body_2),
+        compliances=(no_compliance(pair.body_1), no_compliance(pair.body_2)),
+        pairing=pair.pairing,
+        position_rad=pair.position_rad[:1],
+        torque_Nmm=0.0,
+        face_width_mm=scene.pair.face_width_mm,
+        grid=pair.resolution.grid,
+    )
+    radius = pair.body_1.reference_radius_mm
+    gap_mm = float(unloaded.rotation_rad[0]) * radius
+    apart = "overlap by" if gap_mm < 0 else "stand apart by"
+    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.period_rad * radius:
+        raise SceneError(
+            file=scene.file,
+            key="pair.center_distance_mm",
+            expected="bodies whose flanks nearly touch (to a quarter pitch) as their files stand",
+            found=f"{scene.pair.center_distance_mm:g} mm, where they {apart} {abs(gap_mm):.3f} mm",
+        )
+    note = (
+        f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
+        "position; rotation and transmission error count from there"
+    )
+    return (note,)
 
 
 def _modes_of(body: Body, wanted: int) -> int:

@@ -81,9 +81,9 @@ class Sweep:
 
 def sweep(
     bodies: tuple[Body, Body],
+    *,
     compliances: tuple[BodyCompliance, BodyCompliance],
     pairing: Pairing,
-    *,
     position_rad: NDArray[np.float64],
     torque_Nmm: float,
     face_width_mm: float,
@@ -153,7 +153,7 @@ def _core_arguments(
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
         teeth = pairing.site_teeth[z]
         offset = (teeth[:, None] - teeth[None, :]) % body.teeth
-        if body.rigid:
+        if compliance.is_rigid:
             smooth = np.zeros((1, 1, 1), order="F")
             offset = np.zeros_like(offset)
         else:

@@ -67,8 +67,8 @@ def run() -> str:
     def positions() -> object:
         return sweep(
             bodies,
-            (compliances[0], compliances[1]),
-            pair.pairing,
+            compliances=(compliances[0], compliances[1]),
+            pairing=pair.pairing,
             position_rad=position_rad,
             torque_Nmm=302e3,
             face_width_mm=14.0,

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from flankload.compliance import BodyCompliance
 from flankload.flank_curve import CurvePiece, fit_flank_curve
 from flankload.pairing import Pairing
 from flankload.resolution import Grid
@@ -40,9 +41,7 @@ def contact(force_N_per_mm: float, grid: Grid):
     two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
     kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
     body = [SimpleNamespace(curve=c, rigid=False, teeth=1) for c in (one, two)]
-    half_plane = SimpleNamespace(
-        smooth=np.zeros((1, 1, 1)), mode_range_mm=(0.0, 1.0), kernel=kernel
-    )
+    half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
     none = np.zeros(1)
     pairing = Pairing(
         center_distance_mm=DISTANCE,
@@ -58,8 +57,8 @@ def contact(force_N_per_mm: float, grid: Grid):
     )
     return sweep(
         (body[0], body[1]),
-        (half_plane, half_plane),
-        pairing,
+        compliances=(half_plane, half_plane),
+        pairing=pairing,
         position_rad=np.zeros(1),
         torque_Nmm=force_N_per_mm * LEVER,
         face_width_mm=1.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from pathlib import Path
 
@@ -230,6 +231,24 @@ def test_profile_that_does_not_fit_says_by_how_much() -> None:
     error = refused(mesh_scene(profile=profile))
     assert error.key == "body_1.profile"
     assert "mm beside it" in error.found
+
+
+@pytest.mark.parametrize("distance", [50.0, 91.0])
+def test_bodies_that_stand_wrong_are_refused_or_named(distance: float) -> None:
+    """Regression: a wrong centre distance gave numbers without a word."""
+    scene = mesh_scene()
+    pair = dataclasses.replace(
+        scene, pair=type(scene.pair)(center_distance_mm=distance, face_width_mm=14)
+    )
+    if distance == 91.0:
+        (note,) = [w for w in fl.solve(pair).warnings if "as the files stand" in w]
+        overlap = float(re.search(r"overlap by ([\d.]+) um", note)[1])
+        # half a millimetre nearer: about 0.5 mm times the sine of the working pressure angle
+        assert overlap == pytest.approx(500 * np.sin(np.radians(22.0)), rel=0.15)
+        return
+    with pytest.raises(fl.errors.FlankloadError) as caught:
+        fl.solve(pair)
+    assert "\n" not in str(caught.value)
 
 
 def test_linear_elements_are_raised_and_noted(tmp_path: Path) -> None:

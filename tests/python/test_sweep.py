@@ -107,6 +107,17 @@ def test_answers_are_bitwise_the_same_with_any_number_of_threads() -> None:
     assert outputs[0][:third] == outputs[0][third : 2 * third] == outputs[0][2 * third :]
 
 
+def test_without_torque_nothing_yields_and_no_elements_are_solved() -> None:
+    found = solved(load={"torque_Nm": 0}, accuracy={})
+    assert found.cost["fe_factorisations"] == 0
+    assert found.cost["influence_columns"] == 0
+    assert found.estimate is None
+    np.testing.assert_allclose(found.transmission_error_um, 0.0, rtol=0, atol=1e-6)
+    unloaded, loaded = solved(load={"torque_Nm": [0, 302]}, positions={"count": 4})
+    assert loaded.cost["fe_factorisations"] == 2
+    assert not unloaded.site_force_N.any()
+
+
 def test_curve_closes_and_pairs_move_up_by_one_after_a_period(plain: fl.Result) -> None:
     pitch = 360 / 16
     angles = [2.0, 9.0, 17.0]

@@ -27,6 +27,7 @@ def result_of(
     face_width_mm: float,
     estimate: Mapping[str, object] | None,
     stages: Mapping[str, Mapping[str, float]],
+    notes: tuple[str, ...] = (),
 ) -> Result:
     """Make the result of one torque.
 
@@ -43,6 +44,8 @@ def result_of(
         Error estimates, as the result shows them.
     stages : mapping
         Seconds of each stage.
+    notes : tuple of str
+        More that a user must know.
 
     Returns
     -------
@@ -68,7 +71,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(compliances, found, stages),
-        warnings=(*pair.notes, *_warnings(pair, compliances, found)),
+        warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
         drawing=_drawing(pair),
     )
 

@@ -72,6 +72,12 @@ class Scene:
         return self.file.parent if self.file is not None else Path()
 
     @property
+    def torques_Nm(self) -> tuple[float, ...]:
+        """All torques on body 1, N m."""
+        torque = self.load.torque_Nm
+        return torque if isinstance(torque, tuple) else (float(torque),)
+
+    @property
     def has_torque_list(self) -> bool:
         """Whether the scene has a list of torques, so that there is a result for each."""
         return isinstance(self.load.torque_Nm, tuple)
