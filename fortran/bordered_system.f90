@@ -1,21 +1,18 @@
-!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ kept.
+!> The pairs in contact and the factor of their compliance, the kept part of (18), (19), (32).
 !>
-!>     [ K_aa  -B_a ] [F]   [r]
-!>     [ R_aᵀ    0  ] [q] = [s]      solved by   K_aa [V w] = [B_a r],  (R_aᵀ V) q = s - R_aᵀ w,
-!>                                               F = V q + w
-!>
-!> No pair is special: any may join, any may leave, each with O(k²) work on the kept factor.
+!> No pair is special: any may join, any may leave, each with O(k²) work on the kept factor, several
+!> at once by BLAS-3.
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
-        & solve_factored, estimate_condition
+    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew
+    use flankload_factor_block, only: extend_block, cut
     implicit none
     private
 
     public :: bordered_system
-    public :: new_bordered_system, append_pair, append_block, drop_pair, factor_pairs_anew
-    public :: solve_bordered, bordered_condition, invert_small
+    public :: new_bordered_system, append_pair, append_block, drop_pair, drop_pairs
+    public :: factor_pairs_anew
 
     !> The pairs in contact and the factor of their compliance.
     type :: bordered_system
@@ -26,12 +23,17 @@ module flankload_bordered_system
         integer :: refactorisations = 0
         !> Largest growth seen
         real(wp) :: growth = 1.0_wp
+        !> L⁻¹ B_a (K symmetric and B = R), as far as its first rows are known
+        real(wp), allocatable :: forward(:, :)
+        integer :: n_forward = 0
     end type bordered_system
 
     !> Elimination without exchange may lose this factor in accuracy; refinement wins it back.
     real(wp), parameter :: growth_limit = 1.0e3_wp
-    !> A motion with a pivot this small beside the others is held by no active pair.
-    real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+    !> Cost of an operation of a plane rotation beside one of a product of matrices, and of starting
+    !> a block at all: when letting pairs leave one by one costs more than a new tail of the factor
+    real(wp), parameter :: single_row_cost = 12.0_wp
+    real(wp), parameter :: block_overhead = 2.0e4_wp
 
 contains
 
@@ -88,9 +90,9 @@ contains
         end if
     end subroutine append_pair
 
-    !> Let a set of pairs join an empty system at once (warm start).
+    !> Let several pairs join at once.
     pure subroutine append_block(system, problem, compliance, pairs, accepted)
-        !> The system, empty
+        !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -98,21 +100,81 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Numbers of the pairs
         integer, intent(in) :: pairs(:)
-        !> False if their rows depend on each other
+        !> False if their rows depend on each other; the system is then as before
         logical, intent(out) :: accepted
 
-        integer :: k
+        integer :: j, k, b
+        integer, allocatable :: before(:)
+        real(wp), allocatable :: columns(:, :), rows(:, :), scales(:)
 
-        if (problem%symmetric) then
-            system%pairs = pairs
-            call factor_anew(system%factor, gather(system, problem, compliance), accepted)
+        before = system%pairs
+        k = size(before)
+        b = size(pairs)
+        system%pairs = [before, pairs]
+        scales = problem%row_scale(system%pairs)
+        allocate (columns(k + b, b), rows(b, merge(0, k, problem%symmetric)))
+        do j = 1, b
+            columns(:, j) = compliance(system%pairs, pairs(j))*scales*scales(k + j)
+        end do
+        do j = 1, size(rows, 2)
+            rows(:, j) = compliance(pairs, before(j))*scales(k + 1:)*scales(j)
+        end do
+        call extend_block(system%factor, columns, rows, accepted)
+        if (accepted) then
+            call watch_growth(system, problem, compliance, accepted)
+            if (accepted) return
+        else if (.not. problem%symmetric) then
+            ! A pivot of zero may only want another order of the rows.
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            if (accepted) return
+        end if
+        system%pairs = before
+        if (.not. problem%symmetric .and. k > 0) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+        end if
+    end subroutine append_block
+
+    !> Let several pairs leave at once.
+    pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Which of the pairs of the system, in its order
+        logical, intent(in) :: leaving(:)
+        !> False if what is left is singular
+        logical, intent(out) :: accepted
+
+        integer :: first, index, k
+        real(wp) :: work_single, work_block
+        integer, allocatable :: later(:)
+
+        accepted = .true.
+        k = size(leaving)
+        first = findloc(leaving, .true., dim=1)
+        if (first == 0) return
+        system%n_forward = min(system%n_forward, first - 1)
+        work_single = single_row_cost*sum([(real(k - index, wp)**2 + k, index=1, k)], mask=leaving)
+        work_block = real(k - first, wp)*(first + (k - first)/3.0_wp)**2 + block_overhead
+        if (system%factor%n_exchanged > 0) then
+            system%pairs = pack(system%pairs, .not. leaving)
+            call factor_pairs_anew(system, problem, compliance, accepted)
+        else if (work_block < work_single) then
+            later = pack(system%pairs(first:), .not. leaving(first:))
+            system%pairs = system%pairs(:first - 1)
+            call cut(system%factor, first - 1)
+            if (size(later) > 0) call append_block(system, problem, compliance, later, accepted)
         else
-            do k = 1, size(pairs)
-                call append_pair(system, problem, compliance, pairs(k), accepted)
+            do index = k, first, -1
+                if (.not. leaving(index)) cycle
+                call drop_pair(system, problem, compliance, index, accepted)
                 if (.not. accepted) return
             end do
         end if
-    end subroutine append_block
+    end subroutine drop_pairs
 
     !> Let a pair leave.
     pure subroutine drop_pair(system, problem, compliance, index, accepted)
@@ -130,6 +192,7 @@ contains
         logical :: exchanged
 
         exchanged = system%factor%n_exchanged > 0
+        system%n_forward = min(system%n_forward, index - 1)
         system%pairs = [system%pairs(:index - 1), system%pairs(index + 1:)]
         if (exchanged) then
             call factor_pairs_anew(system, problem, compliance, accepted)
@@ -168,6 +231,7 @@ contains
         !> False if the pairs are singular
         logical, intent(out) :: accepted
 
+        system%n_forward = 0
         call factor_anew(system%factor, gather(system, problem, compliance), accepted)
         system%refactorisations = system%refactorisations + 1
     end subroutine factor_pairs_anew
@@ -192,113 +256,5 @@ contains
             matrix(:, j) = compliance(system%pairs, system%pairs(j))*scales*scales(j)
         end do
     end function gather
-
-    !> Solve the bordered equations.
-    pure subroutine solve_bordered(system, problem, r, s, forces, motion, solved, tangent)
-        !> The system
-        type(bordered_system), intent(in) :: system
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Right-hand side of the pairs, shape (k)
-        real(wp), intent(in) :: r(:)
-        !> Right-hand side of the loads, shape (n_motions)
-        real(wp), intent(in) :: s(:)
-        !> Scaled forces, shape (k)
-        real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion, shape (n_motions)
-        real(wp), allocatable, intent(out) :: motion(:)
-        !> False if the pairs do not hold every motion
-        logical, intent(out) :: solved
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out), optional :: tangent(:, :)
-
-        integer :: q
-        real(wp), allocatable :: columns(:, :), rows(:, :), inverse(:, :)
-
-        q = problem%n_motions
-        allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = problem%motions(system%pairs, :)
-        columns(:, q + 1) = r
-        rows = problem%load_rows(system%pairs, :)
-        call solve_factored(system%factor, columns)
-        inverse = matmul(transpose(rows), columns(:, :q))
-        call invert_small(inverse, solved)
-        if (solved) then
-            motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
-            forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
-            if (present(tangent)) tangent = inverse
-        else
-            allocate (motion(q), forces(size(system%pairs)), source=0.0_wp)
-        end if
-    end subroutine solve_bordered
-
-    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
-    pure subroutine invert_small(matrix, solved)
-        !> The matrix, then its inverse, shape (q, q)
-        real(wp), intent(inout) :: matrix(:, :)
-        !> False if it is singular to rounding
-        logical, intent(out) :: solved
-
-        integer :: q, step, at(2), row
-        integer, allocatable :: pivot_row(:), pivot_column(:)
-        logical, allocatable :: free(:, :)
-        real(wp) :: pivot, largest
-        real(wp), allocatable :: inverse(:, :)
-
-        q = size(matrix, 1)
-        allocate (pivot_row(q), pivot_column(q), free(q, q))
-        free = .true.
-        largest = maxval(abs(matrix))
-        solved = .true.
-        do step = 1, q
-            at = maxloc(abs(matrix), mask=free)
-            pivot = matrix(at(1), at(2))
-            solved = abs(pivot) > loose_motion*largest
-            if (.not. solved) return
-            pivot_row(step) = at(1)
-            pivot_column(step) = at(2)
-            free(at(1), :) = .false.
-            free(:, at(2)) = .false.
-            ! Exchange the roles of the unknown and the right-hand side of this row.
-            matrix(at(1), at(2)) = 1.0_wp
-            matrix(at(1), :) = matrix(at(1), :)/pivot
-            do row = 1, q
-                if (row == at(1)) cycle
-                pivot = matrix(row, at(2))
-                matrix(row, at(2)) = 0.0_wp
-                matrix(row, :) = matrix(row, :) - pivot*matrix(at(1), :)
-            end do
-        end do
-        allocate (inverse(q, q))
-        do step = 1, q
-            inverse(pivot_column(step), pivot_row) = matrix(pivot_row(step), pivot_column)
-        end do
-        matrix = inverse
-    end subroutine invert_small
-
-    !> Condition of the equilibrated compliance of the pairs, or of the motions if that is worse.
-    pure function bordered_condition(system, problem, compliance, tangent) result(condition)
-        !> The system
-        type(bordered_system), intent(in) :: system
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), intent(in) :: tangent(:, :)
-        real(wp) :: condition
-
-        real(wp), allocatable :: stiffness(:, :)
-        logical :: solved
-
-        condition = estimate_condition(system%factor, &
-            & maxval(sum(abs(gather(system, problem, compliance)), dim=1)))
-        stiffness = tangent
-        call invert_small(stiffness, solved)
-        if (solved) then
-            condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
-                & *maxval(sum(abs(tangent), dim=1)))
-        end if
-    end function bordered_condition
 
 end module flankload_bordered_system

@@ -2,8 +2,8 @@
 !> another set of pairs, whether it is the only one.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
-    use flankload_contact_problem, only: contact_problem, contact_result, unshifted, contact_gaps, &
-        & row_sizes, row_tolerance
+    use flankload_contact_problem, only: contact_problem, contact_result, unshifted, row_size, &
+        & least_row_sizes, row_tolerance
     use flankload_lapack, only: potrf
     implicit none
     private
@@ -12,49 +12,76 @@ module flankload_contact_certificate
 
     !> From here on the split between neighbouring pairs has lost half of its digits.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
+    !> Rows with gaps beyond this part of their size are neither closed nor nearly so.
+    real(wp), parameter :: near_contact = 1.0e-6_wp
 
 contains
 
     !> Fill in the certificate and the status of a state.
     !>
-    !> Its rows are those of the caller: what the returned numbers lack there is what counts.
-    pure subroutine certify(problem, compliance, forces, motion, result)
+    !> Its rows are those of the caller: what the returned numbers lack there is what counts. K is
+    !> looked at in few rows only: the gaps hold what the columns of the active pairs say.
+    pure subroutine certify(problem, compliance, forces, gaps, motion, result)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n)
         real(wp), intent(in) :: forces(:)
+        !> Scaled gaps of these forces, active pairs included, shape (n)
+        real(wp), intent(in) :: gaps(:)
         !> Scaled motion from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         !> Its condition is known already
         type(contact_result), intent(inout) :: result
 
         type(contact_problem) :: original
-        real(wp), allocatable :: gaps(:), sizes(:), lacking(:), load_sizes(:)
-        real(wp) :: largest
+        integer :: i
+        integer, allocatable :: pairs(:)
+        real(wp), allocatable :: rows(:), sizes(:), whole_motion(:), lacking(:), load_sizes(:)
+        real(wp) :: largest, wrong
         logical, allocatable :: active(:)
         logical :: degenerate
 
-        allocate (gaps(problem%n), sizes(problem%n))
+        allocate (sizes(problem%n))
         original = unshifted(problem)
-        call contact_gaps(original, compliance, forces, problem%start_motion + motion, gaps)
-        call row_sizes(original, compliance, forces, problem%start_motion + motion, sizes)
-        ! A row without any size (no force, no gap, no lever) is met exactly.
-        sizes = max(sizes, tiny(1.0_wp))
+        whole_motion = problem%start_motion + motion
+        ! The same products K F, but with the caller's gaps and the motion from zero.
+        rows = ((gaps - problem%gaps) + matmul(problem%motions, motion)) &
+            & + problem%normal_gaps - matmul(problem%motions, whole_motion)
+        call least_row_sizes(original, rows, whole_motion, sizes)
         active = abs(forces) > 0.0_wp
+        pairs = pack([(i, i=1, problem%n)], active)
         largest = max(maxval(abs(forces)), tiny(1.0_wp))
         lacking = problem%loads - matmul(forces, problem%load_rows)
         load_sizes = max(matmul(abs(forces), abs(problem%load_rows)) + abs(problem%loads), &
             & tiny(1.0_wp))
         result%backward_error = max(maxval(abs(lacking)/load_sizes), &
-            & maxval(merge(abs(gaps), max(-gaps, 0.0_wp), active)/sizes), &
             & maxval(max(-forces, 0.0_wp))/largest)
-        result%margin = max(0.0_wp, min(minval(forces/largest, mask=active), &
-            & minval(gaps/sizes, mask=.not. active)))
-        degenerate = any(active .and. abs(forces) <= row_tolerance*largest) &
-            & .or. (any(active) .and. any(.not. active .and. gaps <= row_tolerance*sizes))
-        result%unique = is_unique(problem, compliance)
+        degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
+        result%margin = minval(forces/largest, mask=active)
+        do i = 1, problem%n
+            ! Only where it could matter: the size without cancellation. A row without any size (no
+            ! force, no gap, no lever) is met exactly.
+            if (abs(rows(i)) <= near_contact*sizes(i)) then
+                sizes(i) = max(tiny(1.0_wp), sizes(i))
+                if (abs(rows(i)) > row_tolerance*sizes(i)) sizes(i) = max(sizes(i), &
+                    & row_size(original, compliance, forces, whole_motion, pairs, i))
+            end if
+            wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active(i))
+            result%backward_error = max(result%backward_error, wrong/sizes(i))
+            if (active(i)) cycle
+            result%margin = min(result%margin, rows(i)/sizes(i))
+            degenerate = degenerate .or. (size(pairs) > 0 .and. rows(i) <= row_tolerance*sizes(i))
+        end do
+        result%margin = max(0.0_wp, result%margin)
+        if (problem%definite) then
+            result%unique = energy_bounds_rows(problem, compliance, forces, &
+                & (gaps - problem%gaps) + matmul(problem%motions, motion))
+            if (result%unique) result%unique = is_unique(problem, compliance, pairs)
+        else
+            result%unique = is_unique(problem, compliance, [(i, i=1, problem%n)])
+        end if
         if (.not. result%unique) then
             result%status = 3
         else if (result%condition > ill_conditioned) then
@@ -66,30 +93,35 @@ contains
         end if
     end subroutine certify
 
-    !> Whether no other state exists, for certain.
+    !> Whether no other state exists.
     !>
     !> For two states (F1 - F2)ᵀ W (g1 - g2) <= 0 with any positive row weights W. With W B = R the
     !> motions drop out, and what is left is the symmetric part of W K, which is diag(b) A without
     !> friction: if that is positive definite, both states are the same. One motion has such weights
     !> where every R_i/B_i > 0; more motions where R = B.
-    pure function is_unique(problem, compliance) result(unique)
+    !>
+    !> No proof gets by without all of K: two open pairs that drive each other away strongly enough
+    !> make a second state. So either every pair is factored, or the caller knows that the matrix is
+    !> positive definite, and only the active pairs, which the loop has read, are held against it.
+    pure function is_unique(problem, compliance, pairs) result(unique)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs that are factored
+        integer, intent(in) :: pairs(:)
         logical :: unique
 
-        integer :: i, j, info, n
+        integer :: i, j, k, info
         logical :: equal
-        real(wp), allocatable :: weights(:), matrix(:, :)
+        real(wp), allocatable :: weights(:), matrix(:, :), scales(:)
 
-        n = problem%n
-        allocate (weights(n), source=1.0_wp)
-        equal = .not. any(abs(problem%motions - problem%load_rows) > 0.0_wp)
+        allocate (weights(problem%n), source=1.0_wp)
+        equal = problem%same_rows
         unique = equal .or. problem%n_motions == 1
         if (.not. unique) return
         if (.not. equal) then
-            do i = 1, n
+            do i = 1, problem%n
                 if (problem%motions(i, 1)*problem%load_rows(i, 1) > 0.0_wp) then
                     weights(i) = problem%load_rows(i, 1)/problem%motions(i, 1)
                 else if (abs(problem%motions(i, 1)) + abs(problem%load_rows(i, 1)) > 0.0_wp) then
@@ -98,21 +130,53 @@ contains
                 end if
             end do
         end if
-        allocate (matrix(n, n))
-        do j = 1, n
+        ! The active pairs alone: the Cholesky factor of the loop has shown it already.
+        if (equal .and. problem%symmetric .and. problem%definite) return
+        k = size(pairs)
+        allocate (matrix(k, k))
+        scales = problem%row_scale(pairs)
+        weights = weights(pairs)
+        do j = 1, k
             if (equal .and. problem%symmetric) then
-                matrix(j:, j) = compliance(j:, j)*problem%row_scale(j:)*problem%row_scale(j)
+                matrix(j:, j) = compliance(pairs(j:), pairs(j))*scales(j:)*scales(j)
             else
                 ! Divided by the roots of both weights, so that the diagonal stays near one.
-                matrix(j:, j) = 0.5_wp*problem%row_scale(j:)*problem%row_scale(j) &
-                    & *(compliance(j:, j)*sqrt(weights(j:)/weights(j)) &
-                    & + compliance(j, j:)*sqrt(weights(j)/weights(j:)))
+                matrix(j:, j) = 0.5_wp*scales(j:)*scales(j) &
+                    & *(compliance(pairs(j:), pairs(j))*sqrt(weights(j:)/weights(j)) &
+                    & + compliance(pairs(j), pairs(j:))*sqrt(weights(j)/weights(j:)))
             end if
             ! Less what rounding may have added: then the factor's existence is a proof.
-            matrix(j, j) = matrix(j, j)*(1.0_wp - n*epsilon(1.0_wp))
+            matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
         end do
-        call potrf(n, matrix, info)
+        call potrf(k, matrix, info)
         unique = info == 0
     end function is_unique
+
+    !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz demand of a positive
+    !> definite K: what the loop has read of K, held against what the caller knows of it.
+    pure function energy_bounds_rows(problem, compliance, forces, recession) result(passed)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled F and K F, shape (n)
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: recession(:)
+        logical :: passed
+
+        real(wp), parameter :: slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
+        integer :: i
+        real(wp) :: energy
+
+        passed = .true.
+        if (.not. problem%symmetric) return
+        energy = dot_product(forces, recession)
+        do i = 1, problem%n
+            if (recession(i)**2 > slack*energy*compliance(i, i)*problem%row_scale(i)**2) then
+                passed = .false.
+                return
+            end if
+        end do
+    end function energy_bounds_rows
 
 end module flankload_contact_certificate

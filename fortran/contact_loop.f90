@@ -7,9 +7,11 @@ module flankload_contact_loop
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
         & no_contact_state
     use flankload_contact_problem, only: contact_problem, contact_result, new_contact_problem, &
-        & row_tolerance
-    use flankload_bordered_system, only: bordered_condition
+        & row_tolerance, is_finite, is_finite_matrix, general_matrix, symmetric_matrix, &
+        & definite_matrix, definite_part
+    use flankload_bordered_solution, only: bordered_condition
     use flankload_single_loop, only: loop_state, single_loop
+    use flankload_block_loop, only: block_loop
     use flankload_paper_loop, only: paper_state, paper_loop
     use flankload_contact_certificate, only: certify
     implicit none
@@ -17,18 +19,26 @@ module flankload_contact_loop
 
     public :: contact_result
     public :: solve_contact_problem
-    public :: method_single, method_paper
+    public :: method_auto, method_single, method_paper, method_block
+    public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
 
+    !> Single for few pairs or several motions, else block.
+    integer, parameter :: method_auto = 0
     !> One pair at a time, any may leave.
     integer, parameter :: method_single = 1
     !> The paper's growing loop.
     integer, parameter :: method_paper = 2
+    !> Many pairs at once, then one at a time where that does not settle.
+    integer, parameter :: method_block = 3
+
+    !> Up to here blocks save nothing.
+    integer, parameter :: few_pairs = 60
 
 contains
 
     !> Find the state of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
     pure subroutine solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
-        & symmetric, method, warm_pairs, result, error)
+        & structure, method, warm_pairs, result, error)
         !> K, recession along the normal of row i for a unit force on pair j [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> g0, gaps along the normals before any motion [mm], shape (n)
@@ -39,11 +49,12 @@ contains
         real(wp), intent(in) :: load_rows(:, :)
         !> Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> K is symmetric: Cholesky, else LU
-        logical, intent(in) :: symmetric
-        !> method_single or method_paper
+        !> What is known of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix or
+        !> definite_part (no proof of uniqueness from the whole matrix is wanted)
+        integer, intent(in) :: structure
+        !> One of the methods above
         integer, intent(in) :: method
-        !> Pairs to begin with (method_single), from 1; none: the pair that touches first
+        !> Pairs to begin with, from 1; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
         !> The state; on error NaN, but for the motion that shows why there is no state and for the
         !> final state of the paper's loop with negative forces
@@ -54,15 +65,23 @@ contains
         type(contact_problem) :: problem
 
         call blank(result, size(normal_gaps), size(loads))
-        call check_choice(size(normal_gaps), method, warm_pairs, error)
+        call check_choice(size(normal_gaps), structure, method, warm_pairs, error)
         if (allocated(error)) return
-        call new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, symmetric, &
+        call new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, structure, &
             & problem, error)
         if (allocated(error)) return
         if (method == method_paper) then
             call run_paper(problem, compliance, result, error)
         else
-            call run_single(problem, compliance, warm_pairs, result, error)
+            call run_loops(problem, compliance, method, warm_pairs, result, error)
+        end if
+        if (.not. allocated(error)) then
+            if (all(is_finite(result%gaps))) return
+        end if
+        ! The loops read the columns that they need; the others matter only where they failed.
+        if (.not. is_finite_matrix(compliance)) then
+            call blank(result, size(normal_gaps), size(loads))
+            call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
         end if
     end subroutine solve_contact_problem
 
@@ -87,10 +106,12 @@ contains
         result%margin = nan
     end subroutine blank
 
-    !> A known method, warm pairs that exist and differ.
-    pure subroutine check_choice(n, method, warm_pairs, error)
+    !> A known structure and method, warm pairs that exist and differ.
+    pure subroutine check_choice(n, structure, method, warm_pairs, error)
         !> Number of pairs
         integer, intent(in) :: n
+        !> Structure
+        integer, intent(in) :: structure
         !> Method
         integer, intent(in) :: method
         !> Pairs to begin with
@@ -101,8 +122,11 @@ contains
         logical, allocatable :: seen(:)
         integer :: k
 
-        if (method /= method_single .and. method /= method_paper) then
-            call fatal_error(error, invalid_input, 'method: expected method_single or method_paper')
+        if (method < method_auto .or. method > method_block) then
+            call fatal_error(error, invalid_input, 'method: expected one of the constants method_…')
+            return
+        else if (structure < general_matrix .or. structure > definite_part) then
+            call fatal_error(error, invalid_input, 'structure: expected a number from 0 to 3')
             return
         end if
         allocate (seen(n), source=.false.)
@@ -118,12 +142,14 @@ contains
         end do
     end subroutine check_choice
 
-    !> Method single.
-    pure subroutine run_single(problem, compliance, warm_pairs, result, error)
+    !> Blocks where they pay, one pair at a time where they do not or did not settle.
+    pure subroutine run_loops(problem, compliance, method, warm_pairs, result, error)
         !> The problem
         type(contact_problem), intent(inout) :: problem
         !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The method, not that of the paper
+        integer, intent(in) :: method
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)
         !> The state
@@ -132,9 +158,31 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         type(loop_state) :: state
+        type(contact_problem) :: fresh
+        logical :: settled
+        integer :: pivots
+        integer, allocatable :: begin(:)
 
-        call single_loop(problem, compliance, warm_pairs, state, error)
-        result%pivots = state%pivots
+        result%rung = method_single
+        if (method == method_block .or. (method == method_auto .and. problem%n > few_pairs &
+            & .and. problem%n_motions == 1)) result%rung = method_block
+        begin = warm_pairs
+        pivots = 0
+        settled = .false.
+        if (result%rung == method_block) then
+            fresh = problem
+            call block_loop(problem, compliance, warm_pairs, state, settled, error)
+            if (.not. settled .and. .not. allocated(error)) then
+                problem = fresh
+                begin = state%system%pairs
+                pivots = state%pivots
+                result%rung = method_single
+            end if
+        end if
+        if (.not. settled .and. .not. allocated(error)) then
+            call single_loop(problem, compliance, begin, state, error)
+        end if
+        result%pivots = pivots + state%pivots
         if (allocated(error)) then
             if (error%code == no_contact_state) then
                 result%motion = problem%load_row_scale*state%motion
@@ -144,10 +192,10 @@ contains
         result%refactorisations = state%system%refactorisations
         result%growth = state%system%growth
         result%condition = bordered_condition(state%system, problem, compliance, state%tangent)
-        call certify(problem, compliance, state%forces, state%motion, result)
+        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
             & state%system%pairs, result)
-    end subroutine run_single
+    end subroutine run_loops
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)
@@ -164,11 +212,12 @@ contains
 
         call paper_loop(problem, compliance, state, error)
         if (allocated(error)) return
+        result%rung = method_paper
         result%pivots = size(state%pairs)
         result%refactorisations = state%refactorisations
         result%growth = state%factor%growth
         result%condition = state%condition
-        call certify(problem, compliance, state%forces, state%motion, result)
+        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
             & result)
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then

@@ -12,8 +12,10 @@ module flankload_contact_problem
     private
 
     public :: contact_problem, contact_result
-    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps, row_size, row_sizes
-    public :: is_finite
+    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps
+    public :: row_size, least_row_sizes
+    public :: is_finite, is_finite_matrix
+    public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: row_tolerance
 
     !> A scaled problem; the compliance itself stays where the caller has it.
@@ -27,6 +29,10 @@ module flankload_contact_problem
         integer :: n_motions = 0
         !> K is symmetric
         logical :: symmetric = .true.
+        !> The caller knows what uniqueness rests on: K (its symmetric part) is positive definite
+        logical :: definite = .false.
+        !> B = R
+        logical :: same_rows = .true.
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
         real(wp), allocatable :: row_scale(:)
         real(wp), allocatable :: motion_scale(:)
@@ -56,6 +62,8 @@ module flankload_contact_problem
         integer, allocatable :: active_pairs(:)
         !> 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain
         integer :: status = 0
+        !> The method that found it
+        integer :: rung = 0
         !> Pairs that joined or left
         integer :: pivots = 0
         !> Factorisations as a whole (the block of a warm start is none)
@@ -75,6 +83,13 @@ module flankload_contact_problem
         real(wp), allocatable :: tangent(:, :)
     end type contact_result
 
+    !> What the caller says of K: nothing, that it is symmetric, also positive definite (any elastic
+    !> compliance is), or that the symmetric part of W K is positive definite (see `is_unique`).
+    integer, parameter :: general_matrix = 0
+    integer, parameter :: symmetric_matrix = 1
+    integer, parameter :: definite_matrix = 2
+    integer, parameter :: definite_part = 3
+
     !> What rounding leaves in a row, relative to the row's own size.
     real(wp), parameter :: row_tolerance = 10.0_wp*epsilon(1.0_wp)
 
@@ -82,8 +97,8 @@ contains
 
     !> Check and scale a problem.
     pure subroutine new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
-        & symmetric, problem, error)
-        !> K [mm/N], shape (n, n)
+        & structure, problem, error)
+        !> K [mm/N], shape (n, n); only its diagonal is looked at
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> g0 [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
@@ -93,8 +108,8 @@ contains
         real(wp), intent(in) :: load_rows(:, :)
         !> Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> K is symmetric
-        logical, intent(in) :: symmetric
+        !> What is known of K: one of the four constants above
+        integer, intent(in) :: structure
         !> The scaled problem
         type(contact_problem), intent(out) :: problem
         !> Shapes that do not fit, numbers that are none, a diagonal that is not positive
@@ -106,7 +121,9 @@ contains
         if (allocated(error)) return
         problem%n = size(normal_gaps)
         problem%n_motions = size(loads)
-        problem%symmetric = symmetric
+        problem%symmetric = structure == symmetric_matrix .or. structure == definite_matrix
+        problem%same_rows = .not. any(abs(motions - load_rows) > 0.0_wp)
+        problem%definite = structure == definite_matrix .or. structure == definite_part
         problem%row_scale = [(power_of_two(sqrt(compliance(i, i))), i=1, problem%n)]
         allocate (problem%motions(problem%n, problem%n_motions))
         allocate (problem%load_rows(problem%n, problem%n_motions))
@@ -148,8 +165,7 @@ contains
         !> What is wrong
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n, i, j
-        real(wp), allocatable :: probe(:)
+        integer :: n, i
 
         n = size(normal_gaps)
         if (n < 1 .or. size(loads) < 1) then
@@ -165,11 +181,7 @@ contains
             call fatal_error(error, invalid_input, 'expected finite numbers, found NaN or infinity')
         end if
         if (allocated(error)) return
-        allocate (probe(n), source=0.0_wp)
-        do j = 1, n
-            probe = probe + 0.0_wp*compliance(:, j)
-        end do
-        if (.not. all(is_finite(probe))) then
+        if (.not. all([(is_finite(compliance(i, i)), i=1, n)])) then
             call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
         else if (.not. all([(compliance(i, i) > 0.0_wp, i=1, n)])) then
             call fatal_error(error, invalid_scale, 'compliance: expected a positive diagonal')
@@ -184,6 +196,20 @@ contains
 
         finite = abs(number) <= huge(1.0_wp)
     end function is_finite
+
+    !> No entry is NaN or infinite.
+    pure function is_finite_matrix(matrix) result(finite)
+        !> Any matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        logical :: finite
+
+        integer :: j
+
+        finite = .true.
+        do j = 1, size(matrix, 2)
+            finite = finite .and. all(is_finite(matrix(:, j)))
+        end do
+    end function is_finite_matrix
 
     !> The power of two near 1/size, 1 where the size is zero.
     elemental function power_of_two(size) result(scale_factor)
@@ -290,29 +316,34 @@ contains
             & abs(problem%start_motion + motion)))
     end function row_size
 
-    !> Sizes of all rows, by columns.
-    pure subroutine row_sizes(problem, compliance, forces, motion, sizes)
+    !> Lower bounds of all row sizes without a look at K: |Σ K_ij F_j|, which the gaps contain, in
+    !> place of Σ|K_ij| F_j. Equal where no influence is negative.
+    pure subroutine least_row_sizes(problem, gaps, motion, sizes)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> K as the caller has it
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled forces, shape (n)
-        real(wp), intent(in) :: forces(:)
+        !> Scaled gaps at this motion, shape (n)
+        real(wp), intent(in) :: gaps(:)
         !> Scaled motion from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         !> Sizes, shape (n)
         real(wp), intent(out) :: sizes(:)
 
-        integer :: j
+        integer :: c, i
+        real(wp) :: moved, covered, from_start, from_zero
 
-        sizes = 0.0_wp
-        do j = 1, problem%n
-            if (abs(forces(j)) > 0.0_wp) then
-                sizes = sizes + abs(compliance(:, j))*(abs(forces(j))*problem%row_scale(j))
-            end if
+        do i = 1, problem%n
+            moved = 0.0_wp
+            from_start = abs(problem%gaps(i))
+            from_zero = abs(problem%normal_gaps(i))
+            do c = 1, problem%n_motions
+                covered = problem%motions(i, c)*motion(c)
+                moved = moved + covered
+                from_start = from_start + abs(covered)
+                from_zero = from_zero &
+                    & + abs(problem%motions(i, c)*(problem%start_motion(c) + motion(c)))
+            end do
+            sizes(i) = abs(gaps(i) - problem%gaps(i) + moved) + min(from_start, from_zero)
         end do
-        sizes = problem%row_scale*sizes + abs(problem%gaps) &
-            & + matmul(abs(problem%motions), abs(motion))
-    end subroutine row_sizes
+    end subroutine least_row_sizes
 
 end module flankload_contact_problem

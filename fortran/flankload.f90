@@ -4,7 +4,8 @@ module flankload
     use flankload_version_number, only: version_number
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
-        & method_single, method_paper
+        & method_auto, method_single, method_paper, method_block, &
+        & general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_contact_zones, only: flank_type, new_flank
     use flankload_compliance_field, only: compliance_type
@@ -15,7 +16,9 @@ module flankload
 
     public :: wp, version_number
     public :: error_type
-    public :: contact_result, solve_contact_problem, method_single, method_paper
+    public :: contact_result, solve_contact_problem
+    public :: method_auto, method_single, method_paper, method_block
+    public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: body_type, grid_settings, position_state, solve_position, sweep_positions
 

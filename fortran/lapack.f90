@@ -6,8 +6,9 @@ module flankload_lapack
     implicit none
     private
 
-    public :: potrf, pocon, getrf, gecon, permute_rows
-    public :: solve_lower, solve_upper, solve_lower_transposed, solve_upper_transposed
+    public :: potrf, getrf, permute_rows
+    public :: solve_triangle, continue_lower
+    public :: border_cholesky, border_lu
     public :: add_product
 
     interface
@@ -19,30 +20,12 @@ module flankload_lapack
             integer, intent(out) :: info
         end subroutine dpotrf
 
-        pure subroutine dpocon(uplo, n, a, lda, anorm, rcond, work, iwork, info)
-            import :: wp
-            character(len=1), intent(in) :: uplo
-            integer, intent(in) :: n, lda
-            real(wp), intent(in) :: a(lda, *), anorm
-            real(wp), intent(out) :: rcond, work(*)
-            integer, intent(out) :: iwork(*), info
-        end subroutine dpocon
-
         pure subroutine dgetrf(m, n, a, lda, ipiv, info)
             import :: wp
             integer, intent(in) :: m, n, lda
             real(wp), intent(inout) :: a(lda, *)
             integer, intent(out) :: ipiv(*), info
         end subroutine dgetrf
-
-        pure subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
-            import :: wp
-            character(len=1), intent(in) :: norm
-            integer, intent(in) :: n, lda
-            real(wp), intent(in) :: a(lda, *), anorm
-            real(wp), intent(out) :: rcond, work(*)
-            integer, intent(out) :: iwork(*), info
-        end subroutine dgecon
 
         pure subroutine dlaswp(n, a, lda, k1, k2, ipiv, incx)
             import :: wp
@@ -66,6 +49,22 @@ module flankload_lapack
             real(wp), intent(inout) :: x(*)
         end subroutine dtrsv
 
+        pure subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+            import :: wp
+            character(len=1), intent(in) :: uplo, trans
+            integer, intent(in) :: n, k, lda, ldc
+            real(wp), intent(in) :: alpha, a(lda, *), beta
+            real(wp), intent(inout) :: c(ldc, *)
+        end subroutine dsyrk
+
+        pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+            import :: wp
+            character(len=1), intent(in) :: transa, transb
+            integer, intent(in) :: m, n, k, lda, ldb, ldc
+            real(wp), intent(in) :: alpha, a(lda, *), b(ldb, *), beta
+            real(wp), intent(inout) :: c(ldc, *)
+        end subroutine dgemm
+
         pure subroutine dgemv(trans, m, n, alpha, a, lda, x, incx, beta, y, incy)
             import :: wp
             character(len=1), intent(in) :: trans
@@ -74,11 +73,6 @@ module flankload_lapack
             real(wp), intent(inout) :: y(*)
         end subroutine dgemv
     end interface
-
-    !> Solve with the lower triangle of a factor.
-    interface solve_lower
-        module procedure solve_lower_vector, solve_lower_matrix
-    end interface solve_lower
 
 contains
 
@@ -94,26 +88,6 @@ contains
         call dpotrf('L', n, matrix, size(matrix, 1), info)
     end subroutine potrf
 
-    !> Reciprocal condition in the 1-norm from a Cholesky factor.
-    pure subroutine pocon(n, factor, norm, reciprocal_condition)
-        !> Order of the factor
-        integer, intent(in) :: n
-        !> Holds the factor, shape (>= n, >= n)
-        real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 1-norm of the matrix that was factored
-        real(wp), intent(in) :: norm
-        !> Estimate of 1/(norm of the matrix * norm of its inverse)
-        real(wp), intent(out) :: reciprocal_condition
-
-        real(wp), allocatable :: work(:)
-        integer, allocatable :: iwork(:)
-        integer :: info
-
-        allocate (work(3*n), iwork(n))
-        call dpocon('L', n, factor, size(factor, 1), norm, reciprocal_condition, work, iwork, info)
-        if (info /= 0) reciprocal_condition = 0.0_wp
-    end subroutine pocon
-
     !> LU factor of the leading block with exchange of rows.
     pure subroutine getrf(n, matrix, row_swaps, info)
         !> Order of the block
@@ -128,26 +102,6 @@ contains
         call dgetrf(n, n, matrix, size(matrix, 1), row_swaps, info)
     end subroutine getrf
 
-    !> Reciprocal condition in the 1-norm from an LU factor.
-    pure subroutine gecon(n, factor, norm, reciprocal_condition)
-        !> Order of the factor
-        integer, intent(in) :: n
-        !> Holds the factor, shape (>= n, >= n)
-        real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 1-norm of the matrix that was factored
-        real(wp), intent(in) :: norm
-        !> Estimate of 1/(norm of the matrix * norm of its inverse)
-        real(wp), intent(out) :: reciprocal_condition
-
-        real(wp), allocatable :: work(:)
-        integer, allocatable :: iwork(:)
-        integer :: info
-
-        allocate (work(4*n), iwork(n))
-        call dgecon('1', n, factor, size(factor, 1), norm, reciprocal_condition, work, iwork, info)
-        if (info /= 0) reciprocal_condition = 0.0_wp
-    end subroutine gecon
-
     !> Exchange the rows of right-hand sides as the factorisation did.
     pure subroutine permute_rows(rows, row_swaps)
         !> Right-hand sides, shape (>= size(row_swaps), any)
@@ -158,74 +112,108 @@ contains
         call dlaswp(size(rows, 2), rows, size(rows, 1), 1, size(row_swaps), row_swaps, 1)
     end subroutine permute_rows
 
-    !> L x = b, one right-hand side.
-    pure subroutine solve_lower_vector(n, factor, unit_diagonal, x)
+    !> T X = B or Tᵀ X = B with a triangle T of a factor. For a few right-hand sides one by one: to
+    !> pack the triangle for all at once costs more than it saves.
+    pure subroutine solve_triangle(n, factor, uplo, transposed, diagonal, x)
         !> Order of the factor
         integer, intent(in) :: n
-        !> Holds the factor
+        !> Holds the factor, shape (>= n, >= n)
         real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 'U' where the diagonal of L is one and not stored, else 'N'
-        character(len=1), intent(in) :: unit_diagonal
-        !> Right-hand side, then solution, shape (>= n)
-        real(wp), contiguous, intent(inout) :: x(:)
-
-        call dtrsv('L', 'N', unit_diagonal, n, factor, size(factor, 1), x, 1)
-    end subroutine solve_lower_vector
-
-    !> L X = B, several right-hand sides.
-    pure subroutine solve_lower_matrix(n, factor, unit_diagonal, x)
-        !> Order of the factor
-        integer, intent(in) :: n
-        !> Holds the factor
-        real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 'U' where the diagonal of L is one and not stored, else 'N'
-        character(len=1), intent(in) :: unit_diagonal
+        !> 'L' lower, 'U' upper triangle
+        character(len=1), intent(in) :: uplo
+        !> 'T' transposed, else 'N'
+        character(len=1), intent(in) :: transposed
+        !> 'U' where the diagonal is one and not stored, else 'N'
+        character(len=1), intent(in) :: diagonal
         !> Right-hand sides, then solutions, shape (>= n, any)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
-        call dtrsm('L', 'L', 'N', unit_diagonal, n, size(x, 2), 1.0_wp, factor, size(factor, 1), &
-            & x, size(x, 1))
-    end subroutine solve_lower_matrix
+        integer, parameter :: few = 4
+        integer :: j
 
-    !> U X = B.
-    pure subroutine solve_upper(n, factor, x)
-        !> Order of the factor
+        if (size(x, 2) > few) then
+            call dtrsm('L', uplo, transposed, diagonal, n, size(x, 2), 1.0_wp, factor, &
+                & size(factor, 1), x, size(x, 1))
+        else
+            do j = 1, size(x, 2)
+                call dtrsv(uplo, transposed, diagonal, n, factor, size(factor, 1), x(:, j), 1)
+            end do
+        end if
+    end subroutine solve_triangle
+
+    !> L X = B where the first rows of X are known already.
+    pure subroutine continue_lower(known, n, factor, x)
+        !> Known rows and all rows
+        integer, intent(in) :: known
         integer, intent(in) :: n
-        !> Holds the factor
+        !> Holds L, shape (>= n, >= n)
         real(wp), contiguous, intent(in) :: factor(:, :)
-        !> Right-hand sides, then solutions, shape (>= n, any)
+        !> Solution in the known rows, right-hand sides in the others; then solution
         real(wp), contiguous, intent(inout) :: x(:, :)
 
-        call dtrsm('L', 'U', 'N', 'N', n, size(x, 2), 1.0_wp, factor, size(factor, 1), &
-            & x, size(x, 1))
-    end subroutine solve_upper
+        integer :: j
 
-    !> Lᵀ X = B.
-    pure subroutine solve_lower_transposed(n, factor, unit_diagonal, x)
-        !> Order of the factor
+        if (known == n) return
+        do j = 1, size(x, 2)
+            call continue_column(known, n, size(factor, 1), factor, x(:, j))
+        end do
+    end subroutine continue_lower
+
+    !> The same for one right-hand side; explicit shapes, so that parts are handed on in place.
+    pure subroutine continue_column(known, n, lda, factor, x)
+        !> Known rows, all rows, rows of the array
+        integer, intent(in) :: known
         integer, intent(in) :: n
-        !> Holds the factor
-        real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 'U' where the diagonal of L is one and not stored, else 'N'
-        character(len=1), intent(in) :: unit_diagonal
-        !> Right-hand sides, then solutions, shape (>= n, any)
-        real(wp), contiguous, intent(inout) :: x(:, :)
+        integer, intent(in) :: lda
+        !> Holds L
+        real(wp), intent(in) :: factor(lda, *)
+        !> Solution
+        real(wp), intent(inout) :: x(*)
 
-        call dtrsm('L', 'L', 'T', unit_diagonal, n, size(x, 2), 1.0_wp, factor, size(factor, 1), &
-            & x, size(x, 1))
-    end subroutine solve_lower_transposed
+        if (known > 0) then
+            call dgemv('N', n - known, known, -1.0_wp, factor(known + 1, 1), lda, x, 1, &
+                & 1.0_wp, x(known + 1), 1)
+        end if
+        call dtrsv('L', 'N', 'N', n - known, factor(known + 1, known + 1), lda, x(known + 1), 1)
+    end subroutine continue_column
 
-    !> Uᵀ x = b.
-    pure subroutine solve_upper_transposed(n, factor, x)
-        !> Order of the factor
-        integer, intent(in) :: n
-        !> Holds the factor
-        real(wp), contiguous, intent(in) :: factor(:, :)
-        !> Right-hand side, then solution, shape (>= n)
-        real(wp), contiguous, intent(inout) :: x(:)
+    !> Border a Cholesky factor by the rows that stand below it, in place.
+    pure subroutine border_cholesky(k, b, lda, matrix, info)
+        !> Order of the factor and number of new rows
+        integer, intent(in) :: k
+        integer, intent(in) :: b
+        !> Rows of the array (of explicit shape, so that its parts can be handed on in place)
+        integer, intent(in) :: lda
+        !> The factor, below it the new rows of the matrix, shape (lda >= k + b, >= k + b)
+        real(wp), intent(inout) :: matrix(lda, *)
+        !> Not zero: what is left of the new block is not positive definite
+        integer, intent(out) :: info
 
-        call dtrsv('U', 'T', 'N', n, factor, size(factor, 1), x, 1)
-    end subroutine solve_upper_transposed
+        if (k > 0) then
+            call dtrsm('R', 'L', 'T', 'N', b, k, 1.0_wp, matrix, lda, matrix(k + 1, 1), lda)
+            call dsyrk('L', 'N', b, k, -1.0_wp, matrix(k + 1, 1), lda, &
+                & 1.0_wp, matrix(k + 1, k + 1), lda)
+        end if
+        call dpotrf('L', b, matrix(k + 1, k + 1), lda, info)
+    end subroutine border_cholesky
+
+    !> Border an LU factor by rows and columns that stand beside it, in place; what is left of the
+    !> new diagonal block is not factored yet.
+    pure subroutine border_lu(k, b, lda, matrix)
+        !> Order of the factor and number of new rows
+        integer, intent(in) :: k
+        integer, intent(in) :: b
+        !> Rows of the array
+        integer, intent(in) :: lda
+        !> The factor, beside it the new rows and columns, shape (lda >= k + b, >= k + b)
+        real(wp), intent(inout) :: matrix(lda, *)
+
+        if (k == 0) return
+        call dtrsm('L', 'L', 'N', 'U', k, b, 1.0_wp, matrix, lda, matrix(1, k + 1), lda)
+        call dtrsm('R', 'U', 'N', 'N', b, k, 1.0_wp, matrix, lda, matrix(k + 1, 1), lda)
+        call dgemm('N', 'N', b, b, k, -1.0_wp, matrix(k + 1, 1), lda, matrix(1, k + 1), lda, &
+            & 1.0_wp, matrix(k + 1, k + 1), lda)
+    end subroutine border_lu
 
     !> y := y + A x for a block of columns of a larger matrix.
     pure subroutine add_product(matrix, first, last, x, y)

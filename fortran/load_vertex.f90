@@ -5,7 +5,7 @@
 module flankload_load_vertex
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_bordered_system, only: invert_small
+    use flankload_bordered_solution, only: invert_small
     implicit none
     private
 

@@ -4,13 +4,14 @@ module flankload_loop_start
     use flankload_error, only: error_type, fatal_error, no_contact_state, singular_contact
     use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
-        & append_block, drop_pair, solve_bordered
+        & append_block, drop_pairs
+    use flankload_bordered_solution, only: solve_bordered
     use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
     implicit none
     private
 
     public :: loop_state
-    public :: start_loop, start_cold, start_warm
+    public :: start_loop, start_cold, start_warm, shed_pulling
 
     !> What the loop works on; all scaled.
     type :: loop_state
@@ -97,28 +98,46 @@ contains
         !> False if no part of the set holds the loads
         logical, intent(out) :: ready
 
-        integer :: k
-        logical, allocatable :: negative(:)
-        real(wp), allocatable :: forces(:), motion(:)
+        integer :: n_left
 
         state%system = new_bordered_system(problem%symmetric)
         call append_block(state%system, problem, compliance, warm_pairs, ready)
-        do while (ready)
+        if (ready) call shed_pulling(problem, compliance, state, n_left, ready)
+    end subroutine start_warm
+
+    !> Solve for the pairs of the system and let those that pull leave, until none does.
+    pure subroutine shed_pulling(problem, compliance, state, n_left, ready)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> Number of pairs that left
+        integer, intent(out) :: n_left
+        !> False if no part of the pairs holds the loads
+        logical, intent(out) :: ready
+
+        logical, allocatable :: negative(:)
+        real(wp), allocatable :: forces(:), motion(:)
+
+        n_left = 0
+        state%forces = 0.0_wp
+        do
             ready = size(state%system%pairs) >= problem%n_motions
-            if (.not. ready) exit
+            if (.not. ready) return
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
-                & problem%loads, forces, motion, ready)
-            if (.not. ready) exit
+                & problem%loads, forces, motion, ready, state%tangent)
+            if (.not. ready) return
             negative = forces < -row_tolerance*maxval(abs(forces))
             if (.not. any(negative)) exit
-            do k = size(forces), 1, -1
-                if (negative(k) .and. ready) then
-                    call drop_pair(state%system, problem, compliance, k, ready)
-                    state%pivots = state%pivots + 1
-                end if
-            end do
+            call drop_pairs(state%system, problem, compliance, negative, ready)
+            if (.not. ready) return
+            n_left = n_left + count(negative)
         end do
-        if (ready) state%forces(state%system%pairs) = max(forces, 0.0_wp)
-    end subroutine start_warm
+        state%pivots = state%pivots + n_left
+        state%forces(state%system%pairs) = max(forces, 0.0_wp)
+        state%motion = motion
+    end subroutine shed_pulling
 
 end module flankload_loop_start

@@ -6,7 +6,8 @@
 module flankload_lumped_hertz
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
-    use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem
+    use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
+        & solve_contact_problem
     implicit none
     private
 
@@ -77,7 +78,7 @@ contains
                     & curvatures(i), kernel))
                 matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
             end do
-            call solve_contact_problem(matrix, gaps, motions, motions, [torque], .true., &
+            call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &
                 & method_single, [integer ::], state, error)
             if (allocated(error)) return
             forces = state%forces

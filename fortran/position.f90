@@ -9,7 +9,8 @@ module flankload_position
     use flankload_contact_zones, only: find_zones, flank_type, zone_type
     use flankload_contact_pairs, only: append_pairs, grid_type, pairs_type, reserve_pairs, zone_grid
     use flankload_influence_number, only: influence_matrix, smooth_compliance
-    use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem
+    use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
+        & solve_contact_problem
     use flankload_lumped_hertz, only: hertz_half_width, lumped_contact
     implicit none
     private
@@ -253,7 +254,7 @@ contains
         load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
         warm = expected_pairs(state%pairs, zones, half_widths, estimate)
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
-            & load_rows, [torque], .true., method_single, warm, contact, error)
+            & load_rows, [torque], symmetric_matrix, method_single, warm, contact, error)
         if (allocated(error)) return
         state%status = contact%status
         state%rotation = contact%motion(1)

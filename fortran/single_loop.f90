@@ -9,14 +9,15 @@ module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, pivot_limit, singular_contact
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
-        & row_tolerance
-    use flankload_bordered_system, only: append_pair, drop_pair, factor_pairs_anew, solve_bordered
+        & least_row_sizes, row_tolerance
+    use flankload_bordered_system, only: append_pair, drop_pair, factor_pairs_anew
+    use flankload_bordered_solution, only: solve_bordered
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
     implicit none
     private
 
     public :: loop_state
-    public :: single_loop
+    public :: single_loop, settle, most_open_pair, finish, judge_waiting
 
     !> Gear and spline problems need 1.1 pivots a pair; nothing that ends needs this many.
     integer, parameter :: pivots_per_pair = 20
@@ -165,9 +166,12 @@ contains
 
         integer :: i
         logical, allocatable :: candidate(:)
+        real(wp), allocatable :: sizes(:)
 
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
-        candidate = state%gaps < 0.0_wp .and. .not. state%waiting
+        allocate (sizes(problem%n))
+        call least_row_sizes(problem, state%gaps, state%motion, sizes)
+        candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting
         candidate(state%system%pairs) = .false.
         joining = 0
         do
@@ -283,11 +287,12 @@ contains
 
         integer :: step, k, leaving
         real(wp) :: way
-        real(wp), allocatable :: forces(:), motion(:)
+        real(wp), allocatable :: forces(:), motion(:), sizes(:)
         logical :: solved, met
 
         joining = 0
         call measure_from_here(problem, compliance, state)
+        allocate (sizes(problem%n))
         do step = 1, max_refinements
             if (step == max_refinements) then
                 call factor_pairs_anew(state%system, problem, compliance, solved)
@@ -305,8 +310,10 @@ contains
                 call most_open_pair(problem, compliance, state, joining)
                 done = joining == 0
                 if (.not. done) return
+                call least_row_sizes(problem, state%gaps, state%motion, sizes)
                 met = .true.
                 do k = 1, size(pairs)
+                    if (abs(state%gaps(pairs(k))) <= row_tolerance*sizes(pairs(k))) cycle
                     met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance*row_size(problem, &
                         & compliance, state%forces, state%motion, pairs, pairs(k))
                 end do

@@ -2,7 +2,7 @@
 
 !> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
 subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &
-        & load_rows, loads, symmetric, method, warm_pairs, forces, gaps, motion, tangent, &
+        & load_rows, loads, structure, method, warm_pairs, forces, gaps, motion, tangent, &
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload, only: solve_contact_problem, contact_result, error_type
@@ -23,9 +23,11 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     double precision, intent(in) :: load_rows(n, n_motions)
     !> Q, shape (n_motions)
     double precision, intent(in) :: loads(n_motions)
-    !> Not 0: K is symmetric
-    integer, intent(in) :: symmetric
-    !> 1: single, 2: paper
+    !> What is known of K: 0 nothing, 1 symmetric, 2 symmetric and positive definite as any elastic
+    !> compliance is, 3 its symmetric part (rows weighted so that B = R) is positive definite. With
+    !> 0 and 1 uniqueness is proven from the whole of K, with 2 and 3 from the pairs in contact.
+    integer, intent(in) :: structure
+    !> 0: the fastest, 1: single, 2: paper, 3: block
     integer, intent(in) :: method
     !> Pairs to begin with, from 1, shape (n_warm)
     integer, intent(in) :: warm_pairs(n_warm)
@@ -39,8 +41,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     double precision, intent(out) :: tangent(n_motions, n_motions)
     !> 1 for the pairs that carry a force, else 0, shape (n)
     integer, intent(out) :: active(n)
-    !> Pivots, refactorisations, 1 where the state is unique, shape (3)
-    integer, intent(out) :: counters(3)
+    !> Pivots, refactorisations, 1 where the state is unique, the method that found it, shape (4)
+    integer, intent(out) :: counters(4)
     !> Condition, growth, backward error, margin, shape (4)
     double precision, intent(out) :: certificate(4)
     !> Status 0 … 3, or an error -1 … -6
@@ -54,7 +56,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     n_threads = omp_get_max_threads()
     call omp_set_num_threads(1)
     call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
-        & symmetric /= 0, method, warm_pairs, result, error)
+        & structure, method, warm_pairs, result, error)
     call omp_set_num_threads(n_threads)
     forces = result%forces
     gaps = result%gaps
@@ -62,7 +64,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     tangent = result%tangent
     active = 0
     active(result%active_pairs) = 1
-    counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique)]
+    counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
+        & result%rung]
     certificate = [result%condition, result%growth, result%backward_error, result%margin]
     info = result%status
     if (allocated(error)) info = error%code

@@ -1,12 +1,14 @@
 !> Tests of the core without Python: stops with an error where one fails.
 program test_core
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
-        & method_single
+        & method_single, symmetric_matrix, general_matrix
     use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
         & solve_factored
+    use flankload_factor_block, only: extend_block, cut
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
-        & drop_pair, solve_bordered, invert_small
+        & drop_pair
+    use flankload_bordered_solution, only: solve_bordered, invert_small
     implicit none
 
     !> Identities hold to rounding.
@@ -21,6 +23,8 @@ program test_core
     call test_extend(symmetric=.false.)
     call test_shrink(symmetric=.true.)
     call test_shrink(symmetric=.false.)
+    call test_block(symmetric=.true.)
+    call test_block(symmetric=.false.)
     call test_dependent_row
     call test_exchange
     call test_small_inverse
@@ -144,6 +148,38 @@ contains
         end do
     end subroutine test_shrink
 
+    !> Rows that join in blocks, the last ones cut off and others in their place, give the factor of
+    !> the whole matrix; a block with a repeated row is refused.
+    subroutine test_block(symmetric)
+        !> Which kind
+        logical, intent(in) :: symmetric
+
+        integer, parameter :: ends(4) = [0, 5, 6, n]
+        integer :: b, first, last
+        real(wp) :: matrix(n, n)
+        type(kept_factor) :: factor
+        logical :: accepted
+
+        matrix = random_matrix(symmetric)
+        factor = new_kept_factor(symmetric)
+        do b = 2, size(ends)
+            first = ends(b - 1) + 1
+            last = ends(b)
+            call extend_block(factor, matrix(:last, first:last), &
+                & matrix(first:last, :first - 1), accepted)
+            call expect(accepted, 'a block joins')
+        end do
+        call expect(distance_to_fresh(factor, matrix) < round_off, &
+            & 'factor by blocks = fresh factor')
+        call cut(factor, 9)
+        call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'cut = fresh factor')
+        call extend_block(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
+        call expect(.not. accepted, 'a block with a repeated row is refused')
+        call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'and changes nothing')
+        call extend_block(factor, matrix(:, 10:), matrix(10:, :9), accepted)
+        call expect(distance_to_fresh(factor, matrix) < round_off, 'grown again = fresh factor')
+    end subroutine test_block
+
     !> A row that repeats another is refused and leaves the factor as it was.
     subroutine test_dependent_row
         real(wp) :: matrix(n, n)
@@ -177,7 +213,8 @@ contains
         end do
         call new_contact_problem(compliance, [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], &
             & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), &
-            & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), [1.0_wp], .false., problem, error)
+            & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), [1.0_wp], &
+            & general_matrix, problem, error)
         call expect(.not. allocated(error), 'the skew problem is legal')
         system = new_bordered_system(symmetric=.false.)
         do j = 1, 4
@@ -230,7 +267,7 @@ contains
         levers = 1.0_wp
         allocate (warm(0))
         call solve_contact_problem(flexibility, [1.0_wp, 0.0_wp, 1.0_wp], levers, levers, &
-            & [10.0_wp], .true., method_single, warm, state, error)
+            & [10.0_wp], symmetric_matrix, method_single, warm, state, error)
         call expect(.not. allocated(error), 'the three-pair problem is solved')
         call expect(maxval(abs(state%forces - [5.0_wp, 0.0_wp, 5.0_wp])) < 10.0_wp*round_off, 'F')
         call expect(maxval(abs(state%gaps - [0.0_wp, 3.0_wp, 0.0_wp])) < 91.0_wp*round_off, 'gaps')
@@ -248,8 +285,8 @@ contains
         compliance = reshape([1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2])
         levers = 1.0_wp
         allocate (warm(0))
-        call solve_contact_problem(compliance, [0.0_wp, 0.0_wp], levers, levers, [1.0_wp], .true., &
-            & method_single, warm, state, error)
+        call solve_contact_problem(compliance, [0.0_wp, 0.0_wp], levers, levers, [1.0_wp], &
+            & symmetric_matrix, method_single, warm, state, error)
         call expect(allocated(error), 'a negative diagonal is refused')
         call expect(error%code == -5, 'with code -5')
         call expect(all(state%forces /= state%forces) .and. all(state%gaps /= state%gaps) &

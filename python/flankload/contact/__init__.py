@@ -26,7 +26,10 @@ __all__ = ["ContactInfo", "ContactState", "solve_contact", "solve_contact_genera
 
 Vector = NDArray[np.float64]
 
-_METHODS = {"single": 1, "paper": 2}
+_METHODS = {"auto": 0, "single": 1, "paper": 2, "block": 3}
+_RUNGS = {number: name for name, number in _METHODS.items()}
+# What the core is told of K.
+_GENERAL, _SYMMETRIC, _DEFINITE, _DEFINITE_PART = range(4)
 # Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
 _ASYMMETRY = 1e-12
 
@@ -40,6 +43,7 @@ def solve_contact(
     method: str = "auto",
     normal_lever_arms: ArrayLike | None = None,
     warm_pairs: ArrayLike | None = None,
+    positive_definite: bool = False,
 ) -> ContactState:
     """Find the pairs in contact, their forces and the rotation for a torque.
 
@@ -53,12 +57,19 @@ def solve_contact(
         Initial gap angles [rad]; a common offset goes into the rotation.
     torque : float
         Torque M >= 0 [N mm]. Without torque the rotation is the least gap angle.
-    method : {"auto", "single", "paper"}
-        ``single`` lets any pair join or leave, one at a time; ``paper`` only lets pairs join.
+    method : {"auto", "single", "block", "paper"}
+        ``single`` lets any pair join or leave, one at a time; ``block`` many at once, and steps
+        down to ``single`` where that does not settle; ``paper`` only lets pairs join. ``auto``
+        takes ``single`` for few pairs, else ``block``.
     normal_lever_arms : array_like of shape (n,), optional
         Row scale b > 0 [mm] where it differs from ``abs(lever_arms)``.
     warm_pairs : array_like of int, optional
         Pairs to begin with, from 0; a good guess saves time and never changes the answer.
+    positive_definite : bool, optional
+        True: the symmetric part of diag(b) A (rows weighted with m/b where m differs from b) is
+        known to be positive definite, as for any elastic compliance without friction. The
+        uniqueness of the state then rests on that, checked on the pairs in contact; otherwise it
+        is proven from the whole matrix, which for many pairs takes longer than the solution.
 
     Returns
     -------
@@ -115,6 +126,7 @@ def solve_contact(
         load[np.newaxis],
         method=method,
         warm_pairs=warm_pairs,
+        positive_definite=positive_definite,
         gap_scale=row_scale,
         names=("flexibility_matrix", "diag(normal_lever_arms) flexibility_matrix"),
     )
@@ -129,6 +141,7 @@ def solve_contact_general(
     load_rows: ArrayLike | None = None,
     method: str = "auto",
     warm_pairs: ArrayLike | None = None,
+    positive_definite: bool = False,
 ) -> ContactState:
     """Find the state of contact of the general form with any number of free motions.
 
@@ -144,7 +157,7 @@ def solve_contact_general(
         Q, the load on each motion.
     load_rows : array_like of shape (n, q) or (n,), optional
         R, part of a unit force in each load; B where there is no friction (default).
-    method, warm_pairs
+    method, warm_pairs, positive_definite
         As in `solve_contact`; ``paper`` takes one motion.
 
     Returns
@@ -179,6 +192,7 @@ def solve_contact_general(
         load,
         method=method,
         warm_pairs=warm_pairs,
+        positive_definite=positive_definite,
         gap_scale=np.ones(n),
         names=("compliance_matrix", "compliance_matrix"),
     )
@@ -193,11 +207,12 @@ def _solve(
     *,
     method: str,
     warm_pairs: ArrayLike | None,
+    positive_definite: bool,
     gap_scale: Vector,
     names: tuple[str, str],
 ) -> ContactState:
     """Call the core once and turn what it says into a state or an error."""
-    rung = _rung(method)
+    number = _method_number(method)
     n = gaps.size
     diagonal = compliance.diagonal()
     if not diagonal.min() > 0.0:
@@ -206,7 +221,7 @@ def _solve(
             f"at pair {int(diagonal.argmin())}",
             code=-5,
         )
-    if rung == "paper" and (loads.size != 1 or not motions.min() > 0.0):
+    if method == "paper" and (loads.size != 1 or not motions.min() > 0.0):
         raise InputError(
             f"method: 'paper' expected one motion with levers > 0, found {loads.size} motions "
             f"with levers from {motions.min():g}",
@@ -220,8 +235,8 @@ def _solve(
             np.asfortranarray(motions),
             np.asfortranarray(load_rows),
             loads,
-            int(_is_symmetric(compliance)),
-            _METHODS[rung],
+            _structure(compliance, positive_definite=positive_definite),
+            number,
             warm + 1,
         )
     )
@@ -229,7 +244,7 @@ def _solve(
         raise _failure(code, names, counters, motion)
     active_pairs = np.flatnonzero(active)
     info = ContactInfo(
-        rung=rung,
+        rung=_RUNGS[int(counters[3])],
         pivots=int(counters[0]),
         refactorisations=int(counters[1]),
         condition=float(certificate[0]),
@@ -257,13 +272,19 @@ def _solve(
     return state
 
 
-def _rung(method: str) -> str:
-    """The loop that a method stands for."""
-    rung = "single" if method == "auto" else method
-    if rung not in _METHODS:
-        available = ", ".join(repr(name) for name in ("auto", *_METHODS))
+def _method_number(method: str) -> int:
+    """The core's number of a method."""
+    if method not in _METHODS:
+        available = ", ".join(repr(name) for name in _METHODS)
         raise InputError(f"method: expected one of {available}, found {method!r}")
-    return rung
+    return _METHODS[method]
+
+
+def _structure(compliance: Vector, *, positive_definite: bool) -> int:
+    """What the core is told of K."""
+    if _is_symmetric(compliance):
+        return _DEFINITE if positive_definite else _SYMMETRIC
+    return _DEFINITE_PART if positive_definite else _GENERAL
 
 
 def _failure(

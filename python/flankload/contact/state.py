@@ -33,7 +33,8 @@ class ContactInfo:
         Distance to the nearest change of the active pairs: the least of force over largest force
         (active pairs) and gap over the row's own size (others).
     unique : bool
-        No other state exists, for certain.
+        No other state exists: proven from the whole matrix, or where the caller knows it to be
+        positive definite, from that.
     undetermined : tuple of tuple of int
         Groups of pairs of which only the sum of the forces is certain.
     """

@@ -1,0 +1,207 @@
+!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ kept.
+!>
+!>     [ K_aa  -B_a ] [F]   [r]
+!>     [ R_aᵀ    0  ] [q] = [s]      solved by   K_aa [V w] = [B_a r],  (R_aᵀ V) q = s - R_aᵀ w,
+!>                                               F = V q + w
+module flankload_bordered_solution
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_kept_factor, only: solve_factored, estimate_condition
+    use flankload_bordered_system, only: bordered_system
+    use flankload_lapack, only: solve_triangle, continue_lower
+    implicit none
+    private
+
+    public :: solve_bordered, bordered_condition, invert_small
+
+    !> A motion with a pivot this small beside the others is held by no active pair.
+    real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> Solve the bordered equations.
+    pure subroutine solve_bordered(system, problem, r, s, forces, motion, solved, tangent)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand side of the pairs, shape (k)
+        real(wp), intent(in) :: r(:)
+        !> Right-hand side of the loads, shape (n_motions)
+        real(wp), intent(in) :: s(:)
+        !> Scaled forces, shape (k)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> False if the pairs do not hold every motion
+        logical, intent(out) :: solved
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable, intent(out), optional :: tangent(:, :)
+
+        integer :: q
+        real(wp), allocatable :: columns(:, :), rows(:, :), inverse(:, :)
+
+        q = problem%n_motions
+        if (problem%symmetric .and. problem%same_rows) then
+            call solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
+            if (solved .and. present(tangent)) tangent = inverse
+            return
+        end if
+        allocate (columns(size(system%pairs), q + 1))
+        columns(:, :q) = problem%motions(system%pairs, :)
+        columns(:, q + 1) = r
+        rows = problem%load_rows(system%pairs, :)
+        call solve_factored(system%factor, columns)
+        inverse = matmul(transpose(rows), columns(:, :q))
+        call invert_small(inverse, solved)
+        if (solved) then
+            motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
+            forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
+            if (present(tangent)) tangent = inverse
+        else
+            allocate (motion(q), forces(size(system%pairs)), source=0.0_wp)
+        end if
+    end subroutine solve_bordered
+
+    !> The same where K is symmetric and B = R: with Y = L⁻¹ [B_a r] the motions need no way back,
+    !> (Y_Bᵀ Y_B) q = s - Y_Bᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B gains rows as L does.
+    pure subroutine solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand side of the pairs, shape (k)
+        real(wp), intent(in) :: r(:)
+        !> Right-hand side of the loads, shape (n_motions)
+        real(wp), intent(in) :: s(:)
+        !> Scaled forces, shape (k)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> False if the pairs do not hold every motion
+        logical, intent(out) :: solved
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable, intent(out) :: inverse(:, :)
+
+        integer :: k
+        real(wp), allocatable :: way(:, :)
+
+        call extend_forward(system, problem)
+        k = size(system%pairs)
+        allocate (way(k, 1))
+        way(:, 1) = r
+        call solve_triangle(k, system%factor%matrix, 'L', 'N', 'N', way)
+        associate (forward => system%forward(:k, :))
+            inverse = matmul(transpose(forward), forward)
+            call invert_small(inverse, solved)
+            if (.not. solved) then
+                allocate (motion(problem%n_motions), forces(k), source=0.0_wp)
+                return
+            end if
+            motion = matmul(inverse, s - matmul(way(:, 1), forward))
+            way(:, 1) = way(:, 1) + matmul(forward, motion)
+        end associate
+        call solve_triangle(k, system%factor%matrix, 'L', 'T', 'N', way)
+        forces = way(:, 1)
+    end subroutine solve_halfway
+
+    !> Bring L⁻¹ B_a up to the pairs of the system.
+    pure subroutine extend_forward(system, problem)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+
+        integer :: k, known
+        real(wp), allocatable :: larger(:, :)
+
+        k = size(system%pairs)
+        known = system%n_forward
+        if (.not. allocated(system%forward)) allocate (system%forward(0, problem%n_motions))
+        if (size(system%forward, 1) < k) then
+            allocate (larger(size(system%factor%matrix, 1), problem%n_motions))
+            larger(:known, :) = system%forward(:known, :)
+            call move_alloc(larger, system%forward)
+        end if
+        system%forward(known + 1:k, :) = problem%motions(system%pairs(known + 1:), :)
+        call continue_lower(known, k, system%factor%matrix, system%forward)
+        system%n_forward = k
+    end subroutine extend_forward
+
+    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
+    pure subroutine invert_small(matrix, solved)
+        !> The matrix, then its inverse, shape (q, q)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> False if it is singular to rounding
+        logical, intent(out) :: solved
+
+        integer :: q, step, at(2), row
+        integer, allocatable :: pivot_row(:), pivot_column(:)
+        logical, allocatable :: free(:, :)
+        real(wp) :: pivot, largest
+        real(wp), allocatable :: inverse(:, :)
+
+        q = size(matrix, 1)
+        allocate (pivot_row(q), pivot_column(q), free(q, q))
+        free = .true.
+        largest = maxval(abs(matrix))
+        solved = .true.
+        do step = 1, q
+            at = maxloc(abs(matrix), mask=free)
+            pivot = matrix(at(1), at(2))
+            solved = abs(pivot) > loose_motion*largest
+            if (.not. solved) return
+            pivot_row(step) = at(1)
+            pivot_column(step) = at(2)
+            free(at(1), :) = .false.
+            free(:, at(2)) = .false.
+            ! Exchange the roles of the unknown and the right-hand side of this row.
+            matrix(at(1), at(2)) = 1.0_wp
+            matrix(at(1), :) = matrix(at(1), :)/pivot
+            do row = 1, q
+                if (row == at(1)) cycle
+                pivot = matrix(row, at(2))
+                matrix(row, at(2)) = 0.0_wp
+                matrix(row, :) = matrix(row, :) - pivot*matrix(at(1), :)
+            end do
+        end do
+        allocate (inverse(q, q))
+        do step = 1, q
+            inverse(pivot_column(step), pivot_row) = matrix(pivot_row(step), pivot_column)
+        end do
+        matrix = inverse
+    end subroutine invert_small
+
+    !> Condition of the equilibrated compliance of the pairs, or of the motions if that is worse.
+    pure function bordered_condition(system, problem, compliance, tangent) result(condition)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), intent(in) :: tangent(:, :)
+        real(wp) :: condition
+
+        real(wp), allocatable :: stiffness(:, :), scales(:)
+        real(wp) :: norm
+        integer :: j
+        logical :: solved
+
+        norm = 0.0_wp
+        scales = problem%row_scale(system%pairs)
+        do j = 1, size(scales)
+            norm = max(norm, &
+                & scales(j)*sum(abs(compliance(system%pairs, system%pairs(j)))*scales))
+        end do
+        condition = estimate_condition(system%factor, norm)
+        stiffness = tangent
+        call invert_small(stiffness, solved)
+        if (solved) then
+            condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
+                & *maxval(sum(abs(tangent), dim=1)))
+        end if
+    end function bordered_condition
+
+end module flankload_bordered_solution

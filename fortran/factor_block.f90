@@ -1,0 +1,130 @@
+!> A kept factor that gains and loses several rows and columns at once, by BLAS-3.
+module flankload_factor_block
+    use flankload_kinds, only: wp
+    use flankload_kept_factor, only: kept_factor, reserve, dependent
+    use flankload_lapack, only: border_cholesky, border_lu, permute_rows
+    implicit none
+    private
+
+    public :: extend_block, cut
+
+    !> Rows of an LU factor that are eliminated one by one inside a block.
+    integer, parameter :: lu_block = 32
+
+contains
+
+    !> Add last rows and columns.
+    pure subroutine extend_block(factor, columns, rows, accepted)
+        !> The factor
+        type(kept_factor), intent(inout) :: factor
+        !> New columns, their own rows last, shape (order + b, b)
+        real(wp), intent(in) :: columns(:, :)
+        !> New rows left of their own columns, shape (b, order); not looked at where the matrix is
+        !> symmetric
+        real(wp), intent(in) :: rows(:, :)
+        !> False if a row depends on the others to rounding; the factor is then as before
+        logical, intent(out) :: accepted
+
+        integer :: k, b, i, info
+
+        k = factor%order
+        b = size(columns, 2)
+        call reserve(factor, k + b)
+        if (factor%symmetric) then
+            do i = 1, b
+                factor%matrix(k + i, :k) = columns(:k, i)
+                factor%matrix(k + i:k + b, k + i) = columns(k + i:, i)
+            end do
+            call border_cholesky(k, b, size(factor%matrix, 1), factor%matrix, info)
+            accepted = info == 0
+            do i = 1, b
+                if (.not. accepted) exit
+                accepted = factor%matrix(k + i, k + i)**2 > dependent*columns(k + i, i)
+            end do
+            if (accepted) factor%order = k + b
+        else
+            call extend_lu(factor, columns, rows, accepted)
+        end if
+    end subroutine extend_block
+
+    !> Add rows and columns to an LU factor, a few at a time.
+    pure subroutine extend_lu(factor, columns, rows, accepted)
+        !> The factor, with room for the new rows
+        type(kept_factor), intent(inout) :: factor
+        !> New columns, their own rows last, shape (order + b, b)
+        real(wp), intent(in) :: columns(:, :)
+        !> New rows left of their own columns, shape (b, order)
+        real(wp), intent(in) :: rows(:, :)
+        !> False if a row depends on the others to rounding; the factor is then as before
+        logical, intent(out) :: accepted
+
+        integer :: k, b, first, last
+        real(wp) :: largest
+        real(wp), allocatable :: above(:, :)
+
+        k = factor%order
+        b = size(columns, 2)
+        above = columns(:k, :)
+        if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
+        largest = max(factor%largest, maxval(abs(columns)))
+        if (k > 0) largest = max(largest, maxval(abs(rows)))
+        factor%matrix(:k, k + 1:k + b) = above
+        factor%matrix(k + 1:k + b, k + 1:k + b) = columns(k + 1:, :)
+        factor%matrix(k + 1:k + b, :k) = rows
+        accepted = .true.
+        do first = k + 1, k + b, lu_block
+            last = min(first + lu_block - 1, k + b)
+            call border_lu(first - 1, last - first + 1, size(factor%matrix, 1), factor%matrix)
+            call eliminate(factor%matrix, first, last, dependent*largest, accepted)
+            if (.not. accepted) return
+        end do
+        factor%largest = largest
+        factor%order = k + b
+        associate (a => factor%matrix)
+            do first = 1, k + b
+                ! Old columns have gained rows of L, new ones are new as a whole.
+                last = merge(k + 1, 1, first <= k)
+                factor%growth = max(factor%growth, &
+                    & maxval(abs(a(max(last, first + 1):k + b, first))), &
+                    & maxval(abs(a(last:min(first, k + b), first)))/largest)
+            end do
+        end associate
+        if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
+    end subroutine extend_lu
+
+    !> Elimination without exchange inside a diagonal block.
+    pure subroutine eliminate(matrix, first, last, least_pivot, accepted)
+        !> Holds the block
+        real(wp), intent(inout) :: matrix(:, :)
+        !> First and last row of the block
+        integer, intent(in) :: first
+        integer, intent(in) :: last
+        !> A pivot not above this is rounding
+        real(wp), intent(in) :: least_pivot
+        !> False if there is such a pivot
+        logical, intent(out) :: accepted
+
+        integer :: p, j
+
+        accepted = .true.
+        do p = first, last
+            accepted = abs(matrix(p, p)) > least_pivot
+            if (.not. accepted) return
+            matrix(p + 1:last, p) = matrix(p + 1:last, p)/matrix(p, p)
+            do j = p + 1, last
+                matrix(p + 1:last, j) = matrix(p + 1:last, j) - matrix(p, j)*matrix(p + 1:last, p)
+            end do
+        end do
+    end subroutine eliminate
+
+    !> Let the last rows and columns go: what stands before them needs no work.
+    pure subroutine cut(factor, order)
+        !> The factor, its first rows not factored with exchange beyond the order
+        type(kept_factor), intent(inout) :: factor
+        !> Rows that stay
+        integer, intent(in) :: order
+
+        factor%order = order
+    end subroutine cut
+
+end module flankload_factor_block
