@@ -19,6 +19,8 @@ module flankload_bordered_system
         type(kept_factor) :: factor
         !> The pairs, in the order in which they joined
         integer, allocatable :: pairs(:)
+        !> Rows are exchanged at every change
+        logical :: pivoted = .false.
         !> How often the factor was made as a whole because elimination without exchange lost digits
         integer :: refactorisations = 0
         !> Largest growth seen
@@ -38,12 +40,15 @@ module flankload_bordered_system
 contains
 
     !> A system without pairs.
-    pure function new_bordered_system(symmetric) result(system)
+    pure function new_bordered_system(symmetric, pivoted) result(system)
         !> K is symmetric and positive definite
         logical, intent(in) :: symmetric
+        !> Factor with exchange of rows at every change (K not symmetric)
+        logical, intent(in) :: pivoted
         type(bordered_system) :: system
 
         system%factor = new_kept_factor(symmetric)
+        system%pivoted = pivoted
         allocate (system%pairs(0))
     end function new_bordered_system
 
@@ -63,6 +68,10 @@ contains
         real(wp) :: own
         real(wp), allocatable :: scales(:), column(:), row(:)
 
+        if (system%pivoted) then
+            call append_block(system, problem, compliance, [pair], accepted)
+            return
+        end if
         own = problem%row_scale(pair)
         scales = own*problem%row_scale(system%pairs)
         column = compliance(system%pairs, pair)*scales
@@ -111,6 +120,14 @@ contains
         k = size(before)
         b = size(pairs)
         system%pairs = [before, pairs]
+        if (system%pivoted) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            if (accepted) return
+            system%pairs = before
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+            return
+        end if
         scales = problem%row_scale(system%pairs)
         allocate (columns(k + b, b), rows(b, merge(0, k, problem%symmetric)))
         do j = 1, b
@@ -159,7 +176,7 @@ contains
         system%n_forward = min(system%n_forward, first - 1)
         work_single = single_row_cost*sum([(real(k - index, wp)**2 + k, index=1, k)], mask=leaving)
         work_block = real(k - first, wp)*(first + (k - first)/3.0_wp)**2 + block_overhead
-        if (system%factor%n_exchanged > 0) then
+        if (system%factor%n_exchanged > 0 .or. system%pivoted) then
             system%pairs = pack(system%pairs, .not. leaving)
             call factor_pairs_anew(system, problem, compliance, accepted)
         else if (work_block < work_single) then
@@ -191,7 +208,7 @@ contains
 
         logical :: exchanged
 
-        exchanged = system%factor%n_exchanged > 0
+        exchanged = system%factor%n_exchanged > 0 .or. system%pivoted
         system%n_forward = min(system%n_forward, index - 1)
         system%pairs = [system%pairs(:index - 1), system%pairs(index + 1:)]
         if (exchanged) then

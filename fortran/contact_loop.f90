@@ -10,8 +10,10 @@ module flankload_contact_loop
         & row_tolerance, is_finite, is_finite_matrix, general_matrix, symmetric_matrix, &
         & definite_matrix, definite_part
     use flankload_bordered_solution, only: bordered_condition
-    use flankload_single_loop, only: loop_state, single_loop
-    use flankload_block_loop, only: block_loop
+    use flankload_loop_start, only: loop_state
+    use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
+        & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
+        & method_load_path => rung_load_path, method_pivoted => rung_pivoted
     use flankload_paper_loop, only: paper_state, paper_loop
     use flankload_contact_certificate, only: certify
     implicit none
@@ -20,19 +22,8 @@ module flankload_contact_loop
     public :: contact_result
     public :: solve_contact_problem
     public :: method_auto, method_single, method_paper, method_block
+    public :: method_load_path, method_pivoted
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
-
-    !> Single for few pairs or several motions, else block.
-    integer, parameter :: method_auto = 0
-    !> One pair at a time, any may leave.
-    integer, parameter :: method_single = 1
-    !> The paper's growing loop.
-    integer, parameter :: method_paper = 2
-    !> Many pairs at once, then one at a time where that does not settle.
-    integer, parameter :: method_block = 3
-
-    !> Up to here blocks save nothing.
-    integer, parameter :: few_pairs = 60
 
 contains
 
@@ -73,7 +64,7 @@ contains
         if (method == method_paper) then
             call run_paper(problem, compliance, result, error)
         else
-            call run_loops(problem, compliance, method, warm_pairs, result, error)
+            call run_ladder(problem, compliance, method, warm_pairs, result, error)
         end if
         if (.not. allocated(error)) then
             if (all(is_finite(result%gaps))) return
@@ -104,6 +95,7 @@ contains
         result%growth = nan
         result%backward_error = nan
         result%margin = nan
+        result%largest_part = nan
     end subroutine blank
 
     !> A known structure and method, warm pairs that exist and differ.
@@ -122,7 +114,7 @@ contains
         logical, allocatable :: seen(:)
         integer :: k
 
-        if (method < method_auto .or. method > method_block) then
+        if (method < method_auto .or. method > method_pivoted) then
             call fatal_error(error, invalid_input, 'method: expected one of the constants method_…')
             return
         else if (structure < general_matrix .or. structure > definite_part) then
@@ -142,8 +134,8 @@ contains
         end do
     end subroutine check_choice
 
-    !> Blocks where they pay, one pair at a time where they do not or did not settle.
-    pure subroutine run_loops(problem, compliance, method, warm_pairs, result, error)
+    !> The ladder from the given rung down.
+    pure subroutine run_ladder(problem, compliance, method, warm_pairs, result, error)
         !> The problem
         type(contact_problem), intent(inout) :: problem
         !> K
@@ -158,34 +150,14 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         type(loop_state) :: state
-        type(contact_problem) :: fresh
-        logical :: settled
-        integer :: pivots
-        integer, allocatable :: begin(:)
+        real(wp) :: part
 
-        result%rung = method_single
-        if (method == method_block .or. (method == method_auto .and. problem%n > few_pairs &
-            & .and. problem%n_motions == 1)) result%rung = method_block
-        begin = warm_pairs
-        pivots = 0
-        settled = .false.
-        if (result%rung == method_block) then
-            fresh = problem
-            call block_loop(problem, compliance, warm_pairs, state, settled, error)
-            if (.not. settled .and. .not. allocated(error)) then
-                problem = fresh
-                begin = state%system%pairs
-                pivots = state%pivots
-                result%rung = method_single
-            end if
-        end if
-        if (.not. settled .and. .not. allocated(error)) then
-            call single_loop(problem, compliance, begin, state, error)
-        end if
-        result%pivots = pivots + state%pivots
+        call climb(problem, compliance, method, warm_pairs, state, result%rung, part, error)
+        result%pivots = state%pivots
         if (allocated(error)) then
             if (error%code == no_contact_state) then
                 result%motion = problem%load_row_scale*state%motion
+                result%largest_part = part
             end if
             return
         end if
@@ -195,7 +167,7 @@ contains
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
             & state%system%pairs, result)
-    end subroutine run_loops
+    end subroutine run_ladder
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)

@@ -79,6 +79,8 @@ module flankload_contact_problem
         real(wp) :: margin = 0.0_wp
         !> No other state exists
         logical :: unique = .false.
+        !> Without a state: part of the loads that can be held on the way there
+        real(wp) :: largest_part = 0.0_wp
         !> d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
     end type contact_result

@@ -22,6 +22,8 @@ module flankload_loop_start
         real(wp), allocatable :: motion(:)
         !> d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
+        !> Rows are exchanged at every factorisation
+        logical :: pivoted = .false.
         !> Pairs that joined or left
         integer :: pivots = 0
         !> Pairs that joined and had to leave at once; they wait until the forces have changed
@@ -75,7 +77,7 @@ contains
 
         integer :: k
 
-        state%system = new_bordered_system(problem%symmetric)
+        state%system = new_bordered_system(problem%symmetric, state%pivoted)
         state%forces = 0.0_wp
         ready = .true.
         do k = 1, size(first)
@@ -100,7 +102,7 @@ contains
 
         integer :: n_left
 
-        state%system = new_bordered_system(problem%symmetric)
+        state%system = new_bordered_system(problem%symmetric, state%pivoted)
         call append_block(state%system, problem, compliance, warm_pairs, ready)
         if (ready) call shed_pulling(problem, compliance, state, n_left, ready)
     end subroutine start_warm

@@ -32,13 +32,15 @@ module flankload_single_loop
 contains
 
     !> Run the loop.
-    pure subroutine single_loop(problem, compliance, warm_pairs, state, error)
+    pure subroutine single_loop(problem, compliance, warm_pairs, pivoted, state, error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
+        !> Exchange rows at every factorisation: slow, and as accurate as can be
+        logical, intent(in) :: pivoted
         !> The state; where the loads cannot be held only its motion, which shows why
         type(loop_state), intent(out) :: state
         !> No state, no end, or singular equations
@@ -51,6 +53,7 @@ contains
 
         call start_loop(problem, first, first_forces, state, error)
         if (allocated(error)) return
+        state%pivoted = pivoted
         ready = .false.
         if (size(warm_pairs) > 0) call start_warm(problem, compliance, warm_pairs, state, ready)
         if (.not. ready) then

@@ -27,7 +27,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     !> compliance is, 3 its symmetric part (rows weighted so that B = R) is positive definite. With
     !> 0 and 1 uniqueness is proven from the whole of K, with 2 and 3 from the pairs in contact.
     integer, intent(in) :: structure
-    !> 0: the fastest, 1: single, 2: paper, 3: block
+    !> 0: the fastest, 1: single, 2: paper, 3: block, 4: load path, 5: single with rows exchanged
     integer, intent(in) :: method
     !> Pairs to begin with, from 1, shape (n_warm)
     integer, intent(in) :: warm_pairs(n_warm)
@@ -43,8 +43,9 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     integer, intent(out) :: active(n)
     !> Pivots, refactorisations, 1 where the state is unique, the method that found it, shape (4)
     integer, intent(out) :: counters(4)
-    !> Condition, growth, backward error, margin, shape (4)
-    double precision, intent(out) :: certificate(4)
+    !> Condition, growth, backward error, margin; without a state (info -1) the part of the loads
+    !> that can be held; shape (5)
+    double precision, intent(out) :: certificate(5)
     !> Status 0 … 3, or an error -1 … -6
     integer, intent(out) :: info
 
@@ -66,7 +67,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     active(result%active_pairs) = 1
     counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
         & result%rung]
-    certificate = [result%condition, result%growth, result%backward_error, result%margin]
+    certificate = [result%condition, result%growth, result%backward_error, result%margin, &
+        & result%largest_part]
     info = result%status
     if (allocated(error)) info = error%code
 end subroutine flankload_solve_contact

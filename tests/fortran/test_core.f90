@@ -216,7 +216,7 @@ contains
             & reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [4, 1]), [1.0_wp], &
             & general_matrix, problem, error)
         call expect(.not. allocated(error), 'the skew problem is legal')
-        system = new_bordered_system(symmetric=.false.)
+        system = new_bordered_system(symmetric=.false., pivoted=.false.)
         do j = 1, 4
             call append_pair(system, problem, compliance, j, accepted)
             call expect(accepted, 'a pair of the skew problem joins')

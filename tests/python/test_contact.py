@@ -267,8 +267,10 @@ def test_a_problem_without_state_is_not_answered() -> None:
     """Unsymmetric in its rows: b = (1, 1), m = (1, -1); by brute force there is no state."""
     matrix = np.array([[2, 1], [1, 1.5]])
     assert not brute_force(matrix, np.zeros(2), np.ones(2), np.array([1.0, -1.0]), 1.0)
-    with pytest.raises(errors.PivotLimit):
-        fl.solve_contact(matrix, [1, -1], [0, 0], 1.0)
+    for method in ("single", "block", "load_path"):
+        with pytest.raises(errors.NoContactState) as caught:
+            fl.solve_contact(matrix, [1, -1], [0, 0], 1.0, method=method)
+        assert caught.value.largest_torque == 0.0
 
 
 def test_uniqueness_is_judged_with_the_torque_row() -> None:

@@ -26,8 +26,8 @@ __all__ = ["ContactInfo", "ContactState", "solve_contact", "solve_contact_genera
 
 Vector = NDArray[np.float64]
 
-_METHODS = {"auto": 0, "single": 1, "paper": 2, "block": 3}
-_RUNGS = {number: name for name, number in _METHODS.items()}
+_METHODS = {"auto": 0, "single": 1, "paper": 2, "block": 3, "load_path": 4}
+_RUNGS = {number: name for name, number in _METHODS.items()} | {5: "single_pivoted"}
 # What the core is told of K.
 _GENERAL, _SYMMETRIC, _DEFINITE, _DEFINITE_PART = range(4)
 # Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
@@ -57,10 +57,11 @@ def solve_contact(
         Initial gap angles [rad]; a common offset goes into the rotation.
     torque : float
         Torque M >= 0 [N mm]. Without torque the rotation is the least gap angle.
-    method : {"auto", "single", "block", "paper"}
-        ``single`` lets any pair join or leave, one at a time; ``block`` many at once, and steps
-        down to ``single`` where that does not settle; ``paper`` only lets pairs join. ``auto``
-        takes ``single`` for few pairs, else ``block``.
+    method : {"auto", "single", "block", "load_path", "paper"}
+        ``single`` lets any pair join or leave, one at a time; ``block`` many at once;
+        ``load_path`` follows the state from zero torque (Lemke). Where one does not settle, the
+        next answers: block, single, single with exchange of rows, load path. ``auto`` begins with
+        ``single`` for few pairs, else with ``block``. ``paper`` only lets pairs join.
     normal_lever_arms : array_like of shape (n,), optional
         Row scale b > 0 [mm] where it differs from ``abs(lever_arms)``.
     warm_pairs : array_like of int, optional
@@ -241,7 +242,7 @@ def _solve(
         )
     )
     if code < 0 and code != NegativeForce.code:
-        raise _failure(code, names, counters, motion)
+        raise _failure(code, names, counters, motion, float(certificate[4]) * loads)
     active_pairs = np.flatnonzero(active)
     info = ContactInfo(
         rung=_RUNGS[int(counters[3])],
@@ -288,13 +289,19 @@ def _structure(compliance: Vector, *, positive_definite: bool) -> int:
 
 
 def _failure(
-    code: int, names: tuple[str, str], counters: NDArray[np.int32], motion: Vector
+    code: int,
+    names: tuple[str, str],
+    counters: NDArray[np.int32],
+    motion: Vector,
+    held: Vector,
 ) -> Exception:
     """The exception of a code of the core."""
     if code == NoContactState.code:
         return NoContactState(
             "no pairs can hold these loads: free to move along "
-            + ", ".join(f"{part:g}" for part in motion),
+            + ", ".join(f"{part:g}" for part in motion)
+            + (f"; {held[0]:g} can be held" if held.size == 1 else ""),
+            largest_torque=float(held[0]) if held.size == 1 else 0.0,
             motion=motion,
         )
     if code == PivotLimit.code:
