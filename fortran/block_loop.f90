@@ -10,7 +10,7 @@ module flankload_block_loop
         & row_tolerance
     use flankload_bordered_system, only: append_block, append_pair
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, shed_pulling
-    use flankload_single_loop, only: finish
+    use flankload_final_refinement, only: finish
     use flankload_coarse_problem, only: make_coarse, refine_pairs, in_flank_order
     implicit none
     private

@@ -8,7 +8,8 @@ module flankload_contact_ladder
     use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit
     use flankload_contact_problem, only: contact_problem
     use flankload_loop_start, only: loop_state, start_loop, start_warm
-    use flankload_single_loop, only: single_loop, most_open_pair, finish
+    use flankload_single_loop, only: single_loop
+    use flankload_final_refinement, only: most_open_pair, finish
     use flankload_block_loop, only: block_loop
     use flankload_load_path, only: path_end, follow_load_path, path_solved, path_ray
     implicit none

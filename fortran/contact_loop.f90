@@ -9,7 +9,6 @@ module flankload_contact_loop
     use flankload_contact_problem, only: contact_problem, contact_result, new_contact_problem, &
         & row_tolerance, is_finite, is_finite_matrix, general_matrix, symmetric_matrix, &
         & definite_matrix, definite_part
-    use flankload_bordered_solution, only: bordered_condition
     use flankload_loop_start, only: loop_state
     use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
@@ -163,7 +162,7 @@ contains
         end if
         result%refactorisations = state%system%refactorisations
         result%growth = state%system%growth
-        result%condition = bordered_condition(state%system, problem, compliance, state%tangent)
+        result%condition = state%condition
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
             & state%system%pairs, result)

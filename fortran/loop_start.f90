@@ -24,6 +24,8 @@ module flankload_loop_start
         real(wp), allocatable :: tangent(:, :)
         !> Rows are exchanged at every factorisation
         logical :: pivoted = .false.
+        !> Condition of the final equations
+        real(wp) :: condition = 1.0_wp
         !> Pairs that joined or left
         integer :: pivots = 0
         !> Pairs that joined and had to leave at once; they wait until the forces have changed

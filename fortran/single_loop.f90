@@ -8,26 +8,22 @@
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, pivot_limit, singular_contact
-    use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
-        & least_row_sizes, row_tolerance
-    use flankload_bordered_system, only: append_pair, drop_pair, factor_pairs_anew
+    use flankload_contact_problem, only: contact_problem, row_tolerance
+    use flankload_bordered_system, only: append_pair, drop_pair
     use flankload_bordered_solution, only: solve_bordered
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
+    use flankload_final_refinement, only: first_to_vanish, most_open_pair, is_open, finish
     implicit none
     private
 
     public :: loop_state
-    public :: single_loop, settle, most_open_pair, finish, judge_waiting
+    public :: single_loop
 
     !> Gear and spline problems need 1.1 pivots a pair; nothing that ends needs this many.
     integer, parameter :: pivots_per_pair = 20
     integer, parameter :: pivots_at_least = 100
     !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
-    !> A start this many times as far as the end is too far to measure from.
-    real(wp), parameter :: far_start = 1.5_wp
-    !> Refinements of the final equations, one always, more where the rows are not yet met
-    integer, parameter :: max_refinements = 3
 
 contains
 
@@ -128,84 +124,6 @@ contains
         call fatal_error(error, singular_contact, 'the pairs in contact are singular')
     end subroutine settle
 
-    !> Which force first becomes zero on the way to the target.
-    pure subroutine first_to_vanish(forces, target, leaving, way)
-        !> Forces now and at the end of the way
-        real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: target(:)
-        !> Place of that force, 0 if none is negative at the end
-        integer, intent(out) :: leaving
-        !> Part of the way
-        real(wp), intent(out) :: way
-
-        integer :: k
-        real(wp) :: part, zero
-
-        zero = row_tolerance*maxval(abs(target))
-        leaving = 0
-        way = 1.0_wp
-        do k = 1, size(forces)
-            if (target(k) >= -zero) cycle
-            part = forces(k)/(forces(k) - target(k))
-            if (leaving > 0) then
-                if (part > way) cycle
-                if (part >= way .and. target(k) > target(leaving)) cycle
-            end if
-            leaving = k
-            way = part
-        end do
-    end subroutine first_to_vanish
-
-    !> The most open pair, (31); 0 if none is open beyond the rounding of its row.
-    pure subroutine most_open_pair(problem, compliance, state, joining)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state; its gaps are computed here
-        type(loop_state), intent(inout) :: state
-        !> Number of the pair
-        integer, intent(out) :: joining
-
-        integer :: i
-        logical, allocatable :: candidate(:)
-        real(wp), allocatable :: sizes(:)
-
-        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
-        allocate (sizes(problem%n))
-        call least_row_sizes(problem, state%gaps, state%motion, sizes)
-        candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting
-        candidate(state%system%pairs) = .false.
-        joining = 0
-        do
-            i = minloc(state%gaps, dim=1, mask=candidate)
-            if (i == 0) exit
-            if (is_open(problem, compliance, state, i, row_tolerance)) then
-                joining = i
-                return
-            end if
-            candidate(i) = .false.
-        end do
-    end subroutine most_open_pair
-
-    !> Whether a gap is negative beyond rounding.
-    pure function is_open(problem, compliance, state, i, tolerance) result(open)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
-        type(loop_state), intent(in) :: state
-        !> Number of the pair
-        integer, intent(in) :: i
-        !> Rounding relative to the size of the row
-        real(wp), intent(in) :: tolerance
-        logical :: open
-
-        open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
-            & state%motion, state%system%pairs, i)
-    end function is_open
-
     !> Let a pair join; where its row depends on those in contact, another pair makes room.
     pure subroutine let_join(problem, compliance, joining, state, error)
         !> The problem
@@ -254,81 +172,6 @@ contains
         end do
         call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
     end subroutine let_join
-
-    !> Measure motions from where they are now, where the start was so far off that its size, not
-    !> that of the caller's rows, would set the rounding.
-    pure subroutine measure_from_here(problem, compliance, state)
-        !> The problem
-        type(contact_problem), intent(inout) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
-        type(loop_state), intent(inout) :: state
-
-        integer, allocatable :: nothing(:)
-
-        if (all(abs(problem%start_motion) <= &
-            & far_start*abs(problem%start_motion + state%motion))) return
-        allocate (nothing(0))
-        call shift_gaps(problem, state%motion, nothing)
-        state%motion = 0.0_wp
-        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
-    end subroutine measure_from_here
-
-    !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
-    pure subroutine finish(problem, compliance, state, joining, done)
-        !> The problem
-        type(contact_problem), intent(inout) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
-        type(loop_state), intent(inout) :: state
-        !> A pair that turns out to be open, else 0
-        integer, intent(out) :: joining
-        !> False if a pair has to join or leave
-        logical, intent(out) :: done
-
-        integer :: step, k, leaving
-        real(wp) :: way
-        real(wp), allocatable :: forces(:), motion(:), sizes(:)
-        logical :: solved, met
-
-        joining = 0
-        call measure_from_here(problem, compliance, state)
-        allocate (sizes(problem%n))
-        do step = 1, max_refinements
-            if (step == max_refinements) then
-                call factor_pairs_anew(state%system, problem, compliance, solved)
-            end if
-            associate (pairs => state%system%pairs)
-                call solve_bordered(state%system, problem, -state%gaps(pairs), &
-                    & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
-                    & forces, motion, solved)
-                forces = state%forces(pairs) + forces
-                call first_to_vanish(state%forces(pairs), forces, leaving, way)
-                done = leaving == 0
-                if (.not. done) exit
-                state%forces(pairs) = max(forces, 0.0_wp)
-                state%motion = state%motion + motion
-                call most_open_pair(problem, compliance, state, joining)
-                done = joining == 0
-                if (.not. done) return
-                call least_row_sizes(problem, state%gaps, state%motion, sizes)
-                met = .true.
-                do k = 1, size(pairs)
-                    if (abs(state%gaps(pairs(k))) <= row_tolerance*sizes(pairs(k))) cycle
-                    met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance*row_size(problem, &
-                        & compliance, state%forces, state%motion, pairs, pairs(k))
-                end do
-            end associate
-            if (met) return
-        end do
-        if (done) return
-        ! A force that was positive before the refinement is negative after it.
-        state%forces(state%system%pairs(leaving)) = 0.0_wp
-        call drop_pair(state%system, problem, compliance, leaving, solved)
-        state%pivots = state%pivots + 1
-    end subroutine finish
 
     !> Pairs that still wait must be open by no more than rounding; else the loop goes in circles.
     pure subroutine judge_waiting(problem, compliance, state, error)
