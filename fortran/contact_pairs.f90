@@ -9,7 +9,7 @@ module flankload_contact_pairs
     private
 
     public :: pairs_type, grid_type
-    public :: zone_grid, append_pairs, reserve_pairs
+    public :: zone_reach, wanted_grid, part_neighbours, lay_cells, append_pairs, reserve_pairs
 
     !> The cells of one zone: equal widths along flank 1.
     type :: grid_type
@@ -19,7 +19,10 @@ module flankload_contact_pairs
         real(wp) :: cell = 0.0_wp
         !> Centre of the first cell on flank 1 [mm]
         real(wp) :: first = 0.0_wp
-        !> True where the grid stops before its stretch does: a force there asks for a wider grid
+        !> Places between which the cells shall lie on flank 1 [mm]
+        real(wp) :: low = 0.0_wp, high = 0.0_wp
+        !> True where the grid stops in the open: a force there asks for a wider grid. False where
+        !> its stretch ends or the cells of another zone begin.
         logical :: open_low = .false., open_high = .false.
     end type grid_type
 
@@ -41,47 +44,165 @@ module flankload_contact_pairs
 
 contains
 
-    !> Lay cells over a zone.
+    !> How far from the least gap the gap has grown by a given amount, on both sides.
     !>
-    !> They are centred on the least gap; where the stretch ends nearer than the wanted half-width,
-    !> the first cell begins at that end, since there the pressure has its edge.
-    pure function zone_grid(zone, cell, half_width) result(grid)
+    !> Where the growth is the force times c of both bodies this is the half-width of a Hertz
+    !> contact, exactly for a parabola; kinks, roundings and corners have theirs by the same rule.
+    pure function zone_reach(flank_1, frame_1, flank_2, frame_2, zone, growth) result(reach)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Wanted width of a cell [mm]
-        real(wp), intent(in) :: cell
-        !> Wanted half-width of the grid [mm]
-        real(wp), intent(in) :: half_width
+        !> Growth of the gap along the normal [mm]
+        real(wp), intent(in) :: growth
+        !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
+        real(wp) :: reach(2)
+
+        !> Cells are laid by it: a part of this size is all that is wanted.
+        real(wp), parameter :: tolerance = 0.03_wp
+        integer, parameter :: max_steps = 12
+        !> Only to begin with [1/mm]
+        real(wp), parameter :: least_curvature = 1.0e-3_wp
+        !> The gap grows with a power of the distance between these (kinks 1, parabolas 2).
+        real(wp), parameter :: least_power = 1.0_wp, largest_power = 4.0_wp
+        integer :: side, step
+        real(wp) :: room, inner, outer, x, x_old, part, part_old, power
+        type(pair_type) :: pair
+        logical :: found
+
+        do side = 1, 2
+            room = merge(zone%nearest%s_1 - zone%s_1_low, zone%s_1_high - zone%nearest%s_1, &
+                & side == 1)
+            inner = 0.0_wp
+            outer = room
+            x = min(room, sqrt(2.0_wp*growth/max(zone%curvature, least_curvature)))
+            x_old = 0.0_wp
+            part_old = 0.0_wp
+            pair = zone%nearest
+            do step = 1, max_steps
+                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
+                    & zone%nearest%s_1 + merge(-x, x, side == 1), &
+                    & [zone%s_2_low, zone%s_2_high], pair, found)
+                if (.not. found) then
+                    outer = x
+                    x = 0.5_wp*(inner + outer)
+                    cycle
+                end if
+                part = (pair%gap_angle - zone%nearest%gap_angle)*zone%lever/growth
+                if (part < 1.0_wp) then
+                    if (x >= room) exit
+                    inner = x
+                else
+                    outer = x
+                end if
+                power = 2.0_wp
+                if (part > 0.0_wp .and. part_old > 0.0_wp .and. abs(x - x_old) > 0.0_wp) then
+                  power = min(largest_power, max(least_power, log(part/part_old)/log(x/x_old)))
+                end if
+                x_old = x
+                part_old = part
+                x = min(room, x*max(0.1_wp, min(10.0_wp, max(part, tiny(1.0_wp))**(-1.0_wp/power))))
+                if (abs(part - 1.0_wp) <= tolerance) exit
+                if (part < 1.0_wp .and. outer < room .and. x >= outer) x = 0.5_wp*(inner + outer)
+                if (x <= inner) x = 0.5_wp*(inner + outer)
+            end do
+            reach(side) = x
+        end do
+    end function zone_reach
+
+    !> The grid that a zone wants for itself.
+    !>
+    !> Cells are a part of the shorter reach, so that an edge, a kink or a rounding beside the least
+    !> gap is resolved; where there is no second side, a smaller part of the longer one.
+    pure function wanted_grid(zone, reach, widths, strips, corner_strips) result(grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> How far the contact reaches to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> How far the cells shall reach, in these reaches, shape (2)
+        real(wp), intent(in) :: widths(2)
+        !> Cells on the shorter reach
+        real(wp), intent(in) :: strips
+        !> Cells on the longer reach at the most
+        real(wp), intent(in) :: corner_strips
         type(grid_type) :: grid
 
-        real(wp) :: centre, low, high
-        integer :: n_side
+        grid%cell = max(minval(reach)/strips, maxval(reach)/max(strips, corner_strips))
+        ! a few cells beyond a corner see whether it digs in
+        grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
+        grid%high = zone%nearest%s_1 + max(widths(2)*reach(2), 3.0_wp*grid%cell)
+        grid%open_low = grid%low > zone%s_1_low
+        grid%open_high = grid%high < zone%s_1_high
+        grid%low = max(grid%low, zone%s_1_low)
+        grid%high = min(grid%high, zone%s_1_high)
+    end function wanted_grid
 
-        centre = zone%nearest%s_1
-        low = max(zone%s_1_low, centre - half_width)
-        high = min(zone%s_1_high, centre + half_width)
-        grid%open_low = low > zone%s_1_low
-        grid%open_high = high < zone%s_1_high
-        grid%cell = min(cell, high - low)
+    !> Where the grids of two zones of a site would overlap, part them: no place has two cells.
+    pure subroutine part_neighbours(zone, next, reach, next_reach, grid, next_grid)
+        !> Two zones of a site, the first at smaller arc length
+        type(zone_type), intent(in) :: zone
+        type(zone_type), intent(in) :: next
+        !> How far they reach to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        real(wp), intent(in) :: next_reach(2)
+        !> Their grids
+        type(grid_type), intent(inout) :: grid
+        type(grid_type), intent(inout) :: next_grid
+
+        real(wp) :: border
+
+        if (grid%high <= next_grid%low) return
+        border = zone%nearest%s_1 + (next%nearest%s_1 - zone%nearest%s_1) &
+            & *reach(2)/(reach(2) + next_reach(1))
+        grid%high = border
+        grid%open_high = .false.
+        next_grid%low = border
+        next_grid%open_low = .false.
+    end subroutine part_neighbours
+
+    !> Lay the cells between the ends of a grid.
+    !>
+    !> A cell begins where the stretch ends and where a sharp corner lies, since there the pressure
+    !> has its edge and the normal jumps; else one is centred on the least gap.
+    pure subroutine lay_cells(zone, grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its grid; ends and width of the cells are given
+        type(grid_type), intent(inout) :: grid
+
+        real(wp) :: length, anchor
+        integer :: n_low, n_high
+
+        length = grid%high - grid%low
         if (grid%open_low .and. grid%open_high) then
-            n_side = ceiling(half_width/grid%cell)
-            n_side = min(n_side, int((centre - zone%s_1_low)/grid%cell - 0.5_wp), &
-                & int((zone%s_1_high - centre)/grid%cell - 0.5_wp))
-            n_side = max(n_side, 0)
-            grid%n = 2*n_side + 1
-            grid%first = centre - n_side*grid%cell
-        else if (grid%open_low) then
-            grid%n = max(1, int((high - low)/grid%cell))
-            grid%first = high - (grid%n - 0.5_wp)*grid%cell
-        else if (grid%open_high) then
-            grid%n = max(1, int((high - low)/grid%cell))
-            grid%first = low + 0.5_wp*grid%cell
-        else
-            grid%n = max(1, nint((high - low)/grid%cell))
-            grid%cell = (high - low)/grid%n
-            grid%first = low + 0.5_wp*grid%cell
+            anchor = zone%nearest%s_1 - 0.5_wp*grid%cell
+            if (zone%corner > 0) then
+                anchor = zone%nearest%s_1
+            else if (zone%to_corner_low < min(zone%to_corner_high, &
+                & zone%nearest%s_1 - grid%low)) then
+                anchor = zone%nearest%s_1 - zone%to_corner_low
+            else if (zone%to_corner_high < grid%high - zone%nearest%s_1) then
+                anchor = zone%nearest%s_1 + zone%to_corner_high
+            end if
+            n_low = int((anchor - grid%low)/grid%cell)
+            n_high = int((grid%high - anchor)/grid%cell)
+            grid%n = max(1, n_low + n_high)
+            grid%first = anchor + (0.5_wp - n_low)*grid%cell
+            return
         end if
-    end function zone_grid
+        grid%n = max(1, int(length/grid%cell))
+        if (.not. (grid%open_low .or. grid%open_high)) then
+            grid%n = max(1, nint(length/grid%cell))
+            grid%cell = length/grid%n
+        end if
+        grid%cell = min(grid%cell, length)
+        grid%first = grid%low + 0.5_wp*grid%cell
+        if (grid%open_low) grid%first = grid%high - (grid%n - 0.5_wp)*grid%cell
+    end subroutine lay_cells
 
     !> Make room for n pairs; the old ones are dropped.
     pure subroutine reserve_pairs(pairs, n)
@@ -130,6 +251,9 @@ contains
         found = .true.
         do k = 1, grid%n
             s_1 = grid%first + (k - 1)*grid%cell
+            ! both flanks meet the circle through the neighbour's points: dr = (P.t) ds/r
+            pair%s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
+                & /dot_product(pair%point_2, pair%tangent_2)
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
             if (.not. found) return
             ! Out of body 1, by each flank; n = t turned by a right angle, so |P x n| = |P . t|

@@ -5,7 +5,8 @@
 !> by the theoretical path of contact: tip corners and fillets count like any other place.
 module flankload_contact_zones
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length, placed_point
+    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length, curve_point, &
+        & placed_point
     use flankload_polar_geometry, only: angle_between, circle_meets_flank, cross
     implicit none
     private
@@ -18,7 +19,8 @@ module flankload_contact_zones
         type(flank_curve_type) :: curve
         !> Arc length of the samples [mm], ascending; all breaks of the curve are among them
         real(wp), allocatable :: s(:)
-        !> Distance of the samples from the axis of the body [mm]
+        !> The samples in the frame of the body [mm], shape (2, n), and their distance from its axis
+        real(wp), allocatable :: point(:, :)
         real(wp), allocatable :: radius(:)
         !> 1 where the sample is a sharp corner, -1 where it is another end of the curve, else 0
         integer, allocatable :: special(:)
@@ -58,8 +60,10 @@ module flankload_contact_zones
         real(wp) :: s_1_low = 0.0_wp, s_1_high = 0.0_wp
         !> Arc lengths of flank 2 at those ends [mm]
         real(wp) :: s_2_low = 0.0_wp, s_2_high = 0.0_wp
-        !> Body whose sharp corner makes that end of the stretch, else 0
+        !> Body whose sharp corner comes first on either side of the least gap, else 0, and its
+        !> distance along flank 1 [mm]
         integer :: corner_low = 0, corner_high = 0
+        real(wp) :: to_corner_low = huge(1.0_wp), to_corner_high = huge(1.0_wp)
     end type zone_type
 
     !> Samples a flank: fine enough to see every minimum of tooth-like profiles.
@@ -71,7 +75,9 @@ module flankload_contact_zones
     real(wp), parameter :: beside = 1.0e-9_wp
     !> The least gap is found to this fraction of the flank's length: the gap is flat there, so its
     !> own error is of second order.
-    real(wp), parameter :: place_tolerance = 1.0e-12_wp
+    real(wp), parameter :: place_tolerance = 1.0e-10_wp
+    !> Two places of least gap this near to each other (part of the flank's length) are one.
+    real(wp), parameter :: same_place = 1.0e-7_wp
     !> A circle laid through a sample may miss it by some roundings.
     real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
@@ -84,8 +90,7 @@ contains
         type(flank_type) :: flank
 
         integer :: interval, n_intervals, n_inner, i, k, n
-        real(wp) :: step, point(2), tangent(2)
-        type(frame_type) :: at_rest
+        real(wp) :: step, tangent(2)
         integer, allocatable :: parts(:)
 
         n_intervals = ubound(curve%breaks, 1)
@@ -97,7 +102,7 @@ contains
         end do
         n = sum(parts) + 1
         flank%curve = curve
-        allocate (flank%s(n), flank%radius(n), source=0.0_wp)
+        allocate (flank%s(n), flank%radius(n), flank%point(2, n), source=0.0_wp)
         allocate (flank%special(n), source=0)
         k = 1
         do interval = 1, n_intervals
@@ -114,9 +119,10 @@ contains
         flank%special(n) = merge(1, -1, curve%corners(n_intervals))
         flank%first_rising = 1
         do k = 1, n
-            call placed_point(curve, at_rest, flank%s(k), point, tangent)
-            flank%radius(k) = norm2(point)
-            if (dot_product(point, tangent) < least_rise*flank%radius(k) .and. k < n) then
+            call curve_point(curve, flank%s(k), flank%point(:, k), tangent)
+            flank%radius(k) = norm2(flank%point(:, k))
+            if (dot_product(flank%point(:, k), tangent) < least_rise*flank%radius(k) &
+                & .and. k < n) then
                 flank%first_rising = k + 1
             end if
         end do
@@ -145,9 +151,8 @@ contains
         call placed_point(flank_1, frame_1, s_1, pair%point_1, pair%tangent_1)
         pair%radius = norm2(pair%point_1)
         call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range(1), s_2_range(2), &
-            & pair%s_2, found)
+            & pair%s_2, pair%point_2, pair%tangent_2, found)
         if (.not. found) return
-        call placed_point(flank_2, frame_2, pair%s_2, pair%point_2, pair%tangent_2)
         pair%gap_angle = angle_between(pair%point_1, pair%point_2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)
         rise_2 = dot_product(pair%point_2, pair%tangent_2)
@@ -203,15 +208,33 @@ contains
                 if (i < last) then
                     if (gap(i) >= gap(i + 1)) cycle
                 end if
-                zone%site = site
                 call refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
                     & radius_2, first, last, i, zone, found)
                 lost = lost .or. .not. found
+                zone%site = site
+                if (n_zones > 0 .and. n_zones <= size(zones)) then
+                    if (same_zone(zones(n_zones), zone)) cycle
+                end if
                 n_zones = n_zones + 1
                 if (n_zones <= size(zones)) zones(n_zones) = zone
             end do
             first = last + 1
         end do
+
+    contains
+
+        !> True if two samples led to the same place.
+        pure function same_zone(one, other) result(same)
+            !> The last zone
+            type(zone_type), intent(in) :: one
+            !> The new one
+            type(zone_type), intent(in) :: other
+            logical :: same
+
+            same = one%site == other%site .and. abs(one%nearest%s_1 - other%nearest%s_1) &
+                & <= same_place*curve_length(flank_1%curve)
+        end function same_zone
+
     end subroutine find_zones
 
     !> Gap angles on sample circles, flank 2 taken as the polyline of its samples.
@@ -226,7 +249,7 @@ contains
         !> Places on flank 1, ascending: its samples and the circles through special points of flank
         !> 2
         real(wp), allocatable, intent(out) :: s_1(:)
-        !> Least gap angle on that circle [rad]
+        !> Tangent of half the least gap angle on that circle: it grows with the angle
         real(wp), allocatable, intent(out) :: gap(:)
         !> Segment of flank 2's polyline that makes it, 0 where the circle misses flank 2
         integer, allocatable, intent(out) :: segment(:)
@@ -237,19 +260,23 @@ contains
         real(wp), allocatable, intent(out) :: radius_2(:)
 
         integer :: l, k, n_2, n, at
-        real(wp) :: s, point(2), tangent(2), weight, angle
+        real(wp) :: s, point(2), tangent(2), weight, half_tangent
         real(wp), allocatable :: radius(:), place_1(:, :), place_2(:, :)
         logical :: found
 
-        n_2 = size(flank_2%s)
-        allocate (radius_2(n_2), place_2(2, n_2))
-        do l = 1, n_2
-            call placed_point(flank_2%curve, frame_2, flank_2%s(l), place_2(:, l), tangent)
-            radius_2(l) = norm2(place_2(:, l))
-        end do
-        s_1 = flank_1%s(flank_1%first_rising:)
-        radius = flank_1%radius(flank_1%first_rising:)
-        corner = flank_1%special(flank_1%first_rising:)
+        place_2 = placed_samples(flank_2, frame_2)
+        radius_2 = norm2(place_2, dim=1)
+        n_2 = size(radius_2)
+        k = flank_1%first_rising
+        n = size(flank_1%s) - k + 1
+        if (minval(radius_2) > flank_1%radius(k + n - 1)) n = 0   ! far away
+        s_1 = flank_1%s(k:k + n - 1)
+        radius = flank_1%radius(k:k + n - 1)
+        corner = flank_1%special(k:k + n - 1)
+        allocate (gap(0), segment(0))
+        if (n == 0) return
+        place_1 = placed_samples(flank_1, frame_1)
+        place_1 = place_1(:, k:)
         do l = 1, n_2
             if (flank_2%special(l) == 0) cycle
             n = size(s_1)
@@ -257,17 +284,16 @@ contains
             at = count(radius < radius_2(l))
             s = s_1(at)
             call circle_meets_flank(flank_1%curve, frame_1, radius_2(l), s_1(at), s_1(at + 1), s, &
-                & found)
+                & point, tangent, found)
             if (.not. found) cycle
             s_1 = [s_1(:at), s, s_1(at + 1:)]
             radius = [radius(:at), radius_2(l), radius(at + 1:)]
             corner = [corner(:at), 2*flank_2%special(l), corner(at + 1:)]
+            place_1 = reshape([place_1(:, :at), point, place_1(:, at + 1:)], [2, n + 1])
         end do
         n = size(s_1)
-        allocate (place_1(2, n), gap(n), segment(n))
-        do k = 1, n
-            call placed_point(flank_1%curve, frame_1, s_1(k), place_1(:, k), tangent)
-        end do
+        deallocate (gap, segment)
+        allocate (gap(n), segment(n))
         gap = huge(1.0_wp)
         segment = 0
         do l = 1, n_2 - 1
@@ -280,15 +306,30 @@ contains
                     weight = (radius(k) - radius_2(l))/(radius_2(l + 1) - radius_2(l))
                 end if
                 point = (1.0_wp - weight)*place_2(:, l) + weight*place_2(:, l + 1)
-                angle = angle_between(place_1(:, k), point)
-                if (angle < gap(k)) then
-                    gap(k) = angle
+                half_tangent = cross(place_1(:, k), point) &
+                    & /max(radius(k)**2 + dot_product(place_1(:, k), point), tiny(1.0_wp))
+                if (half_tangent < gap(k)) then
+                    gap(k) = half_tangent
                     segment(k) = l
                 end if
             end do
         end do
 
     contains
+
+        !> The samples of a flank in the common frame.
+        pure function placed_samples(flank, frame) result(places)
+            !> The flank
+            type(flank_type), intent(in) :: flank
+            !> Where it stands
+            type(frame_type), intent(in) :: frame
+            real(wp) :: places(2, size(flank%s))
+
+            places(1, :) = frame%origin(1) + frame%cosine*flank%point(1, :) &
+                & - frame%sine*flank%point(2, :)
+            places(2, :) = frame%origin(2) + frame%sine*flank%point(1, :) &
+                & + frame%cosine*flank%point(2, :)
+        end function placed_samples
 
         !> First entry of an ascending list that is not below a value.
         pure function first_beyond(list, value) result(index)
@@ -338,15 +379,12 @@ contains
         !> False if no exact pair could be found
         logical, intent(out) :: found
 
-        type(pair_type) :: pair, other
-        real(wp) :: delta, kappa_1, kappa_2, point(2), tangent(2)
-        logical :: downhill
+        type(pair_type) :: pair
+        real(wp) :: delta, kappa_1, kappa_2, point(2), tangent(2), back_1, back_2
 
         delta = beside*curve_length(flank_1%curve)
         zone%s_1_low = s_1(first)
         zone%s_1_high = s_1(last)
-        zone%corner_low = max(0, corner(first))
-        zone%corner_high = max(0, corner(last))
         call exact_pair(s_1(first), segment(first), pair, found)
         if (.not. found) return
         zone%s_2_low = pair%s_2
@@ -354,26 +392,15 @@ contains
         if (.not. found) return
         zone%s_2_high = pair%s_2
 
-        ! The sample itself, unless the gap falls to one of its sides
-        zone%corner = corner(i)
-        call exact_pair(s_1(i), segment(i), pair, found)
-        if (.not. found) return
-        if (i > first) then
-            call exact_pair(s_1(i) - delta, segment(i), other, downhill)
-            downhill = downhill .and. other%slope > 0.0_wp
-            if (downhill) call least_gap(s_1(i - 1), s_1(i) - delta, segment(i), pair, found)
-            if (downhill) zone%corner = 0
-        end if
-        if (i < last .and. found .and. pair%s_1 == s_1(i)) then
-            call exact_pair(s_1(i) + delta, segment(i), other, downhill)
-            downhill = downhill .and. other%slope < 0.0_wp
-            if (downhill) call least_gap(s_1(i) + delta, s_1(i + 1), segment(i), pair, found)
-            if (downhill) zone%corner = 0
-        end if
+        call walk_downhill(pair, zone%corner, found)
         if (.not. found) return
         zone%nearest = pair
-        call placed_point(flank_1%curve, frame_1, pair%s_1, point, tangent, kappa_1)
-        call placed_point(flank_2%curve, frame_2, pair%s_2, point, tangent, kappa_2)
+        call note_corners(zone)
+        ! on a corner the curvature is that of the side towards the root
+        back_1 = merge(delta, 0.0_wp, abs(zone%corner) == 1)
+        back_2 = merge(delta, 0.0_wp, abs(zone%corner) == 2)
+        call placed_point(flank_1%curve, frame_1, pair%s_1 - back_1, point, tangent, kappa_1)
+        call placed_point(flank_2%curve, frame_2, pair%s_2 - back_2, point, tangent, kappa_2)
         zone%curvature = kappa_1 + kappa_2
         ! |P x n| = |P . t|: n is t turned by a right angle
         zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
@@ -414,11 +441,73 @@ contains
             end do
         end subroutine exact_pair
 
+        !> From sample i to where the gap is least: a sample, or a place between two.
+        !>
+        !> The polyline of flank 2 may mislead by a sample or two; the exact slopes do not.
+        pure subroutine walk_downhill(nearest, at_corner, is_found)
+            !> The pair of least gap
+            type(pair_type), intent(inout) :: nearest
+            !> What the sample is if the pair lies on one
+            integer, intent(out) :: at_corner
+            !> False if an exact pair could not be found
+            logical, intent(out) :: is_found
+
+            integer :: k, side
+            type(pair_type) :: near, far
+
+            do side = -1, 1, 2
+                k = i
+                do
+                    call exact_pair(s_1(k), segment(k), nearest, is_found)
+                    if (.not. is_found) return
+                    at_corner = corner(k)
+                    if (k == merge(first, last, side < 0)) exit
+                    call exact_pair(s_1(k) + side*delta, segment(k), near, is_found)
+                    if (.not. is_found) return
+                    if (side*near%slope >= 0.0_wp) exit
+                    call exact_pair(s_1(k + side) - side*delta, segment(k + side), far, is_found)
+                    if (.not. is_found) return
+                    if (side*far%slope > 0.0_wp) then
+                        at_corner = 0
+                        call least_gap(near, far, segment(k), nearest, is_found)
+                        return
+                    end if
+                    k = k + side
+                end do
+                if (k /= i) return
+            end do
+        end subroutine walk_downhill
+
+        !> The first sharp corner on either side of the least gap.
+        pure subroutine note_corners(around)
+            !> The zone
+            type(zone_type), intent(inout) :: around
+
+            integer :: k
+            real(wp) :: distance
+
+            around%corner_low = 0
+            around%corner_high = 0
+            around%to_corner_low = huge(1.0_wp)
+            around%to_corner_high = huge(1.0_wp)
+            do k = first, last
+                distance = s_1(k) - around%nearest%s_1
+                if (corner(k) <= 0 .or. abs(distance) <= delta) cycle
+                if (distance < 0.0_wp) then
+                    around%corner_low = corner(k)
+                    around%to_corner_low = -distance
+                else if (around%corner_high == 0) then
+                    around%corner_high = corner(k)
+                    around%to_corner_high = distance
+                end if
+            end do
+        end subroutine note_corners
+
         !> Root of the slope of the gap angle (regula falsi, Illinois).
-        pure subroutine least_gap(from, to, l, result_pair, is_found)
-            !> Ends that enclose the root [mm]
-            real(wp), intent(in) :: from
-            real(wp), intent(in) :: to
+        pure subroutine least_gap(one_end, other_end, l, result_pair, is_found)
+            !> Pairs that enclose the root
+            type(pair_type), intent(in) :: one_end
+            type(pair_type), intent(in) :: other_end
             !> Segment of flank 2 near the root
             integer, intent(in) :: l
             !> The pair of least gap
@@ -430,27 +519,14 @@ contains
             integer :: step, side
             real(wp) :: left, right, f_left, f_right, s
 
-            left = from
-            right = to
-
-            call exact_pair(left, l, result_pair, is_found)
-            if (.not. is_found) return
-            f_left = result_pair%slope
-            call exact_pair(right, l, result_pair, is_found)
-            if (.not. is_found) return
-            f_right = result_pair%slope
+            left = one_end%s_1
+            f_left = one_end%slope
+            right = other_end%s_1
+            f_right = other_end%slope
             side = 0
             do step = 1, max_steps
-                if (f_left*f_right > 0.0_wp) then
-                    ! a corner between the ends: nothing smooth to find, the nearer end is taken
-                    s = merge(left, right, abs(f_left) < abs(f_right))
-                    call exact_pair(s, l, result_pair, is_found)
-                    return
-                end if
-                s = 0.5_wp*(left + right)
-                if (f_left /= f_right .and. mod(step, 4) /= 0) then
-                    s = (f_right*left - f_left*right)/(f_right - f_left)
-                end if
+                s = (f_right*left - f_left*right)/(f_right - f_left)
+                if (mod(step, 4) == 0) s = 0.5_wp*(left + right)
                 call exact_pair(s, l, result_pair, is_found)
                 if (.not. is_found) return
                 if (result_pair%slope == 0.0_wp) return
@@ -465,7 +541,7 @@ contains
                     if (side == 1) f_right = 0.5_wp*f_right
                     side = 1
                 end if
-                if (right - left <= place_tolerance*curve_length(flank_1%curve)) return
+                if (abs(right - left) <= place_tolerance*curve_length(flank_1%curve)) return
             end do
         end subroutine least_gap
 

@@ -7,11 +7,13 @@ module flankload_polar_geometry
 
     public :: cross, angle_between, circle_meets_flank
 
-    !> Newton on a smooth flank doubles its digits each step: from a neighbour's place 5 steps are
-    !> plenty; the rest is for the bisection that takes over on bad starts.
-    integer, parameter :: max_steps = 60
-    !> A few units in the last place of the squared radius: nothing nearer can be told apart.
-    real(wp), parameter :: radius_tolerance = 4.0_wp*epsilon(1.0_wp)
+    !> Newton on a smooth flank doubles its digits each step: from a neighbour's place 3 steps do.
+    integer, parameter :: newton_steps = 8
+    !> Bisection down to the last digit, where Newton leaves the stretch.
+    integer, parameter :: bisection_steps = 60
+    !> Excess of the squared radius, relative, from which one step along the tangent is exact: the
+    !> curve leaves its tangent by kappa ds²/2, with ds = 1e-11 r far below the last digit.
+    real(wp), parameter :: nearly = 1.0e-11_wp
     !> A circle that was itself laid through the end of a flank passes it within several roundings.
     real(wp), parameter :: end_tolerance = 256.0_wp*epsilon(1.0_wp)
 
@@ -41,8 +43,8 @@ contains
 
     !> Where the circle of a given radius about O1 cuts a flank, between two places that enclose it.
     !>
-    !> Newton's method, kept between the ends by bisection.
-    pure subroutine circle_meets_flank(curve, frame, radius, s_low, s_high, s, found)
+    !> Newton's method; where it leaves the stretch, the ends are looked at and bisection leads on.
+    pure subroutine circle_meets_flank(curve, frame, radius, s_low, s_high, s, point, tangent, found)
         !> The flank
         type(flank_curve_type), intent(in) :: curve
         !> Where its body stands
@@ -55,58 +57,71 @@ contains
         real(wp), intent(in) :: s_high
         !> On entry a guess, on return the place [mm of arc length]
         real(wp), intent(inout) :: s
+        !> Point of the flank there, shape (2)
+        real(wp), intent(out) :: point(2)
+        !> Unit tangent of the flank there, shape (2)
+        real(wp), intent(out) :: tangent(2)
         !> False if the flank does not cross the circle between the two ends
         logical, intent(out) :: found
 
         integer :: step
-        real(wp) :: low, high, f_low, f, slope, point(2), tangent(2), trial
+        real(wp) :: low, high, f_low, f, slope
 
         low = min(s_low, s_high)
         high = max(s_low, s_high)
-        f_low = excess(low)
-        found = .true.
-        if (abs(f_low) <= end_tolerance*radius**2) then
-            s = low
-            return
-        end if
-        f = excess(high)
-        if (abs(f) <= end_tolerance*radius**2) then
-            s = high
-            return
-        end if
-        found = f_low*f < 0.0_wp
-        if (.not. found) return
-        if (s <= low .or. s >= high) s = 0.5_wp*(low + high)
-        do step = 1, max_steps
-            call placed_point(curve, frame, s, point, tangent)
-            f = 0.5_wp*(dot_product(point, point) - radius**2)
-            if (abs(f) <= radius_tolerance*radius**2) exit
-            if (f*f_low > 0.0_wp) then
-                low = s
-            else
-                high = s
-            end if
-            slope = dot_product(point, tangent)
-            trial = 0.5_wp*(low + high)
-            if (abs(slope)*(high - low) > abs(f)) trial = s - f/slope
-            if (trial <= low .or. trial >= high) trial = 0.5_wp*(low + high)
-            if (trial <= low .or. trial >= high) exit
-            s = trial
+        if (s < low .or. s > high) s = 0.5_wp*(low + high)
+        do step = 1, newton_steps
+            call look_at(s, point, tangent, f, slope)
+            found = abs(f) <= nearly*radius**2
+            if (found) exit
+            if (abs(slope)*(high - low) <= abs(f)) exit
+            s = s - f/slope
+            if (s < low .or. s > high) exit
         end do
+        if (.not. found) then
+            call look_at(low, point, tangent, f_low, slope)
+            s = low
+            found = abs(f_low) <= end_tolerance*radius**2
+            if (found) return
+            call look_at(high, point, tangent, f, slope)
+            s = high
+            found = abs(f) <= end_tolerance*radius**2
+            if (found) return
+            found = f_low*f < 0.0_wp
+            if (.not. found) return
+            do step = 1, bisection_steps
+                s = 0.5_wp*(low + high)
+                call look_at(s, point, tangent, f, slope)
+                if (abs(f) <= nearly*radius**2 .or. s <= low .or. s >= high) exit
+                if (f*f_low > 0.0_wp) then
+                    low = s
+                else
+                    high = s
+                end if
+            end do
+        end if
+        if (abs(slope)*(high - low) <= abs(f)) return
+        point = point - f/slope*tangent
+        s = min(high, max(low, s - f/slope))
 
     contains
 
-        !> Half the excess of the squared distance over the squared radius [mm²].
-        pure function excess(place) result(value)
+        !> Half the excess of the squared distance over the squared radius, and its growth.
+        pure subroutine look_at(place, at, direction, value, rise)
             !> Arc length [mm]
             real(wp), intent(in) :: place
-            real(wp) :: value
-
-            real(wp) :: at(2), direction(2)
+            !> Point and unit tangent there
+            real(wp), intent(out) :: at(2)
+            real(wp), intent(out) :: direction(2)
+            !> The excess [mm²]
+            real(wp), intent(out) :: value
+            !> Its growth along the flank [mm]
+            real(wp), intent(out) :: rise
 
             call placed_point(curve, frame, place, at, direction)
             value = 0.5_wp*(dot_product(at, at) - radius**2)
-        end function excess
+            rise = dot_product(at, direction)
+        end subroutine look_at
 
     end subroutine circle_meets_flank
 

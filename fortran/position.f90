@@ -7,11 +7,12 @@ module flankload_position
     use flankload_flank_curve, only: frame_type, new_frame
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: find_zones, flank_type, zone_type
-    use flankload_contact_pairs, only: append_pairs, grid_type, pairs_type, reserve_pairs, zone_grid
+    use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
+        & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_influence_number, only: influence_matrix, smooth_compliance
     use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
         & solve_contact_problem
-    use flankload_lumped_hertz, only: hertz_half_width, lumped_contact
+    use flankload_lumped_hertz, only: lumped_contact
     implicit none
     private
 
@@ -79,7 +80,7 @@ module flankload_position
     real(wp), parameter :: least_part = 0.02_wp
     !> Cells are never made for a half-width below this [mm]: gaps between them would drown in
     !> rounding (x²/(2 rho) of a tenth of it against 1e-16 of the radius).
-    real(wp), parameter :: least_half_width = 1.0e-3_wp
+    real(wp), parameter :: least_half_width = 1.0e-4_wp
 
 contains
 
@@ -103,9 +104,9 @@ contains
         integer :: site, n_sites, n_zones, z, pass
         type(zone_type) :: zones(max_zones)
         type(frame_type), allocatable :: frames_1(:), frames_2(:)
-        real(wp), allocatable :: estimate(:), gap(:), widths(:)
+        real(wp), allocatable :: estimate(:), gap(:), widths(:, :), smooth(:, :)
         real(wp) :: rotation, kernel
-        logical, allocatable :: joins(:)
+        logical, allocatable :: joins(:), touches(:)
         logical :: settled, lost
 
         n_sites = size(body_1%site_angles)
@@ -146,21 +147,22 @@ contains
         end if
 
         kernel = body_1%compliance%kernel + body_2%compliance%kernel
-        call lumped_contact(smooth_compliance(body_1%compliance, zones(:n_zones)%site, &
+        smooth = smooth_compliance(body_1%compliance, zones(:n_zones)%site, &
             & zones(:n_zones)%nearest%s_1) + smooth_compliance(body_2%compliance, &
-            & zones(:n_zones)%site, zones(:n_zones)%nearest%s_2), gap, zones(:n_zones)%lever, &
-            & zones(:n_zones)%curvature, kernel, torque, least_half_width, estimate, rotation, &
-            & state%pivots, error)
+            & zones(:n_zones)%site, zones(:n_zones)%nearest%s_2)
+        call lumped_contact(smooth, gap, zones(:n_zones)%lever, zones(:n_zones)%curvature, kernel, &
+            & torque, least_half_width, estimate, rotation, state%pivots, error)
         if (allocated(error)) return
-        widths = spread(settings%zone_half_widths, 1, n_zones)
+        allocate (widths(2, n_zones), source=settings%zone_half_widths)
         joins = estimate > 0.0_wp .or. gap < rotation + joining*(rotation - minval(gap))
         do pass = 1, max_passes
             state%passes = pass
             call solve_on_grid(body_1, body_2, frames_1, frames_2, zones(:n_zones), joins, &
                 & estimate, widths, kernel, torque, settings, state, settled, error)
             if (allocated(error)) return
-            if (any(gap < state%rotation .and. .not. joins)) settled = .false.
-            joins = joins .or. gap < state%rotation
+            touches = would_touch(zones(:n_zones), gap, smooth, estimate, state%rotation)
+            if (any(touches .and. .not. joins)) settled = .false.
+            joins = joins .or. touches
             if (settled) exit
         end do
         if (.not. settled) then
@@ -200,8 +202,9 @@ contains
         type(zone_type), intent(in) :: zones(:)
         logical, intent(in) :: joins(:)
         real(wp), intent(inout) :: estimate(:)
-        !> Half-widths of the grids in Hertz half-widths; widened where a force stands at an end
-        real(wp), intent(inout) :: widths(:)
+        !> How far the cells shall reach to both sides, in reaches of the contact; widened where a
+        !> force stands at an end, shape (2, zones)
+        real(wp), intent(inout) :: widths(:, :)
         !> c of both bodies [mm/N], torque [N mm]
         real(wp), intent(in) :: kernel
         real(wp), intent(in) :: torque
@@ -216,22 +219,26 @@ contains
 
         integer :: z, site, n
         type(grid_type) :: grids(size(zones))
-        real(wp) :: half_widths(size(zones)), cell
+        real(wp) :: reach(2, size(zones)), part(size(zones))
         real(wp), allocatable :: matrix(:, :), motions(:, :), load_rows(:, :)
         integer, allocatable :: warm(:)
         type(contact_result) :: contact
         logical :: found
 
         settled = .true.
-        half_widths = max(least_half_width, hertz_half_width(max(estimate, &
-            & least_part*torque/zones%lever), zones%curvature, kernel))
+        part = max(estimate, least_part*torque/zones%lever)
+        reach = 0.0_wp
         do z = 1, size(zones)
             if (.not. joins(z)) cycle
-            cell = half_widths(z)/settings%strips_per_half_width
-            if (corner_inside(zones(z), widths(z)*half_widths(z))) then
-                cell = half_widths(z)/settings%corner_strips_per_half_width
-            end if
-            grids(z) = zone_grid(zones(z), cell, widths(z)*half_widths(z))
+            site = zones(z)%site
+            reach(:, z) = max(least_half_width, zone_reach(body_1%flank%curve, frames_1(site), &
+                & body_2%flank%curve, frames_2(site), zones(z), kernel*part(z)))
+            grids(z) = wanted_grid(zones(z), reach(:, z), widths(:, z), &
+                & settings%strips_per_half_width, settings%corner_strips_per_half_width)
+        end do
+        call part_grids(zones, joins, reach, grids)
+        do z = 1, size(zones)
+            if (joins(z)) call lay_cells(zones(z), grids(z))
         end do
         call reserve_pairs(state%pairs, sum(grids%n, mask=joins))
         do z = 1, size(zones)
@@ -240,7 +247,7 @@ contains
             call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
                 & frames_2(site), zones(z), z, grids(z), &
                 & body_1%deviations(site) + body_2%deviations(site), &
-                & corner_weight(zones(z), half_widths(z)), state%pairs, found)
+                & corner_weight(zones(z), maxval(reach(:, z))), state%pairs, found)
             if (.not. found) then
                 call fatal_error(error, code_circle_misses, &
                     & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -252,7 +259,7 @@ contains
         call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
         motions(:, 1) = state%pairs%lever
         load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
-        warm = expected_pairs(state%pairs, zones, half_widths, estimate)
+        warm = expected_pairs(state%pairs, zones, reach, estimate)
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
             & load_rows, [torque], symmetric_matrix, method_single, warm, contact, error)
         if (allocated(error)) return
@@ -267,21 +274,55 @@ contains
         state%pivots = state%pivots + contact%pivots
         state%refactorisations = state%refactorisations + contact%refactorisations
         state%columns = state%columns + n
-        call check_grids(zones, joins, grids, state, half_widths, kernel, estimate, widths, settled)
+        call check_grids(joins, grids, state, part, least_part*torque/zones%lever, estimate, &
+            & widths, settled)
     end subroutine solve_on_grid
 
-    !> True if a sharp corner lies inside the grid that is wanted.
-    elemental function corner_inside(zone, half_width) result(inside)
-        !> The zone
-        type(zone_type), intent(in) :: zone
-        !> Half-width of its grid [mm]
-        real(wp), intent(in) :: half_width
-        logical :: inside
+    !> Part the grids of neighbouring zones of a site.
+    pure subroutine part_grids(zones, joins, reach, grids)
+        !> The zones, those of a site by ascending arc length, and which of them join
+        type(zone_type), intent(in) :: zones(:)
+        logical, intent(in) :: joins(:)
+        !> How far the contacts reach to both sides [mm], shape (2, zones)
+        real(wp), intent(in) :: reach(:, :)
+        !> Their grids
+        type(grid_type), intent(inout) :: grids(:)
 
-        inside = zone%corner > 0 &
-            & .or. (zone%corner_low > 0 .and. zone%nearest%s_1 - zone%s_1_low < half_width) &
-            & .or. (zone%corner_high > 0 .and. zone%s_1_high - zone%nearest%s_1 < half_width)
-    end function corner_inside
+        integer :: z, last
+
+        last = 0
+        do z = 1, size(zones)
+            if (.not. joins(z)) cycle
+            if (last > 0) then
+                if (zones(last)%site == zones(z)%site) call part_neighbours(zones(last), zones(z), &
+                    & reach(:, last), reach(:, z), grids(last), grids(z))
+            end if
+            last = z
+        end do
+    end subroutine part_grids
+
+    !> Which zones close their gap: by the rotation, less what the forces of other sites push back
+    !> there (or pull near: where a rim is thin, a tooth may lean towards its mate).
+    pure function would_touch(zones, gap, smooth, forces, rotation) result(touches)
+        !> The zones and their gap angles [rad]
+        type(zone_type), intent(in) :: zones(:)
+        real(wp), intent(in) :: gap(:)
+        !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
+        real(wp), intent(in) :: smooth(:, :)
+        !> Forces of the zones [N]
+        real(wp), intent(in) :: forces(:)
+        !> Rotation [rad]
+        real(wp), intent(in) :: rotation
+        logical :: touches(size(zones))
+
+        integer :: z
+
+        do z = 1, size(zones)
+            ! the own site pushes back at any place; how much the cells will tell
+            touches(z) = zones(z)%lever*(gap(z) - rotation) + min(0.0_wp, &
+                & sum(smooth(z, :)*forces, mask=zones%site /= zones(z)%site)) < 0.0_wp
+        end do
+    end function would_touch
 
     !> How one-sided a contact is because of a sharp corner: 1 on it, 0 from a half-width on.
     elemental function corner_weight(zone, half_width) result(weight)
@@ -291,73 +332,71 @@ contains
         real(wp), intent(in) :: half_width
         real(wp) :: weight
 
-        real(wp) :: distance
-
-        distance = half_width
-        if (zone%corner_low > 0) distance = min(distance, zone%nearest%s_1 - zone%s_1_low)
-        if (zone%corner_high > 0) distance = min(distance, zone%s_1_high - zone%nearest%s_1)
-        if (zone%corner > 0) distance = 0.0_wp
-        weight = 1.0_wp - distance/half_width
+        weight = max(0.0_wp, 1.0_wp - min(zone%to_corner_low, zone%to_corner_high)/half_width)
+        if (zone%corner > 0) weight = 1.0_wp
     end function corner_weight
 
-    !> The pairs inside the half-widths that are expected: the loop's warm set.
-    pure function expected_pairs(pairs, zones, half_widths, estimate) result(warm)
+    !> The pairs inside the contacts that are expected: the loop's warm set.
+    pure function expected_pairs(pairs, zones, reach, estimate) result(warm)
         !> The pairs, their zones, and what is expected of these
         type(pairs_type), intent(in) :: pairs
         type(zone_type), intent(in) :: zones(:)
-        real(wp), intent(in) :: half_widths(:)
+        real(wp), intent(in) :: reach(:, :)
         real(wp), intent(in) :: estimate(:)
         integer, allocatable :: warm(:)
 
         !> A little less than Hertz: pairs that must leave cost more than pairs that join.
         real(wp), parameter :: part = 0.95_wp
         integer :: i, z
+        real(wp) :: beyond
         logical :: expected(pairs%n)
 
         do i = 1, pairs%n
             z = pairs%zone(i)
-            expected(i) = estimate(z) > 0.0_wp &
-                & .and. abs(pairs%s_1(i) - zones(z)%nearest%s_1) < part*half_widths(z)
+            beyond = pairs%s_1(i) - zones(z)%nearest%s_1
+            expected(i) = estimate(z) > 0.0_wp .and. beyond > -part*reach(1, z) &
+                & .and. beyond < part*reach(2, z)
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
     end function expected_pairs
 
     !> Widen grids at whose ends a force stands; learn the forces of the zones.
-    pure subroutine check_grids(zones, joins, grids, state, half_widths, kernel, estimate, widths, &
-            & settled)
-        !> The zones and their grids
-        type(zone_type), intent(in) :: zones(:)
+    pure subroutine check_grids(joins, grids, state, part, least, estimate, widths, settled)
+        !> Which zones have cells, and these
         logical, intent(in) :: joins(:)
         type(grid_type), intent(in) :: grids(:)
         !> What was found on them
         type(position_state), intent(in) :: state
-        !> Half-widths for which they were laid [mm], c of both bodies [mm/N]
-        real(wp), intent(in) :: half_widths(:)
-        real(wp), intent(in) :: kernel
-        !> Forces found, half-widths of the grids in Hertz half-widths
+        !> Forces for which they were laid, and the least ones for which they are [N], shape (zones)
+        real(wp), intent(in) :: part(:)
+        real(wp), intent(in) :: least(:)
+        !> Forces found, how far the cells shall reach
         real(wp), intent(inout) :: estimate(:)
-        real(wp), intent(inout) :: widths(:)
+        real(wp), intent(inout) :: widths(:, :)
         !> False if the cells must be laid anew
         logical, intent(inout) :: settled
 
-        !> Cells laid for a contact this much narrower than the real one, or wider, are laid anew.
-        real(wp), parameter :: too_far = 1.5_wp
+        !> Cells laid for this many times the force, or for so small a part, are laid anew: they
+        !> would be too coarse, or end too early.
+        real(wp), parameter :: too_far = 2.0_wp
         integer :: z, first, last
-        real(wp) :: found_width
 
+        estimate = 0.0_wp
         first = 1
-        do z = 1, size(zones)
+        do z = 1, size(joins)
             if (.not. joins(z)) cycle
             last = first + grids(z)%n - 1
             estimate(z) = sum(state%forces(first:last))
-            if ((grids(z)%open_low .and. state%forces(first) > 0.0_wp) .or. &
-                & (grids(z)%open_high .and. state%forces(last) > 0.0_wp)) then
-                widths(z) = widening*widths(z)
+            if (grids(z)%open_low .and. state%forces(first) > 0.0_wp) then
+                widths(1, z) = widening*widths(1, z)
                 settled = .false.
             end if
-            found_width = max(least_half_width, &
-                & hertz_half_width(estimate(z), zones(z)%curvature, kernel))
-            if (found_width > too_far*half_widths(z)) settled = .false.
+            if (grids(z)%open_high .and. state%forces(last) > 0.0_wp) then
+                widths(2, z) = widening*widths(2, z)
+                settled = .false.
+            end if
+            if (max(estimate(z), least(z)) > too_far*part(z) .or. &
+                & part(z) > too_far*max(estimate(z), least(z))) settled = .false.
             first = last + 1
         end do
     end subroutine check_grids
@@ -370,7 +409,7 @@ contains
         type(zone_type), intent(in) :: zones(:)
 
         integer :: i, z, site, worked
-        real(wp) :: peak
+        real(wp) :: peak, beyond
 
         do i = 1, state%pairs%n
             site = state%pairs%site(i)
@@ -381,11 +420,12 @@ contains
             if (state%forces(i) <= 0.0_wp) cycle
             ! a corner works where it makes the least gap, or where the contact has grown up to it
             worked = max(0, zones(z)%corner)
-            if (state%pairs%s_1(i) - zones(z)%s_1_low < state%pairs%cell_1(i)) then
-                worked = max(worked, zones(z)%corner_low)
+            beyond = state%pairs%s_1(i) - zones(z)%nearest%s_1
+            if (abs(zones(z)%to_corner_low + beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_low)
             end if
-            if (zones(z)%s_1_high - state%pairs%s_1(i) < state%pairs%cell_1(i)) then
-                worked = max(worked, zones(z)%corner_high)
+            if (abs(zones(z)%to_corner_high - beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_high)
             end if
             state%site_corner(site) = max(state%site_corner(site), worked)
         end do
