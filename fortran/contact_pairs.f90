@@ -4,7 +4,8 @@ module flankload_contact_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_polar_geometry, only: cross
-    use flankload_contact_zones, only: pair_type, pair_on_circle, zone_type
+    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
     implicit none
     private
 

@@ -8,7 +8,7 @@ module flankload
         & method_load_path, method_pivoted, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
-    use flankload_contact_zones, only: flank_type, new_flank
+    use flankload_circle_pair, only: flank_type, new_flank
     use flankload_compliance_field, only: compliance_type
     use flankload_position, only: body_type, grid_settings, position_state, solve_position
     use flankload_sweep, only: sweep_positions

@@ -44,7 +44,8 @@ contains
     !> Where the circle of a given radius about O1 cuts a flank, between two places that enclose it.
     !>
     !> Newton's method; where it leaves the stretch, the ends are looked at and bisection leads on.
-    pure subroutine circle_meets_flank(curve, frame, radius, s_low, s_high, s, point, tangent, found)
+    pure subroutine circle_meets_flank(curve, frame, radius, s_low, s_high, s, point, tangent, &
+            & found)
         !> The flank
         type(flank_curve_type), intent(in) :: curve
         !> Where its body stands

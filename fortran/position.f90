@@ -6,7 +6,8 @@ module flankload_position
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: frame_type, new_frame
     use flankload_compliance_field, only: compliance_type
-    use flankload_contact_zones, only: find_zones, flank_type, zone_type
+    use flankload_circle_pair, only: flank_type
+    use flankload_contact_zones, only: find_zones, zone_type
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_influence_number, only: influence_matrix, smooth_compliance
