@@ -50,8 +50,8 @@ class Resolution:
 #: (tolerance, resolution), coarse to fine: the first whose tolerance is not above the wanted one.
 #: Measured on the FZG type C pair (module 4.5) against 0.2 mm, 9 modes, 40 and 120 strips; largest
 #: error of the rotation at interior / tip-corner positions, of the load share there, of the peak
-#: pressure: 0.04 / 0.20 %, 0.2 points, 0.12 % - 0.04 / 0.14 %, 0.14 points, 0.07 % -
-#: 0.01 / 0.07 %, 0.07 points, 0.02 %.
+#: pressure: 0.03 / 0.22 %, 0.25 points, 0.10 % - 0.04 / 0.15 %, 0.16 points, 0.05 % -
+#: 0.01 / 0.08 %, 0.07 points, 0.02 %.
 RESOLUTIONS: tuple[tuple[float, Resolution], ...] = (
     (2e-3, Resolution(1.0 / 4.5, 5, Grid())),
     (1.5e-3, Resolution(0.5 / 4.5, 6, Grid(16.0, 48.0))),
