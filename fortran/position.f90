@@ -107,7 +107,7 @@ contains
         type(frame_type), allocatable :: frames_1(:), frames_2(:)
         real(wp), allocatable :: estimate(:), gap(:), widths(:, :), smooth(:, :)
         real(wp) :: rotation, kernel
-        logical, allocatable :: joins(:), touches(:)
+        logical, allocatable :: joins(:), touches(:), faces(:)
         logical :: settled, lost
 
         n_sites = size(body_1%site_angles)
@@ -115,9 +115,11 @@ contains
         allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
         allocate (state%site_corner(n_sites), source=0)
         n_zones = 0
+        faces = sites_that_face(body_1, body_2, angle_1)
         do site = 1, n_sites
             frames_1(site) = new_frame(body_1%origin, angle_1 + body_1%site_angles(site))
             frames_2(site) = new_frame(body_2%origin, angle_2 + body_2%site_angles(site))
+            if (.not. faces(site)) cycle
             call find_zones(body_1%flank, frames_1(site), body_2%flank, frames_2(site), site, &
                 & zones, n_zones, lost)
             if (lost) then
@@ -172,6 +174,36 @@ contains
         end if
         call sum_over_sites(state, zones)
     end subroutine solve_position
+
+    !> Sites whose flanks are on this side of both bodies.
+    !>
+    !> Where sites go round a body more than once they name the same tooth again: only the one that
+    !> has come round by less than half a turn of either body is meant.
+    pure function sites_that_face(body_1, body_2, angle_1) result(faces)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Turn of body 1 [rad]
+        real(wp), intent(in) :: angle_1
+        logical :: faces(size(body_1%site_angles))
+
+        real(wp), parameter :: half_turn = acos(-1.0_wp)
+        real(wp) :: span_1, span_2, widest, polar
+        integer :: n
+
+        n = size(faces)
+        faces = .true.
+        if (n < 2) return
+        span_1 = abs(body_1%site_angles(n) - body_1%site_angles(1))
+        span_2 = abs(body_2%site_angles(n) - body_2%site_angles(1))
+        widest = max(span_1, span_2)
+        ! sites that go just once round span a pitch less than a turn
+        if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
+        associate (point => body_1%flank%point(:, size(body_1%flank%s)/2))
+            polar = atan2(point(2), point(1))
+        end associate
+        faces = abs(polar + angle_1 + body_1%site_angles) <= half_turn*span_1/widest
+    end function sites_that_face
 
     !> No torque: body 1 stands where the first pair touches.
     pure subroutine unloaded_state(zones, gap, state)
