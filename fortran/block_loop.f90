@@ -11,11 +11,11 @@ module flankload_block_loop
     use flankload_bordered_system, only: append_block, append_pair
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, shed_pulling
     use flankload_final_refinement, only: finish
-    use flankload_coarse_problem, only: make_coarse, refine_pairs, in_flank_order
+    use flankload_coarse_problem, only: make_coarse, refine_pairs, cell
     implicit none
     private
 
-    public :: block_loop
+    public :: block_loop, settle_blocks
 
     !> Part of the pairs in contact that may join at once. More would let too many in, and a pair
     !> that leaves early takes the tail of the factor with it.
@@ -24,19 +24,23 @@ module flankload_block_loop
     integer, parameter :: joining_at_least = 16
     !> Steps within which the number of wrong pairs must fall
     integer, parameter :: patience = 5
-    !> From here on a guess from a coarser problem saves more than it costs.
-    integer, parameter :: many_pairs = 800
+    !> A coarser problem has so many pairs at least; beyond it is guessed from one coarser still.
+    integer, parameter :: least_coarse = 8
+    integer, parameter :: many_coarse = 800
 
 contains
 
     !> Run the loop.
-    pure recursive subroutine block_loop(problem, compliance, warm_pairs, state, settled, error)
+    pure recursive subroutine block_loop(problem, compliance, warm_pairs, cascade, state, settled, &
+        & error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
+        !> Without pairs to begin with, begin where a coarser problem has its contact
+        logical, intent(in) :: cascade
         !> The state; where the loop gave up, its pairs are where to go on from
         type(loop_state), intent(out) :: state
         !> False where the loop gave up
@@ -44,21 +48,40 @@ contains
         !> The loads cannot be held, or a motion is loose
         type(error_type), allocatable, intent(out) :: error
 
-        integer, allocatable :: first(:), joining(:), begin(:)
+        integer, allocatable :: first(:), begin(:)
         real(wp), allocatable :: first_forces(:)
-        logical :: ready, done
-        integer :: wrong, fewest, since, one
+        logical :: ready
 
         settled = .false.
         call start_loop(problem, first, first_forces, state, error)
         if (allocated(error)) return
         ready = .false.
         begin = warm_pairs
-        if (size(begin) == 0 .and. problem%n >= many_pairs .and. problem%n_motions == 1) then
-            if (in_flank_order(compliance)) begin = coarse_guess(problem, compliance)
+        if (cascade .and. size(begin) == 0 .and. problem%n >= cell*least_coarse) then
+            begin = coarse_guess(problem, compliance)
         end if
         if (size(begin) > 0) call start_warm(problem, compliance, begin, state, ready)
         if (.not. ready) call start_cold(problem, compliance, first, first_forces, state, ready)
+        if (ready) call settle_blocks(problem, compliance, state, settled)
+    end subroutine block_loop
+
+    !> From any pairs that hold the loads to the state of contact.
+    pure subroutine settle_blocks(problem, compliance, state, settled)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False where the loop gave up
+        logical, intent(out) :: settled
+
+        integer, allocatable :: joining(:)
+        logical :: ready, done
+        integer :: wrong, fewest, since, one
+
+        settled = .false.
+        ready = .true.
         fewest = huge(1)
         since = 0
         do while (ready)
@@ -81,7 +104,7 @@ contains
             if (since >= patience) return
             call let_join(problem, compliance, joining, state, ready)
         end do
-    end subroutine block_loop
+    end subroutine settle_blocks
 
     !> Where a coarser problem has its contact; none if it does not settle.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
@@ -99,7 +122,8 @@ contains
 
         allocate (pairs(0))
         call make_coarse(problem, compliance, coarse, coarse_compliance)
-        call block_loop(coarse, coarse_compliance, pairs, state, settled, error)
+        call block_loop(coarse, coarse_compliance, pairs, coarse%n >= many_coarse, state, settled, &
+            & error)
         if (allocated(error) .or. .not. settled) return
         pairs = refine_pairs(problem%n, state%system%pairs, state%forces(state%system%pairs))
     end function coarse_guess

@@ -11,14 +11,16 @@ module flankload_contact_ladder
     use flankload_single_loop, only: single_loop
     use flankload_final_refinement, only: most_open_pair, finish
     use flankload_block_loop, only: block_loop
+    use flankload_coarse_problem, only: in_flank_order
     use flankload_load_path, only: path_end, follow_load_path, path_solved, path_ray
     implicit none
     private
 
     public :: climb
     public :: rung_auto, rung_single, rung_paper, rung_block, rung_load_path, rung_pivoted
+    public :: rung_cascade, rung_primal
 
-    !> Single for few pairs or several motions, else block.
+    !> Single for few pairs, cascade for many in flank order without pairs to begin with, else block.
     integer, parameter :: rung_auto = 0
     !> One pair at a time, any may leave.
     integer, parameter :: rung_single = 1
@@ -30,9 +32,17 @@ module flankload_contact_ladder
     integer, parameter :: rung_load_path = 4
     !> One pair at a time, LU with exchange of rows throughout.
     integer, parameter :: rung_pivoted = 5
+    !> Blocks that begin where a coarser problem has its contact.
+    integer, parameter :: rung_cascade = 6
+    !> Another name of single, whose forces hold the loads at every step.
+    integer, parameter :: rung_primal = 7
 
     !> Up to here blocks save nothing.
     integer, parameter :: few_pairs = 60
+    !> From here on a coarser problem saves more than it costs, with one motion and with several:
+    !> blocks from a cold start then soon lose the pairs that hold all motions.
+    integer, parameter :: many_pairs = 800
+    integer, parameter :: many_with_motions = 100
 
 contains
 
@@ -61,15 +71,15 @@ contains
         integer, allocatable :: begin(:)
 
         rung = method
-        if (method == rung_auto) rung = merge(rung_block, rung_single, &
-            & problem%n > few_pairs .and. problem%n_motions == 1)
+        if (method == rung_auto) rung = choose(problem, compliance, warm_pairs)
+        if (method == rung_primal) rung = rung_single
         largest_part = 0.0_wp
         fresh = problem
         begin = warm_pairs
         pivots = 0
         settled = .false.
-        if (rung == rung_block) then
-            call block_loop(problem, compliance, begin, state, settled, error)
+        if (rung == rung_block .or. rung == rung_cascade) then
+            call block_loop(problem, compliance, begin, rung == rung_cascade, state, settled, error)
             if (settled .or. allocated(error)) return
             call step_down(state, rung_single, rung, pivots, begin)
         end if
@@ -94,6 +104,23 @@ contains
         call take_load_path(problem, compliance, state, largest_part, error)
         state%pivots = pivots + state%pivots
     end subroutine climb
+
+    !> The fastest loop.
+    pure function choose(problem, compliance, warm_pairs) result(rung)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        integer :: rung
+
+        rung = merge(rung_single, rung_block, problem%n <= few_pairs)
+        if (size(warm_pairs) > 0) return
+        if (problem%n >= merge(many_pairs, many_with_motions, problem%n_motions == 1)) then
+            if (in_flank_order(compliance)) rung = rung_cascade
+        end if
+    end function choose
 
     !> Hand the pairs on to the next rung.
     pure subroutine step_down(left, next, rung, pivots, begin)

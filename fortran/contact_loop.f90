@@ -12,7 +12,8 @@ module flankload_contact_loop
     use flankload_loop_start, only: loop_state
     use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
-        & method_load_path => rung_load_path, method_pivoted => rung_pivoted
+        & method_load_path => rung_load_path, method_pivoted => rung_pivoted, &
+        & method_cascade => rung_cascade, method_primal => rung_primal
     use flankload_paper_loop, only: paper_state, paper_loop
     use flankload_contact_certificate, only: certify
     implicit none
@@ -21,7 +22,7 @@ module flankload_contact_loop
     public :: contact_result
     public :: solve_contact_problem
     public :: method_auto, method_single, method_paper, method_block
-    public :: method_load_path, method_pivoted
+    public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
 
 contains
@@ -113,7 +114,7 @@ contains
         logical, allocatable :: seen(:)
         integer :: k
 
-        if (method < method_auto .or. method > method_pivoted) then
+        if (method < method_auto .or. method > method_primal) then
             call fatal_error(error, invalid_input, 'method: expected one of the constants method_…')
             return
         else if (structure < general_matrix .or. structure > definite_part) then

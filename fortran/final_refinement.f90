@@ -24,10 +24,12 @@ module flankload_final_refinement
 contains
 
     !> Which force first becomes zero on the way to the target.
-    pure subroutine first_to_vanish(forces, target, leaving, way)
+    pure subroutine first_to_vanish(forces, target, pinned, leaving, way)
         !> Forces now and at the end of the way
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: target(:)
+        !> Those that may not leave
+        logical, intent(in) :: pinned(:)
         !> Place of that force, 0 if none is negative at the end
         integer, intent(out) :: leaving
         !> Part of the way
@@ -40,7 +42,7 @@ contains
         leaving = 0
         way = 1.0_wp
         do k = 1, size(forces)
-            if (target(k) >= -zero) cycle
+            if (target(k) >= -zero .or. pinned(k)) cycle
             part = forces(k)/(forces(k) - target(k))
             if (leaving > 0) then
                 if (part > way) cycle
@@ -151,7 +153,8 @@ contains
                     & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
                     & forces, motion, solved)
                 forces = state%forces(pairs) + forces
-                call first_to_vanish(state%forces(pairs), forces, leaving, way)
+                call first_to_vanish(state%forces(pairs), forces, state%pinned(pairs), leaving, &
+                    & way)
                 done = leaving == 0
                 if (.not. done) exit
                 state%forces(pairs) = max(forces, 0.0_wp)
@@ -177,7 +180,8 @@ contains
             return
         end if
         ! A force that was positive before the refinement is negative after it.
-        state%forces(state%system%pairs(leaving)) = 0.0_wp
+        state%left_last = state%system%pairs(leaving)
+        state%forces(state%left_last) = 0.0_wp
         call drop_pair(state%system, problem, compliance, leaving, solved)
         state%pivots = state%pivots + 1
     end subroutine finish

@@ -5,7 +5,7 @@ module flankload
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
         & method_auto, method_single, method_paper, method_block, &
-        & method_load_path, method_pivoted, &
+        & method_load_path, method_pivoted, method_cascade, method_primal, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_circle_pair, only: flank_type, new_flank
@@ -19,7 +19,7 @@ module flankload
     public :: error_type
     public :: contact_result, solve_contact_problem
     public :: method_auto, method_single, method_paper, method_block
-    public :: method_load_path, method_pivoted
+    public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: body_type, grid_settings, position_state, solve_position, sweep_positions

@@ -30,6 +30,10 @@ module flankload_loop_start
         integer :: pivots = 0
         !> Pairs that joined and had to leave at once; they wait until the forces have changed
         logical, allocatable :: waiting(:)
+        !> The pair that left last, 0 if it may not come back
+        integer :: left_last = 0
+        !> Pairs without which a motion would be loose: the loads alone say what they carry
+        logical, allocatable :: pinned(:)
     end type loop_state
 
 contains
@@ -51,7 +55,7 @@ contains
 
         call load_vertex(problem, first, first_forces, motion, outcome)
         allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
-        allocate (state%waiting(problem%n), source=.false.)
+        allocate (state%waiting(problem%n), state%pinned(problem%n), source=.false.)
         allocate (state%motion(problem%n_motions), source=0.0_wp)
         if (outcome == vertex_infeasible) then
             state%motion = motion

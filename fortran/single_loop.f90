@@ -94,10 +94,15 @@ contains
         do
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, target, motion, solved, state%tangent)
+            if (.not. solved .and. state%left_last > 0) then
+                call take_back(problem, compliance, state, solved)
+                if (solved) cycle
+            end if
             if (.not. solved) exit
             forces = state%forces(state%system%pairs)
-            call first_to_vanish(forces, target, leaving, way)
+            call first_to_vanish(forces, target, state%pinned(state%system%pairs), leaving, way)
             if (leaving == 0) then
+                state%left_last = 0
                 if (.not. bounced) state%waiting = .false.
                 state%forces(state%system%pairs) = max(target, 0.0_wp)
                 state%motion = motion
@@ -118,11 +123,31 @@ contains
                 state%waiting(pair) = .true.
             end if
             call drop_pair(state%system, problem, compliance, leaving, solved)
+            state%left_last = pair
             state%pivots = state%pivots + 1
             if (.not. solved) exit
         end do
         call fatal_error(error, singular_contact, 'the pairs in contact are singular')
     end subroutine settle
+
+    !> The pair that left last held a motion that no other holds: what it carries follows from the
+    !> loads, and only rounding has made it negative.
+    pure subroutine take_back(problem, compliance, state, taken)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if the equations are singular with it too
+        logical, intent(out) :: taken
+
+        call append_pair(state%system, problem, compliance, state%left_last, taken)
+        state%pinned(state%left_last) = taken
+        state%waiting(state%left_last) = .false.
+        state%left_last = 0
+        state%pivots = state%pivots + 1
+    end subroutine take_back
 
     !> Let a pair join; where its row depends on those in contact, another pair makes room.
     pure subroutine let_join(problem, compliance, joining, state, error)
@@ -149,6 +174,8 @@ contains
         do
             call append_pair(state%system, problem, compliance, joining, accepted)
             state%pivots = state%pivots + 1
+            state%left_last = 0
+            state%pinned = .false.
             if (accepted) return
             ! The force of the joining pair grows without resistance until another has become zero.
             associate (pairs => state%system%pairs)

@@ -27,7 +27,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     !> compliance is, 3 its symmetric part (rows weighted so that B = R) is positive definite. With
     !> 0 and 1 uniqueness is proven from the whole of K, with 2 and 3 from the pairs in contact.
     integer, intent(in) :: structure
-    !> 0: the fastest, 1: single, 2: paper, 3: block, 4: load path, 5: single with rows exchanged
+    !> 0: the fastest, 1: single, 2: paper, 3: block, 4: load path, 5: single with rows exchanged,
+    !> 6: cascade, 7: primal
     integer, intent(in) :: method
     !> Pairs to begin with, from 1, shape (n_warm)
     integer, intent(in) :: warm_pairs(n_warm)

@@ -51,21 +51,27 @@ def test_block_against_brute_force(unsymmetric: bool) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.3])
 @pytest.mark.parametrize("n", [70, 300, 900])
 def test_block_and_single_agree(n: int, friction: float) -> None:
-    """Above 800 pairs a coarser problem gives the start; shuffled pairs have no order to use."""
+    """Above 800 pairs in flank order a coarser problem gives the start, asked for at any size;
+    shuffled pairs have no order to use."""
     rng = np.random.default_rng(n)
     matrix, row, gaps, torque = flank_problem(n, rng, friction=friction)
     levers = np.ones(n)
     single = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, method="single")
     block = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers)
-    assert block.info.rung == "block"
+    cascade = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, method="cascade")
+    assert block.info.rung == ("block" if n < 800 else "cascade")
     assert single.info.rung == "single"
+    assert cascade.info.rung == "cascade"
+    assert cascade.info.pivots < single.info.pivots
     order = rng.permutation(n)
     shuffled = fl.solve_contact(
         matrix[np.ix_(order, order)], row[order], gaps[order], torque, normal_lever_arms=levers
     )
+    assert shuffled.info.rung == "block"
     scale = single.normal_forces.max()
     for state, forces in (
         (block, block.normal_forces),
+        (cascade, cascade.normal_forces),
         (shuffled, shuffled.normal_forces[np.argsort(order)]),
     ):
         np.testing.assert_allclose(forces, single.normal_forces, rtol=0, atol=SOLVER * scale)

@@ -63,6 +63,29 @@ def test_radial_load_lifts_teeth_off() -> None:
     assert state.info.backward_error <= 10 * EPS
 
 
+@pytest.mark.parametrize("method", ["auto", "primal", "block", "cascade", "load_path"])
+@pytest.mark.parametrize("n", [30, 120, 480])
+@pytest.mark.parametrize("radial_load", [2400.0, 4500.0])
+def test_a_floating_hub_of_many_pairs(n: int, radial_load: float, method: str) -> None:
+    """Three motions: a pair that alone holds one of them may not leave for rounding's sake."""
+    angle = 2 * np.pi * np.arange(n) / n
+    levers = np.column_stack([np.full(n, BASE_RADIUS), np.cos(angle), np.sin(angle)])
+    apart = np.abs(angle[:, None] - angle)
+    apart = np.minimum(apart, 2 * np.pi - apart)
+    compliance = 1e-5 * (np.exp(-n / 24 * apart) + 0.05 * np.eye(n))
+    gaps = np.random.default_rng(n).uniform(0, 0.02, n)
+    loads = np.array([TORQUE, radial_load, 0.0])
+    state = fl.solve_contact_general(compliance, gaps, levers, loads, method=method)
+    assert (state.info.rung == "load_path") == (method == "load_path")
+    assert state.status == 0
+    assert state.info.backward_error <= 10 * EPS
+    reference = fl.solve_contact_general(compliance, gaps, levers, loads, method="load_path")
+    scale = reference.normal_forces.max()
+    np.testing.assert_allclose(
+        state.normal_forces, reference.normal_forces, rtol=0, atol=SOLVER * scale
+    )
+
+
 def test_radial_load_beyond_the_drive_flanks_has_no_state() -> None:
     compliance, levers = floating_spline()
     loads = np.array([TORQUE, 6000.0, 0.0])

@@ -80,7 +80,8 @@ def test_torque_nan() -> None:
 
 def test_unknown_method_names_the_available_ones() -> None:
     assert refusal(-4, method="lemke") == (
-        "method: expected one of 'auto', 'single', 'paper', 'block', 'load_path', found 'lemke'"
+        "method: expected one of 'auto', 'single', 'paper', 'block', 'load_path', 'cascade', "
+        "'primal', found 'lemke'"
     )
 
 

@@ -26,7 +26,15 @@ __all__ = ["ContactInfo", "ContactState", "solve_contact", "solve_contact_genera
 
 Vector = NDArray[np.float64]
 
-_METHODS = {"auto": 0, "single": 1, "paper": 2, "block": 3, "load_path": 4}
+_METHODS = {
+    "auto": 0,
+    "single": 1,
+    "paper": 2,
+    "block": 3,
+    "load_path": 4,
+    "cascade": 6,
+    "primal": 7,
+}
 _RUNGS = {number: name for name, number in _METHODS.items()} | {5: "single_pivoted"}
 # What the core is told of K.
 _GENERAL, _SYMMETRIC, _DEFINITE, _DEFINITE_PART = range(4)
