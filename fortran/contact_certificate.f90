@@ -2,8 +2,9 @@
 !> another set of pairs, whether it is the only one.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
-    use flankload_contact_problem, only: contact_problem, contact_result, unshifted, row_size, &
-        & least_row_sizes, row_tolerance
+    use flankload_contact_result, only: contact_result
+    use flankload_contact_problem, only: contact_problem, unshifted, row_size, least_row_sizes, &
+        & row_tolerance
     use flankload_lapack, only: potrf
     implicit none
     private

@@ -20,7 +20,7 @@ module flankload_contact_ladder
     public :: rung_auto, rung_single, rung_paper, rung_block, rung_load_path, rung_pivoted
     public :: rung_cascade, rung_primal
 
-    !> Single for few pairs, cascade for many in flank order without pairs to begin with, else block.
+    !> Single for few pairs; cascade for many in flank order with none to begin with; else block.
     integer, parameter :: rung_auto = 0
     !> One pair at a time, any may leave.
     integer, parameter :: rung_single = 1

@@ -2,13 +2,13 @@
 !>
 !> Sees only K, B, R, gaps and loads, never geometry.
 module flankload_contact_loop
-    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
         & no_contact_state
-    use flankload_contact_problem, only: contact_problem, contact_result, new_contact_problem, &
-        & row_tolerance, is_finite, is_finite_matrix, general_matrix, symmetric_matrix, &
-        & definite_matrix, definite_part
+    use flankload_contact_result, only: contact_result, blank
+    use flankload_contact_problem, only: contact_problem, new_contact_problem, row_tolerance, &
+        & is_finite, is_finite_matrix, general_matrix, symmetric_matrix, definite_matrix, &
+        & definite_part
     use flankload_loop_start, only: loop_state
     use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
@@ -20,7 +20,7 @@ module flankload_contact_loop
     private
 
     public :: contact_result
-    public :: solve_contact_problem
+    public :: solve_contact_problem, solve_and_keep, report_state
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -54,6 +54,33 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: problem
+        type(loop_state) :: state
+
+        call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, method, &
+            & warm_pairs, problem, state, result, error)
+    end subroutine solve_contact_problem
+
+    !> The same, with what another load may go on from.
+    pure subroutine solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, &
+        & method, warm_pairs, problem, state, result, error)
+        !> K, g0, B, R and Q
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        real(wp), intent(in) :: normal_gaps(:)
+        real(wp), intent(in) :: motions(:, :)
+        real(wp), intent(in) :: load_rows(:, :)
+        real(wp), intent(in) :: loads(:)
+        !> Structure of K, method, pairs to begin with
+        integer, intent(in) :: structure
+        integer, intent(in) :: method
+        integer, intent(in) :: warm_pairs(:)
+        !> The scaled problem
+        type(contact_problem), intent(out) :: problem
+        !> Where its loop ended
+        type(loop_state), intent(out) :: state
+        !> What the caller sees of it
+        type(contact_result), intent(out) :: result
+        !> Why there is no state
+        type(error_type), allocatable, intent(out) :: error
 
         call blank(result, size(normal_gaps), size(loads))
         call check_choice(size(normal_gaps), structure, method, warm_pairs, error)
@@ -64,7 +91,7 @@ contains
         if (method == method_paper) then
             call run_paper(problem, compliance, result, error)
         else
-            call run_ladder(problem, compliance, method, warm_pairs, result, error)
+            call run_ladder(problem, compliance, method, warm_pairs, state, result, error)
         end if
         if (.not. allocated(error)) then
             if (all(is_finite(result%gaps))) return
@@ -74,29 +101,7 @@ contains
             call blank(result, size(normal_gaps), size(loads))
             call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
         end if
-    end subroutine solve_contact_problem
-
-    !> A result without numbers.
-    pure subroutine blank(result, n, n_motions)
-        !> The result
-        type(contact_result), intent(out) :: result
-        !> Number of pairs
-        integer, intent(in) :: n
-        !> Number of motions
-        integer, intent(in) :: n_motions
-
-        real(wp) :: nan
-
-        nan = ieee_value(nan, ieee_quiet_nan)
-        allocate (result%forces(n), result%gaps(n), result%motion(n_motions), source=nan)
-        allocate (result%tangent(n_motions, n_motions), source=nan)
-        allocate (result%active_pairs(0))
-        result%condition = nan
-        result%growth = nan
-        result%backward_error = nan
-        result%margin = nan
-        result%largest_part = nan
-    end subroutine blank
+    end subroutine solve_and_keep
 
     !> A known structure and method, warm pairs that exist and differ.
     pure subroutine check_choice(n, structure, method, warm_pairs, error)
@@ -135,7 +140,7 @@ contains
     end subroutine check_choice
 
     !> The ladder from the given rung down.
-    pure subroutine run_ladder(problem, compliance, method, warm_pairs, result, error)
+    pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
         !> The problem
         type(contact_problem), intent(inout) :: problem
         !> K
@@ -144,30 +149,44 @@ contains
         integer, intent(in) :: method
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)
-        !> The state
+        !> Where the loop ended
+        type(loop_state), intent(out) :: state
+        !> What the caller sees of it
         type(contact_result), intent(inout) :: result
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        type(loop_state) :: state
         real(wp) :: part
 
         call climb(problem, compliance, method, warm_pairs, state, result%rung, part, error)
         result%pivots = state%pivots
-        if (allocated(error)) then
-            if (error%code == no_contact_state) then
-                result%motion = problem%load_row_scale*state%motion
-                result%largest_part = part
-            end if
-            return
+        if (.not. allocated(error)) then
+            call report_state(problem, compliance, state, result)
+        else if (error%code == no_contact_state) then
+            result%motion = problem%load_row_scale*state%motion
+            result%largest_part = part
         end if
+    end subroutine run_ladder
+
+    !> The state of a loop with its certificate, in the caller's units.
+    pure subroutine report_state(problem, compliance, state, result)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Where the loop ended
+        type(loop_state), intent(in) :: state
+        !> What the caller sees of it; its rung is known already
+        type(contact_result), intent(inout) :: result
+
+        result%pivots = state%pivots
         result%refactorisations = state%system%refactorisations
         result%growth = state%system%growth
         result%condition = state%condition
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
             & state%system%pairs, result)
-    end subroutine run_ladder
+    end subroutine report_state
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)

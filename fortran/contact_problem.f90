@@ -1,4 +1,4 @@
-!> The contact problem in its general form, scaled, and what is said of its solution.
+!> The contact problem in its general form, scaled.
 !>
 !>     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   Rᵀ F = Q
 !>
@@ -11,7 +11,7 @@ module flankload_contact_problem
     implicit none
     private
 
-    public :: contact_problem, contact_result
+    public :: contact_problem
     public :: new_contact_problem, shift_gaps, unshifted, contact_gaps
     public :: row_size, least_row_sizes
     public :: is_finite, is_finite_matrix
@@ -49,41 +49,6 @@ module flankload_contact_problem
         !> Scaled q_start, the motion at the start: small loads then lose no digits to large gaps
         real(wp), allocatable :: start_motion(:)
     end type contact_problem
-
-    !> The state of contact, in the caller's units.
-    type :: contact_result
-        !> Normal forces [N], shape (n)
-        real(wp), allocatable :: forces(:)
-        !> Final gaps along the normals [mm], shape (n)
-        real(wp), allocatable :: gaps(:)
-        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows why
-        real(wp), allocatable :: motion(:)
-        !> Pairs that carry a force, ascending, from 1
-        integer, allocatable :: active_pairs(:)
-        !> 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain
-        integer :: status = 0
-        !> The method that found it
-        integer :: rung = 0
-        !> Pairs that joined or left
-        integer :: pivots = 0
-        !> Factorisations as a whole (the block of a warm start is none)
-        integer :: refactorisations = 0
-        !> Condition of the equilibrated equations of the active pairs, 1-norm
-        real(wp) :: condition = 1.0_wp
-        !> Growth of the entries in elimination without exchange
-        real(wp) :: growth = 1.0_wp
-        !> Largest error of a row of the problem, relative to the row's own size
-        real(wp) :: backward_error = 0.0_wp
-        !> Distance to the nearest change of the active pairs: the least of force over largest force
-        !> (active) and gap over the row's own size (others)
-        real(wp) :: margin = 0.0_wp
-        !> No other state exists
-        logical :: unique = .false.
-        !> Without a state: part of the loads that can be held on the way there
-        real(wp) :: largest_part = 0.0_wp
-        !> d motion / d load, shape (n_motions, n_motions)
-        real(wp), allocatable :: tangent(:, :)
-    end type contact_result
 
     !> What the caller says of K: nothing, that it is symmetric, also positive definite (any elastic
     !> compliance is), or that the symmetric part of W K is positive definite (see `is_unique`).

@@ -7,6 +7,11 @@ module flankload
         & method_auto, method_single, method_paper, method_block, &
         & method_load_path, method_pivoted, method_cascade, method_primal, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
+    use flankload_contact_result, only: counters_of, certificate_of
+    use flankload_row_scaling, only: scale_rows
+    use flankload_contact_loads, only: solve_contact_loads
+    use flankload_contact_sequence, only: solve_contact_sequence
+    use flankload_column_demand, only: column_source, solve_on_demand, solve_known_columns
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_circle_pair, only: flank_type, new_flank
     use flankload_compliance_field, only: compliance_type
@@ -18,6 +23,10 @@ module flankload
     public :: wp, version_number
     public :: error_type
     public :: contact_result, solve_contact_problem
+    public :: scale_rows
+    public :: solve_contact_loads, solve_contact_sequence
+    public :: column_source, solve_on_demand, solve_known_columns
+    public :: counters_of, certificate_of
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part

@@ -1,11 +1,42 @@
 ! The contact loop through the flat door.
 
+!> diag(b) A [mm/N] of a flexibility matrix A [rad/N], and whether it is symmetric.
+subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
+        & symmetric, elastic, info)
+    use flankload, only: scale_rows
+    implicit none
+    !> Number of pairs
+    integer, intent(in) :: n
+    !> A or its transpose, shape (n, n)
+    double precision, intent(in) :: flexibility(n, n)
+    !> 1: the transpose (a caller whose matrices stand row by row), 0: A
+    integer, intent(in) :: transposed
+    !> b [mm], shape (n)
+    double precision, intent(in) :: row_scale(n)
+    !> diag(b) A, shape (n, n)
+    double precision, intent(out) :: compliance(n, n)
+    !> 1: symmetric to 1e-12 of its diagonal, and all its numbers are finite
+    integer, intent(out) :: symmetric
+    !> 1: symmetric, and no entry contradicts a positive definite matrix by itself
+    integer, intent(out) :: elastic
+    !> 0: done
+    integer, intent(out) :: info
+
+    logical :: equal, bounded
+
+    call scale_rows(flexibility, transposed == 1, row_scale, compliance, equal, bounded)
+    symmetric = merge(1, 0, equal)
+    elastic = merge(1, 0, bounded)
+    info = 0
+end subroutine flankload_normal_compliance
+
 !> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
 subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &
         & load_rows, loads, structure, method, warm_pairs, forces, gaps, motion, tangent, &
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-    use flankload, only: solve_contact_problem, contact_result, error_type
+    use flankload, only: solve_contact_problem, contact_result, error_type, counters_of, &
+        & certificate_of
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -66,10 +97,79 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     tangent = result%tangent
     active = 0
     active(result%active_pairs) = 1
-    counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
-        & result%rung]
-    certificate = [result%condition, result%growth, result%backward_error, result%margin, &
-        & result%largest_part]
+    counters = counters_of(result)
+    certificate = certificate_of(result)
     info = result%status
     if (allocated(error)) info = error%code
 end subroutine flankload_solve_contact
+
+!> One step of the contact problem without its matrix: solve with the columns that are known, and
+!> say which are wanted next. Call with n_known = 0 first, make the wanted columns, append them,
+!> call again with the active pairs to begin with, until none is wanted.
+subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, columns, diagonal, &
+        & normal_gaps, motions, load_rows, loads, structure, method, warm_pairs, n_wanted, wanted, &
+        & forces, gaps, motion, tangent, active, counters, certificate, info)
+    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+    use flankload, only: solve_known_columns, contact_result, error_type, counters_of, &
+        & certificate_of
+    implicit none
+    !> Number of pairs, of known columns, of motions, of pairs to begin with
+    integer, intent(in) :: n
+    integer, intent(in) :: n_known
+    integer, intent(in) :: n_motions
+    integer, intent(in) :: n_warm
+    !> Pairs whose columns are known, from 1, shape (n_known)
+    integer, intent(in) :: known(n_known)
+    !> Their columns of K [mm/N], shape (n, n_known)
+    double precision, intent(in) :: columns(n, n_known)
+    !> Diagonal of K [mm/N], shape (n)
+    double precision, intent(in) :: diagonal(n)
+    !> g0 [mm], B, R and Q as in flankload_solve_contact
+    double precision, intent(in) :: normal_gaps(n)
+    double precision, intent(in) :: motions(n, n_motions)
+    double precision, intent(in) :: load_rows(n, n_motions)
+    double precision, intent(in) :: loads(n_motions)
+    !> Structure of K (uniqueness is said only with 2 and 3, or with all columns) and method, as in
+    !> flankload_solve_contact; not that of the paper
+    integer, intent(in) :: structure
+    integer, intent(in) :: method
+    !> Known pairs to begin with: those active after the step before, from 1, shape (n_warm)
+    integer, intent(in) :: warm_pairs(n_warm)
+    !> How many columns are wanted, 0 at the end, and of which pairs, shape (n)
+    integer, intent(out) :: n_wanted
+    integer, intent(out) :: wanted(n)
+    !> State of contact as in flankload_solve_contact; before the end that of the known pairs
+    double precision, intent(out) :: forces(n)
+    double precision, intent(out) :: gaps(n)
+    double precision, intent(out) :: motion(n_motions)
+    double precision, intent(out) :: tangent(n_motions, n_motions)
+    integer, intent(out) :: active(n)
+    integer, intent(out) :: counters(4)
+    double precision, intent(out) :: certificate(5)
+    !> Status 0 … 3, or an error -1 … -5
+    integer, intent(out) :: info
+
+    type(contact_result) :: result
+    type(error_type), allocatable :: error
+    integer, allocatable :: next(:)
+    integer :: n_threads
+
+    n_threads = omp_get_max_threads()
+    call omp_set_num_threads(1)
+    call solve_known_columns(known, columns, diagonal, normal_gaps, motions, load_rows, loads, &
+        & structure, method, warm_pairs, next, result, error)
+    call omp_set_num_threads(n_threads)
+    n_wanted = size(next)
+    wanted = 0
+    wanted(:n_wanted) = next
+    forces = result%forces
+    gaps = result%gaps
+    motion = result%motion
+    tangent = result%tangent
+    active = 0
+    active(result%active_pairs) = 1
+    counters = counters_of(result)
+    certificate = certificate_of(result)
+    info = result%status
+    if (allocated(error)) info = error%code
+end subroutine flankload_contact_columns

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.contact import ContactState, solve_contact, solve_contact_general
+    from flankload.contact import (
+        ContactState,
+        solve_contact,
+        solve_contact_general,
+        solve_contact_on_demand,
+        solve_contact_sequence,
+        solve_contact_torques,
+    )
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.solve import solve
@@ -26,6 +33,9 @@ __all__ = [
     "solve",
     "solve_contact",
     "solve_contact_general",
+    "solve_contact_on_demand",
+    "solve_contact_sequence",
+    "solve_contact_torques",
 ]
 
 _ROOM_OF_NAME = {
@@ -34,6 +44,9 @@ _ROOM_OF_NAME = {
     "ContactState": "contact",
     "solve_contact": "contact",
     "solve_contact_general": "contact",
+    "solve_contact_on_demand": "contact",
+    "solve_contact_sequence": "contact",
+    "solve_contact_torques": "contact",
     "Result": "result",
     "solve": "solve",
 }

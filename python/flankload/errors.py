@@ -59,9 +59,15 @@ class ContactError(FlankloadError):
     ----------
     code : int
         The core's code: -1 … -6.
+    place : tuple of int
+        Of many problems solved at once: numbers of the position and of the torque.
+    states : tuple
+        Of many problems solved at once: the states of the others, None where there is none.
     """
 
     code = 0
+    place: tuple[int, ...] = ()
+    states: tuple[object, ...] = ()
 
 
 class NoContactState(ContactError):  # noqa: N818 - a public name

@@ -58,7 +58,9 @@ def test_block_and_single_agree(n: int, friction: float) -> None:
     levers = np.ones(n)
     single = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, method="single")
     block = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers)
-    cascade = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, method="cascade")
+    cascade = fl.solve_contact(
+        matrix, row, gaps, torque, normal_lever_arms=levers, method="cascade"
+    )
     assert block.info.rung == ("block" if n < 800 else "cascade")
     assert single.info.rung == "single"
     assert cascade.info.rung == "cascade"
@@ -110,16 +112,35 @@ def test_twins_and_several_motions_in_blocks() -> None:
         )
 
 
-def test_a_promised_matrix_is_not_read_as_a_whole() -> None:
-    """Open pairs 40 and 41 would drive each other away: a second state that only all of K shows."""
+def test_uniqueness_rests_on_what_it_says() -> None:
+    """Open pairs that would drive each other away make a second state. A single entry too large for
+    an elastic compliance is seen; three of which none is too large only by a proof, or not at all
+    where the caller vouches for the matrix."""
     rng = np.random.default_rng(2)
     matrix, row, gaps, torque = flank_problem(80, rng)
     gaps[40:] += 10.0
-    matrix[40, 41] = matrix[41, 40] = -1e6
-    assert fl.solve_contact(matrix, row, gaps, torque).status == 3
-    promised = fl.solve_contact(matrix, row, gaps, torque, positive_definite=True)
-    assert promised.status == 0
-    assert promised.active_pairs.max() < 40
+    elastic = fl.solve_contact(matrix, row, gaps, torque)
+    assert (elastic.status, elastic.info.uniqueness) == (0, "elastic")
+    proven = fl.solve_contact(matrix, row, gaps, torque, positive_definite=False)
+    assert (proven.status, proven.info.uniqueness) == (0, "proven")
+    large = matrix.copy()
+    large[40, 41] = large[41, 40] = -1e6
+    state = fl.solve_contact(large, row, gaps, torque)
+    assert (state.status, state.info.uniqueness) == (3, "not certain")
+    three = matrix.copy()
+    root = np.sqrt(matrix.diagonal())
+    for i, j in ((50, 60), (60, 70), (50, 70)):
+        three[i, j] = three[j, i] = -0.9 * root[i] * root[j]
+    assert fl.solve_contact(three, row, gaps, torque, positive_definite=False).status == 3
+    vouched = fl.solve_contact(three, row, gaps, torque, positive_definite=True)
+    assert (vouched.status, vouched.info.uniqueness) == (0, "elastic")
+    assert vouched.active_pairs.max() < 40
+
+
+def test_few_pairs_are_proven_unique() -> None:
+    rng = np.random.default_rng(2)
+    matrix, row, gaps, torque = flank_problem(40, rng)
+    assert fl.solve_contact(matrix, row, gaps, torque).info.uniqueness == "proven"
 
 
 def test_a_promise_that_the_pairs_in_contact_break_is_not_believed() -> None:

@@ -13,8 +13,8 @@ from flankload.errors import InputError
 Vector = NDArray[np.float64]
 
 
-def array(name: str, values: Any, n_axes: int | None) -> Vector:
-    """Finite double-precision numbers, or an InputError that names the argument."""
+def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:
+    """Double-precision numbers, or an InputError that names the argument."""
     try:
         numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -22,11 +22,17 @@ def array(name: str, values: Any, n_axes: int | None) -> Vector:
     if n_axes is not None and numbers.ndim != n_axes:
         kind = "a number" if n_axes == 0 else f"{n_axes} axes"
         raise InputError(f"{name}: expected {kind}, found shape {numbers.shape}")
+    if finite:
+        expect_finite(name, numbers)
+    return numbers
+
+
+def expect_finite(name: str, numbers: Vector) -> None:
+    """Raise an InputError where a number is NaN or infinite."""
     if not np.isfinite(numbers).all():
         place = np.argwhere(~np.isfinite(numbers))[0].tolist()
         found = numbers[tuple(place)]
         raise InputError(f"{name}: expected finite numbers, found {found} at {place}")
-    return numbers
 
 
 def expect_shape(name: str, numbers: Vector, shape: tuple[int, ...]) -> None:

@@ -33,8 +33,12 @@ class ContactInfo:
         Distance to the nearest change of the active pairs: the least of force over largest force
         (active pairs) and gap over the row's own size (others).
     unique : bool
-        No other state exists: proven from the whole matrix, or where the caller knows it to be
-        positive definite, from that.
+        No other state exists.
+    uniqueness : {"proven", "elastic", "not certain"}
+        What that rests on: the whole matrix was factored; or the matrix is known to be positive
+        definite, as that of elastic bodies is, and all that was read of it confirms it.
+    influence_columns : int
+        Columns of the influence matrix that were made: all, but for `solve_contact_on_demand`.
     undetermined : tuple of tuple of int
         Groups of pairs of which only the sum of the forces is certain.
     """
@@ -47,6 +51,8 @@ class ContactInfo:
     backward_error: float
     margin: float
     unique: bool
+    uniqueness: str
+    influence_columns: int
     undetermined: tuple[tuple[int, ...], ...] = ()
 
 

@@ -1,0 +1,123 @@
+!> One contact problem under several loads, followed from the least load to the largest.
+!>
+!> Where it can, each state goes on from the pairs and the factor of the one before: along the load
+!> path few pairs join or leave between neighbours, and nothing is factored anew.
+module flankload_contact_loads
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type
+    use flankload_contact_result, only: contact_result
+    use flankload_contact_problem, only: contact_problem
+    use flankload_loop_start, only: loop_state
+    use flankload_block_loop, only: settle_blocks
+    use flankload_contact_loop, only: solve_and_keep, report_state, method_auto, method_block, &
+        & method_cascade
+    implicit none
+    private
+
+    public :: solve_contact_loads
+
+    !> Loads this far from those that set the scales are scaled for themselves.
+    real(wp), parameter :: far_load = 1.0e3_wp
+
+contains
+
+    !> Solve for every load.
+    pure subroutine solve_contact_loads(compliance, normal_gaps, motions, load_rows, loads, &
+        & structure, method, warm_pairs, results, codes)
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0 [mm], shape (n)
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B and R, shape (n, n_motions)
+        real(wp), intent(in) :: motions(:, :)
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q, a column for each state, shape (n_motions, n_loads)
+        real(wp), intent(in) :: loads(:, :)
+        !> Structure of K and method, as of solve_contact_problem
+        integer, intent(in) :: structure
+        integer, intent(in) :: method
+        !> Pairs to begin with, from 1
+        integer, intent(in) :: warm_pairs(:)
+        !> The states, in the order of the loads, shape (n_loads)
+        type(contact_result), intent(inout) :: results(:)
+        !> 0, or the code of why there is no state, shape (n_loads)
+        integer, intent(out) :: codes(:)
+
+        type(contact_problem) :: problem
+        type(loop_state) :: state
+        type(error_type), allocatable :: error
+        integer, allocatable :: begin(:), order(:)
+        logical :: kept, done
+        integer :: step, l
+
+        begin = warm_pairs
+        order = ascending(loads)
+        kept = .false.
+        do step = 1, size(order)
+            l = order(step)
+            codes(l) = 0
+            done = .false.
+            if (kept) call go_on(problem, compliance, loads(:, l), state, results(l), done)
+            if (.not. done) then
+                call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads(:, l), &
+                    & structure, method, begin, problem, state, results(l), error)
+                if (allocated(error)) codes(l) = error%code
+            end if
+            kept = codes(l) == 0 .and. .not. state%pivoted &
+                & .and. any(method == [method_auto, method_block, method_cascade])
+            if (codes(l) == 0 .and. size(results(l)%active_pairs) > 0) then
+                begin = results(l)%active_pairs
+            end if
+        end do
+    end subroutine solve_contact_loads
+
+    !> Numbers of the loads, from the least to the largest.
+    pure function ascending(loads) result(order)
+        !> Q, shape (n_motions, n_loads)
+        real(wp), intent(in) :: loads(:, :)
+        integer, allocatable :: order(:)
+
+        integer :: i, j
+        real(wp), allocatable :: sizes(:)
+
+        sizes = maxval(abs(loads), dim=1)
+        order = [(i, i=1, size(sizes))]
+        do i = 2, size(order)
+            do j = i, 2, -1
+                if (sizes(order(j - 1)) <= sizes(order(j))) exit
+                order(j - 1:j) = order([j, j - 1])
+            end do
+        end do
+    end function ascending
+
+    !> Go on to another load with the pairs and the factor that are there.
+    pure subroutine go_on(problem, compliance, loads, state, result, done)
+        !> The problem, then with these loads
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Q, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> Where the loop stands
+        type(loop_state), intent(inout) :: state
+        !> What the caller sees of the state
+        type(contact_result), intent(inout) :: result
+        !> False where the loop gave up
+        logical, intent(out) :: done
+
+        real(wp) :: largest
+
+        problem%loads = problem%load_row_scale*loads/problem%load_scale
+        largest = maxval(abs(problem%loads))
+        done = largest >= 1.0_wp/far_load .and. largest <= far_load
+        if (.not. done) return
+        state%pivots = 0
+        state%system%refactorisations = 0
+        state%system%growth = state%system%factor%growth
+        call settle_blocks(problem, compliance, state, done)
+        if (.not. done) return
+        result%rung = method_block
+        call report_state(problem, compliance, state, result)
+    end subroutine go_on
+
+end module flankload_contact_loads

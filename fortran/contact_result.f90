@@ -1,0 +1,92 @@
+!> The state of contact as the caller sees it, and what is said of it.
+module flankload_contact_result
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+    use flankload_kinds, only: wp
+    implicit none
+    private
+
+    public :: contact_result
+    public :: blank, counters_of, certificate_of
+
+    !> The state of contact, in the caller's units.
+    type :: contact_result
+        !> Normal forces [N], shape (n)
+        real(wp), allocatable :: forces(:)
+        !> Final gaps along the normals [mm], shape (n)
+        real(wp), allocatable :: gaps(:)
+        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows why
+        real(wp), allocatable :: motion(:)
+        !> Pairs that carry a force, ascending, from 1
+        integer, allocatable :: active_pairs(:)
+        !> 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain
+        integer :: status = 0
+        !> The method that found it
+        integer :: rung = 0
+        !> Pairs that joined or left
+        integer :: pivots = 0
+        !> Factorisations as a whole (the block of a warm start is none)
+        integer :: refactorisations = 0
+        !> Condition of the equilibrated equations of the active pairs, 1-norm
+        real(wp) :: condition = 1.0_wp
+        !> Growth of the entries in elimination without exchange
+        real(wp) :: growth = 1.0_wp
+        !> Largest error of a row of the problem, relative to the row's own size
+        real(wp) :: backward_error = 0.0_wp
+        !> Distance to the nearest change of the active pairs: the least of force over largest force
+        !> (active) and gap over the row's own size (others)
+        real(wp) :: margin = 0.0_wp
+        !> No other state exists
+        logical :: unique = .false.
+        !> Without a state: part of the loads that can be held on the way there
+        real(wp) :: largest_part = 0.0_wp
+        !> d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: tangent(:, :)
+    end type contact_result
+
+contains
+
+    !> A result without numbers.
+    pure subroutine blank(result, n, n_motions)
+        !> The result
+        type(contact_result), intent(out) :: result
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Number of motions
+        integer, intent(in) :: n_motions
+
+        real(wp) :: nan
+
+        nan = ieee_value(nan, ieee_quiet_nan)
+        allocate (result%forces(n), result%gaps(n), result%motion(n_motions), source=nan)
+        allocate (result%tangent(n_motions, n_motions), source=nan)
+        allocate (result%active_pairs(0))
+        result%condition = nan
+        result%growth = nan
+        result%backward_error = nan
+        result%margin = nan
+        result%largest_part = nan
+    end subroutine blank
+
+    !> Counters in the order of the flat door: pivots, refactorisations, 1 where the state is
+    !> unique, the method that found it.
+    pure function counters_of(result) result(counters)
+        !> A state
+        type(contact_result), intent(in) :: result
+        integer :: counters(4)
+
+        counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
+            & result%rung]
+    end function counters_of
+
+    !> Certificate in the order of the flat door: condition, growth, backward error, margin, part of
+    !> the loads that can be held.
+    pure function certificate_of(result) result(certificate)
+        !> A state
+        type(contact_result), intent(in) :: result
+        real(wp) :: certificate(5)
+
+        certificate = [result%condition, result%growth, result%backward_error, result%margin, &
+            & result%largest_part]
+    end function certificate_of
+
+end module flankload_contact_result

@@ -1,0 +1,122 @@
+!> Many contact problems in one call: a pair of bodies in many positions, each under many loads.
+!>
+!> A problem begins with the pairs that carried in the one before it, known again by their keys
+!> (such as their place from the point of contact). Problems are parted into runs of fixed length
+!> that know nothing of each other; threads share the runs, so that the answer is bitwise the same
+!> whatever their number.
+module flankload_contact_sequence
+    use flankload_kinds, only: wp
+    use flankload_contact_result, only: contact_result
+    use flankload_contact_loads, only: solve_contact_loads
+    implicit none
+    private
+
+    public :: solve_contact_sequence
+
+    !> Problems of a run; its first one has nothing to begin with.
+    integer, parameter :: run_length = 8
+
+contains
+
+    !> Solve every problem for every load.
+    subroutine solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, &
+        & keys, structures, method, results, codes)
+        !> Number of pairs of each problem, shape (n_problems)
+        integer, intent(in) :: sizes(:)
+        !> Q, shape (n_motions, n_loads, n_problems)
+        real(wp), intent(in) :: loads(:, :, :)
+        !> K of one problem after the other, each column by column [mm/N], shape (Σ n²)
+        real(wp), intent(in) :: compliances(sum(sizes**2))
+        !> g0 of one problem after the other [mm], shape (Σ n)
+        real(wp), intent(in) :: normal_gaps(sum(sizes))
+        !> B and R of one problem after the other, each column by column, shape (Σ n n_motions)
+        real(wp), intent(in) :: motions(sum(sizes)*size(loads, 1))
+        real(wp), intent(in) :: load_rows(sum(sizes)*size(loads, 1))
+        !> What a pair of one problem is known by in the next, shape (Σ n)
+        integer, intent(in) :: keys(:)
+        !> Structure of each K, shape (n_problems), and method, as of solve_contact_problem
+        integer, intent(in) :: structures(:)
+        integer, intent(in) :: method
+        !> States, shape (n_loads, n_problems)
+        type(contact_result), intent(inout) :: results(:, :)
+        !> 0, or the code of why there is no state, shape (n_loads, n_problems)
+        integer, intent(out) :: codes(:, :)
+
+        integer :: p, first_of_run
+        integer, allocatable :: pairs_before(:), entries_before(:)
+
+        pairs_before = [(sum(sizes(:p - 1)), p=1, size(sizes))]
+        entries_before = [(sum(sizes(:p - 1)**2), p=1, size(sizes))]
+        !$omp parallel do schedule(dynamic)
+        do first_of_run = 1, size(sizes), run_length
+            call solve_run(first_of_run, min(first_of_run + run_length - 1, size(sizes)))
+        end do
+        !$omp end parallel do
+
+    contains
+
+        !> One problem after the other.
+        subroutine solve_run(first, last)
+            !> First and last problem
+            integer, intent(in) :: first
+            integer, intent(in) :: last
+
+            integer :: k, n, at, least
+            integer, allocatable :: known(:), warm_pairs(:)
+
+            allocate (known(0))
+            do k = first, last
+                n = sizes(k)
+                at = pairs_before(k)
+                warm_pairs = pairs_with_keys(keys(at + 1:at + n), known)
+                call solve_packed(n, size(loads, 1), size(loads, 2), &
+                    & compliances(entries_before(k) + 1), normal_gaps(at + 1), &
+                    & motions(at*size(loads, 1) + 1), load_rows(at*size(loads, 1) + 1), &
+                    & loads(:, :, k), structures(k), method, warm_pairs, results(:, k), codes(:, k))
+                least = minloc(maxval(abs(loads(:, :, k)), dim=1), dim=1, mask=codes(:, k) == 0)
+                known = [integer ::]
+                if (least > 0) known = keys(at + results(least, k)%active_pairs)
+            end do
+        end subroutine solve_run
+
+    end subroutine solve_contact_sequence
+
+    !> A problem within packed arrays; explicit shapes, so that its part is handed on in place.
+    pure subroutine solve_packed(n, n_motions, n_loads, compliance, normal_gaps, motions, &
+        & load_rows, loads, structure, method, warm_pairs, results, codes)
+        !> Number of pairs, motions and loads
+        integer, intent(in) :: n
+        integer, intent(in) :: n_motions
+        integer, intent(in) :: n_loads
+        !> K, g0, B, R and Q
+        real(wp), intent(in) :: compliance(n, n)
+        real(wp), intent(in) :: normal_gaps(n)
+        real(wp), intent(in) :: motions(n, n_motions)
+        real(wp), intent(in) :: load_rows(n, n_motions)
+        real(wp), intent(in) :: loads(n_motions, n_loads)
+        !> Structure of K, method, pairs to begin with
+        integer, intent(in) :: structure
+        integer, intent(in) :: method
+        integer, intent(in) :: warm_pairs(:)
+        !> States and codes, shape (n_loads)
+        type(contact_result), intent(inout) :: results(:)
+        integer, intent(out) :: codes(:)
+
+        call solve_contact_loads(compliance, normal_gaps, motions, load_rows, loads, structure, &
+            & method, warm_pairs, results, codes)
+    end subroutine solve_packed
+
+    !> Numbers of the pairs whose keys are among the given ones.
+    pure function pairs_with_keys(keys, known) result(pairs)
+        !> Keys of the pairs
+        integer, intent(in) :: keys(:)
+        !> The given ones
+        integer, intent(in) :: known(:)
+        integer, allocatable :: pairs(:)
+
+        integer :: i
+
+        pairs = pack([(i, i=1, size(keys))], [(any(known == keys(i)), i=1, size(keys))])
+    end function pairs_with_keys
+
+end module flankload_contact_sequence

@@ -1,0 +1,76 @@
+! Many contact problems at once through the flat door.
+
+!> States of contact of several problems, each for several loads.
+subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n_loads, n_threads, &
+        & sizes, compliances, normal_gaps, motions, load_rows, loads, keys, structures, method, &
+        & forces, gaps, motion, tangent, active, counters, certificate, info)
+    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+    use flankload, only: solve_contact_sequence, contact_result, counters_of, certificate_of
+    implicit none
+    !> Number of problems
+    integer, intent(in) :: n_problems
+    !> Sum of the numbers of pairs, and of their squares
+    integer, intent(in) :: n_pairs
+    integer, intent(in) :: n_entries
+    !> Number of motions, and of loads of each problem
+    integer, intent(in) :: n_motions
+    integer, intent(in) :: n_loads
+    !> Threads that share the work; 0: as many as OpenMP takes by itself
+    integer, intent(in) :: n_threads
+    !> Number of pairs of each problem, shape (n_problems)
+    integer, intent(in) :: sizes(n_problems)
+    !> K of one problem after the other, each (size, size) column by column [mm/N]
+    double precision, intent(in) :: compliances(n_entries)
+    !> g0 of one problem after the other [mm]
+    double precision, intent(in) :: normal_gaps(n_pairs)
+    !> B and R of one problem after the other, each (size, n_motions) column by column
+    double precision, intent(in) :: motions(n_pairs*n_motions)
+    double precision, intent(in) :: load_rows(n_pairs*n_motions)
+    !> Q, shape (n_motions, n_loads, n_problems)
+    double precision, intent(in) :: loads(n_motions, n_loads, n_problems)
+    !> What a pair of one problem is known by in the next (such as its place from the point of
+    !> contact), each once in a problem
+    integer, intent(in) :: keys(n_pairs)
+    !> Structure of each K, shape (n_problems), and method, as in flankload_solve_contact
+    integer, intent(in) :: structures(n_problems)
+    integer, intent(in) :: method
+    !> Normal forces [N] and final gaps [mm], one problem after the other, a column for each load
+    double precision, intent(out) :: forces(n_pairs, n_loads)
+    double precision, intent(out) :: gaps(n_pairs, n_loads)
+    !> The rest as in flankload_solve_contact, for every load of every problem
+    double precision, intent(out) :: motion(n_motions, n_loads, n_problems)
+    double precision, intent(out) :: tangent(n_motions, n_motions, n_loads, n_problems)
+    integer, intent(out) :: active(n_pairs, n_loads)
+    integer, intent(out) :: counters(4, n_loads, n_problems)
+    double precision, intent(out) :: certificate(5, n_loads, n_problems)
+    !> Status 0 … 3, or an error -1 … -6, shape (n_loads, n_problems)
+    integer, intent(out) :: info(n_loads, n_problems)
+
+    type(contact_result), allocatable :: results(:, :)
+    integer, allocatable :: codes(:, :)
+    integer :: p, l, first, last, n_threads_before
+
+    allocate (results(n_loads, n_problems), codes(n_loads, n_problems))
+    n_threads_before = omp_get_max_threads()
+    if (n_threads > 0) call omp_set_num_threads(n_threads)
+    call solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, keys, &
+        & structures, method, results, codes)
+    call omp_set_num_threads(n_threads_before)
+    active = 0
+    last = 0
+    do p = 1, n_problems
+        first = last + 1
+        last = last + sizes(p)
+        do l = 1, n_loads
+            forces(first:last, l) = results(l, p)%forces
+            gaps(first:last, l) = results(l, p)%gaps
+            motion(:, l, p) = results(l, p)%motion
+            tangent(:, :, l, p) = results(l, p)%tangent
+            active(first - 1 + results(l, p)%active_pairs, l) = 1
+            counters(:, l, p) = counters_of(results(l, p))
+            certificate(:, l, p) = certificate_of(results(l, p))
+            info(l, p) = results(l, p)%status
+            if (codes(l, p) < 0) info(l, p) = codes(l, p)
+        end do
+    end do
+end subroutine flankload_solve_sequence

@@ -1,0 +1,132 @@
+"""What the core says, as a state of contact or as an error."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.contact.problem import DEFINITE, RUNGS, ContactProblem
+from flankload.contact.state import ContactInfo, ContactState, undetermined_groups
+from flankload.errors import (
+    ContactError,
+    InputError,
+    NegativeForce,
+    NoContactState,
+    PivotLimit,
+    SingularContact,
+)
+
+Vector = NDArray[np.float64]
+
+
+class CoreAnswer(NamedTuple):
+    """What the core hands back for one state, in its order."""
+
+    forces: Vector
+    gaps: Vector
+    motion: Vector
+    tangent: Vector
+    active: NDArray[np.int32]
+    counters: NDArray[np.int32]
+    certificate: Vector
+    code: int
+
+
+def state_of(
+    problem: ContactProblem,
+    loads: Vector,
+    answer: CoreAnswer,
+    *,
+    known: NDArray[np.int32] | None = None,
+    columns: Vector | None = None,
+) -> ContactState:
+    """The state of contact, or the error that the core's code stands for.
+
+    Where only some columns of K were made, `known` are their pairs.
+    """
+    code = int(answer.code)
+    if code < 0 and code != NegativeForce.code:
+        raise failure(problem, loads, answer)
+    unique = bool(answer.counters[2])
+    info = ContactInfo(
+        rung=RUNGS[int(answer.counters[3])],
+        pivots=int(answer.counters[0]),
+        refactorisations=int(answer.counters[1]),
+        condition=float(answer.certificate[0]),
+        growth=float(answer.certificate[1]),
+        backward_error=float(answer.certificate[2]),
+        margin=float(answer.certificate[3]),
+        unique=unique,
+        uniqueness=_uniqueness(unique, problem.structure),
+        influence_columns=problem.n if known is None else known.size,
+        undetermined=_undetermined(problem, answer, known, columns),
+    )
+    state = ContactState(
+        normal_forces=answer.forces,
+        final_gap_angles=answer.gaps / problem.gap_scale,
+        rotation=float(answer.motion[0]),
+        active_pairs=np.flatnonzero(answer.active),
+        status=code,
+        info=info,
+        motions=answer.motion,
+        tangent=answer.tangent,
+    )
+    if code == NegativeForce.code:
+        pair = int(answer.forces.argmin())
+        raise NegativeForce(
+            f"method 'paper' ended with tension, {answer.forces[pair]:g} N at pair {pair}",
+            state=state,
+        )
+    return state
+
+
+def _undetermined(
+    problem: ContactProblem,
+    answer: CoreAnswer,
+    known: NDArray[np.int32] | None,
+    columns: Vector | None,
+) -> tuple[tuple[int, ...], ...]:
+    """Groups of pairs of which only the sum is certain, in the numbers of all pairs."""
+    if known is None or columns is None:
+        return undetermined_groups(
+            problem.compliance, problem.load_rows, answer.forces, answer.gaps, answer.code
+        )
+    groups = undetermined_groups(
+        columns[known],
+        problem.load_rows[known],
+        answer.forces[known],
+        answer.gaps[known],
+        answer.code,
+    )
+    return tuple(sorted(tuple(sorted(int(known[k]) for k in group)) for group in groups))
+
+
+def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> ContactError:
+    """The exception of a code of the core."""
+    code = int(answer.code)
+    if code == NoContactState.code:
+        held = float(answer.certificate[4]) * loads
+        return NoContactState(
+            "no pairs can hold these loads: free to move along "
+            + ", ".join(f"{part:g}" for part in answer.motion)
+            + (f"; {held[0]:g} can be held" if held.size == 1 else ""),
+            largest_torque=float(held[0]) if held.size == 1 else 0.0,
+            motion=answer.motion,
+        )
+    if code == PivotLimit.code:
+        return PivotLimit(f"no state of contact reached after {int(answer.counters[0])} pivots")
+    if code == SingularContact.code:
+        return SingularContact(
+            f"{problem.names[1]}: the rows of pairs in contact depend on each other, "
+            "or a motion is held by no pair"
+        )
+    return InputError(f"the core refused the problem (code {code})", code=code)
+
+
+def _uniqueness(unique: bool, structure: int) -> str:
+    """What it rests on that no other state exists."""
+    if not unique:
+        return "not certain"
+    return "elastic" if structure >= DEFINITE else "proven"

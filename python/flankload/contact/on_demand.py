@@ -1,0 +1,151 @@
+"""The contact problem without its matrix: influence columns made where they are needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import flankload._core as _core
+from flankload.contact.answer import CoreAnswer, failure, state_of
+from flankload.contact.arguments import array, columns, expect_shape
+from flankload.contact.problem import (
+    DEFINITE,
+    DEFINITE_PART,
+    GENERAL,
+    SYMMETRIC,
+    ContactProblem,
+    expect_positive_diagonal,
+    loads_of_motions,
+    method_number,
+)
+from flankload.contact.state import ContactState
+from flankload.errors import InputError
+
+Vector = NDArray[np.float64]
+
+
+def solve_contact_on_demand(
+    influence_columns: Callable[[NDArray[np.intp]], ArrayLike],
+    diagonal: ArrayLike,
+    normal_gaps: ArrayLike,
+    motions: ArrayLike,
+    loads: ArrayLike,
+    *,
+    load_rows: ArrayLike | None = None,
+    method: str = "auto",
+    symmetric: bool = True,
+    positive_definite: bool | None = None,
+) -> ContactState:
+    """Find the state of contact of a problem whose influence columns cost time or memory.
+
+    Most potential pairs never touch. Columns are asked for, some at a time, of the pairs that come
+    near contact only; `info.influence_columns` says how many were made.
+
+    Parameters
+    ----------
+    influence_columns : callable
+        Takes the numbers of m pairs, from 0, and returns their columns of K [mm/N], shape (n, m).
+        No pair is asked for twice.
+    diagonal : array_like of shape (n,)
+        Diagonal of K [mm/N].
+    normal_gaps, motions, loads, load_rows, method
+        As in `solve_contact_general`; not method ``paper``.
+    symmetric : bool, optional
+        K is symmetric: the compliance of elastic bodies without friction (default).
+    positive_definite : bool, optional
+        K, or the symmetric part of one that is not symmetric, is known to be positive definite.
+        Default: as `symmetric` says. Without it uniqueness is not certain, since nothing proves it
+        but the whole matrix.
+
+    Returns
+    -------
+    ContactState
+
+    Raises
+    ------
+    InputError, NoContactState, PivotLimit, SingularContact
+        As `solve_contact_general`.
+    """
+    scale = array("diagonal", diagonal, 1)
+    if scale.size == 0:
+        raise InputError("diagonal: expected at least one pair, found shape (0,)")
+    expect_positive_diagonal(scale, "diagonal")
+    n = scale.size
+    gaps = array("normal_gaps", normal_gaps, 1)
+    expect_shape("normal_gaps", gaps, (n,))
+    load = loads_of_motions(loads)
+    levers = columns("motions", motions, (n, load.size))
+    rows = levers if load_rows is None else columns("load_rows", load_rows, (n, load.size))
+    if method == "paper":
+        raise InputError("method: 'paper' expected the whole matrix, found columns on demand")
+    definite = symmetric if positive_definite is None else positive_definite
+    if symmetric:
+        structure = DEFINITE if definite else SYMMETRIC
+    else:
+        structure = DEFINITE_PART if definite else GENERAL
+    problem = ContactProblem(
+        compliance=np.empty((n, 0), order="F"),
+        gaps=gaps,
+        motions=np.asfortranarray(levers),
+        load_rows=np.asfortranarray(rows),
+        structure=structure,
+        gap_scale=np.ones(n),
+        names=("influence_columns", "influence_columns"),
+    )
+    return _follow(influence_columns, scale, problem, load, method_number(method, problem))
+
+
+def _follow(
+    influence_columns: Callable[[NDArray[np.intp]], ArrayLike],
+    diagonal: Vector,
+    problem: ContactProblem,
+    loads: Vector,
+    method: int,
+) -> ContactState:
+    """Step by step: solve with the columns that are known, make those that are wanted."""
+    known = np.empty(0, dtype=np.int32)
+    warm = np.empty(0, dtype=np.int32)
+    made = problem.compliance
+    while True:
+        count, wanted, *parts = _core.flankload_contact_columns(
+            known + 1,
+            made.ravel(order="F"),
+            diagonal,
+            problem.gaps,
+            problem.motions,
+            problem.load_rows,
+            loads,
+            problem.structure,
+            method,
+            warm + 1,
+        )
+        answer = CoreAnswer(*parts)
+        if answer.code < 0:
+            raise failure(problem, loads, answer)
+        if count == 0:
+            return state_of(problem, loads, answer, known=known, columns=made)
+        pairs = wanted[:count] - 1
+        known = np.concatenate([known, pairs])
+        made = np.asfortranarray(np.hstack([made, _columns(influence_columns, pairs, diagonal)]))
+        warm = np.flatnonzero(answer.active).astype(np.int32)
+
+
+def _columns(
+    influence_columns: Callable[[NDArray[np.intp]], ArrayLike],
+    pairs: NDArray[np.int32],
+    diagonal: Vector,
+) -> Vector:
+    """The columns that were asked for, checked."""
+    made = array("influence_columns", influence_columns(pairs.astype(np.intp)), 2)
+    expect_shape("influence_columns", made, (diagonal.size, pairs.size))
+    own = made[pairs, np.arange(pairs.size)]
+    wrong = np.flatnonzero(np.abs(own - diagonal[pairs]) > 1e-12 * diagonal[pairs])
+    if wrong.size:
+        pair = int(pairs[wrong[0]])
+        raise InputError(
+            f"influence_columns: expected {diagonal[pair]:g} of the diagonal at pair {pair}, "
+            f"found {own[wrong[0]]:g}"
+        )
+    return made

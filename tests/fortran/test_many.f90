@@ -1,0 +1,145 @@
+!> A compliance matrix that makes its columns when they are asked for.
+module matrix_columns
+    use flankload, only: wp, column_source
+    implicit none
+    private
+
+    public :: matrix_source
+
+    type, extends(column_source) :: matrix_source
+        real(wp), allocatable :: matrix(:, :)
+    contains
+        procedure :: fill
+    end type matrix_source
+
+contains
+
+    !> Columns of the matrix.
+    pure subroutine fill(self, pairs, columns)
+        class(matrix_source), intent(in) :: self
+        integer, intent(in) :: pairs(:)
+        real(wp), intent(out) :: columns(:, :)
+
+        columns = self%matrix(:, pairs)
+    end subroutine fill
+
+end module matrix_columns
+
+!> Tests of many contact problems and of columns on demand, without Python.
+program test_many
+    use flankload, only: wp, contact_result, error_type, solve_contact_problem, &
+        & solve_contact_loads, solve_contact_sequence, solve_on_demand, method_auto, &
+        & definite_matrix
+    use matrix_columns, only: matrix_source
+    implicit none
+
+    integer, parameter :: n = 200
+    !> Identities hold to the accuracy of the solver.
+    real(wp), parameter :: solver = 1.0e-9_wp
+    real(wp), parameter :: levers(n, 1) = 25.0_wp
+    real(wp) :: compliance(n, n), gaps(n)
+    integer :: i, j
+
+    do j = 1, n
+        gaps(j) = 5.0e-5_wp*(j - 90)**2
+        do i = 1, n
+            compliance(i, j) = exp(-0.05_wp*abs(i - j)) + merge(0.1_wp, 0.0_wp, i == j)
+        end do
+    end do
+    call test_on_demand
+    call test_loads
+    call test_sequence
+    print '(a)', 'all passed'
+
+contains
+
+    !> Stop where something does not hold.
+    subroutine expect(holds, what)
+        !> What must be true
+        logical, intent(in) :: holds
+        !> Its words
+        character(len=*), intent(in) :: what
+
+        if (.not. holds) then
+            print '(2a)', 'failed: ', what
+            error stop 1
+        end if
+    end subroutine expect
+
+    !> The state of a torque by itself.
+    function alone(torque) result(state)
+        !> Torque [N mm]
+        real(wp), intent(in) :: torque
+        type(contact_result) :: state
+
+        type(error_type), allocatable :: error
+
+        call solve_contact_problem(compliance, gaps, levers, levers, [torque], definite_matrix, &
+            & method_auto, [integer ::], state, error)
+        call expect(.not. allocated(error), 'the torque is held')
+    end function alone
+
+    !> Both are the same state.
+    subroutine expect_same(state, other)
+        !> A state and another way to it
+        type(contact_result), intent(in) :: state
+        type(contact_result), intent(in) :: other
+
+        call expect(maxval(abs(state%forces - other%forces)) <= solver*maxval(other%forces), &
+            & 'the forces are the same')
+        call expect(abs(state%motion(1) - other%motion(1)) <= solver*abs(other%motion(1)), &
+            & 'the rotation is the same')
+        call expect(state%status == 0 .and. state%backward_error <= 10*epsilon(1.0_wp), &
+            & 'the certificate is clean')
+    end subroutine expect_same
+
+    !> Only pairs near contact have their columns made.
+    subroutine test_on_demand
+        type(matrix_source) :: source
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+        integer, allocatable :: known(:)
+
+        source%matrix = compliance
+        call solve_on_demand(source, [(compliance(i, i), i=1, n)], gaps, levers, levers, &
+            & [2.0_wp], definite_matrix, method_auto, known, state, error)
+        call expect(.not. allocated(error), 'the torque is held on demand')
+        call expect_same(state, alone(2.0_wp))
+        call expect(size(state%active_pairs) > 10, 'many pairs carry')
+        call expect(size(known) < n/2, 'most columns were never made')
+    end subroutine test_on_demand
+
+    !> Several torques at once are the torques one by one, whatever their order.
+    subroutine test_loads
+        real(wp), parameter :: torques(1, 5) = reshape( &
+            & [20.0_wp, 1.0_wp, 400.0_wp, 0.0_wp, 1.0e6_wp], [1, 5])
+        type(contact_result) :: states(5)
+        integer :: codes(5), k
+
+        call solve_contact_loads(compliance, gaps, levers, levers, torques, definite_matrix, &
+            & method_auto, [integer ::], states, codes)
+        call expect(all(codes == 0), 'all torques are held')
+        do k = 1, 5
+            call expect_same(states(k), alone(torques(1, k)))
+        end do
+    end subroutine test_loads
+
+    !> Problems one after the other are the problems one by one.
+    subroutine test_sequence
+        integer, parameter :: count = 12
+        type(contact_result) :: states(1, count)
+        real(wp), allocatable :: packed(:)
+        integer :: codes(1, count), k
+
+        packed = reshape(spread(compliance, 3, count), [n*n*count])
+        call solve_contact_sequence([(n, k=1, count)], packed, reshape(spread(gaps, 2, count), &
+            & [n*count]), [(25.0_wp, k=1, n*count)], [(25.0_wp, k=1, n*count)], &
+            & reshape([(5.0_wp*k, k=1, count)], [1, 1, count]), [((i, i=1, n), k=1, count)], &
+            & [(definite_matrix, k=1, count)], method_auto, states, codes)
+        call expect(all(codes == 0), 'every problem has a state')
+        do k = 1, count
+            call expect_same(states(1, k), alone(5.0_wp*k))
+        end do
+    end subroutine test_sequence
+
+end program test_many
