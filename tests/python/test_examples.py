@@ -20,11 +20,11 @@ def printed_by(run: object) -> str:
 
 def test_readme_prints_what_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    found = re.search(r"```python\n(.*?)```\n\n```\n(.*?)```", text, re.DOTALL)
-    assert found is not None
-    code, shown = found.groups()
+    examples = re.findall(r"```python\n(.*?)```\n\n```\n(.*?)```", text, re.DOTALL)
+    assert len(examples) == text.count("```python")
     monkeypatch.chdir(ROOT)
-    assert printed_by(lambda: exec(code, {})) == shown
+    for code, shown in examples:
+        assert printed_by(lambda code=code: exec(code, {})) == shown
 
 
 def test_files_that_the_readme_names_exist() -> None:
