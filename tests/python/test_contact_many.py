@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 import pytest
 from test_contact import random_problem
@@ -139,6 +141,21 @@ def test_answers_are_bitwise_the_same_with_any_number_of_threads() -> None:
                 assert state.final_gap_angles.tobytes() == same_state.final_gap_angles.tobytes()
                 assert state.rotation == same_state.rotation
                 assert state.info == same_state.info
+
+
+def test_the_threads_of_the_host_program_stay_as_they_were() -> None:
+    """OpenMP's number of threads, which is OpenBLAS's too, is the caller's own."""
+    openmp = ctypes.CDLL("libgomp.so.1")
+    before = openmp.omp_get_max_threads()
+    matrices, levers, gaps, _ = wandering_contact(3, 20)
+    try:
+        openmp.omp_set_num_threads(3)
+        fl.solve_contact(matrices[0], levers[0], gaps[0], 1.0)
+        fl.solve_contact_torques(matrices[0], levers[0], gaps[0], [1.0, 2.0])
+        fl.solve_contact_sequence(matrices, levers, gaps, 1.0, threads=2)
+        assert openmp.omp_get_max_threads() == 3
+    finally:
+        openmp.omp_set_num_threads(before)
 
 
 def test_friction_and_free_bodies_mix_in_a_sequence() -> None:
