@@ -1,132 +1,211 @@
-"""The contact loop against the paper's method and against the practical limit L.
+"""The contact loop against the practical limit L, the paper's method, and packages.
 
-L is what the final state alone costs in compiled code: one Cholesky factorisation of the pairs in
-contact, two right-hand sides, one gap check. `auto` carries its certificate, the matrix known to be
-positive definite; `proven` factors the whole matrix for it. The paper's method is measured with its
-kept factor (compiled) and as printed, (32) solved anew at every step (LAPACK's dgesv from Python).
-All on one thread; best of several runs; core times but for the columns of Python and dgesv.
+L is what the final state alone costs in compiled code: one factorisation of the pairs in contact,
+two right-hand sides, one gap check. Everything runs on one thread, one after another, so that the
+ratios of one run can be compared; times are the best of several runs.
 """
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgesv
+from tests.benchmarks._core import CoreTimes, core_times
+from tests.benchmarks._packages import PACKAGES
+from tests.benchmarks._problem import Problem, cylinder, residual
+from tests.benchmarks._rivals import Measured, least_ratio, measure_packages, number, table
 
-from flankload import solve_contact
+from flankload import ContactState, solve_contact, solve_contact_general
 
-ARM = 30.0
+SIZES = (100, 400, 1600)
+FRICTIONS = (0.0, 0.1)
+
+OURS = """\
+A cylinder on a half-plane: n pairs, k of them in contact, friction mu. Times in ms.
+  L        one factorisation of the k pairs, two right-hand sides, one gap check
+  bare     our loop without its certificate; auto: with it, K known to be positive definite
+  proven   auto, uniqueness proven from all of K; warm: auto begun with the final pairs
+  single   one pair at a time
+  angles   solve_contact called from Python; general: solve_contact_general"""
+OVER_LIMIT = """\
+The same over L; the calls from Python over auto; the largest error of a row on its own scale."""
+PAPER = """\
+The paper's growing loop, compiled and without a certificate: ms, and over ours.
+  kept     with a factor that is bordered from step to step
+  dgesv    as printed, (32) solved anew at every step"""
+PACKAGE = """\
+Packages, mu = {:g}: ms, over auto, largest error of a row on its own scale (the same measure for
+all; "!" where it exceeds 1e-9, which does not count)."""
+TIMED = "Timed of each is the call that solves, not what sets its data up:"
+WANTED = "What is wanted, and what this run has measured: mu = {:g}, then mu = {:g}."
 
 
-def hertz_problem(n: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """A cylinder on an elastic half-plane: compliance [mm/N], gaps [mm], torque [N mm].
+@dataclass(frozen=True)
+class Row:
+    """What was measured of our loops for one problem; times in ms."""
 
-    The load presses about a fifth of the n pairs into contact.
-    """
-    spacing = 2.0 / n
-    place = (np.arange(n) - 0.5 * (n - 1)) * spacing
-    kernel = 2.0 * (1.0 - 0.3**2) / (np.pi * 206000.0)
+    friction: float
+    core: CoreTimes
+    angles: float
+    general: float
+    residual: float
 
-    def primitive(x: np.ndarray) -> np.ndarray:
-        return x * np.log(np.abs(np.where(x == 0.0, 1.0, x)))
-
-    distance = np.abs(place[:, None] - place[None, :])
-    love = primitive(distance + 0.5 * spacing) - primitive(distance - 0.5 * spacing) - spacing
-    compliance = -2.0 * kernel * love / spacing + 4e-5
-    curvature, half_width = 0.2, 0.2
-    force = 0.69 * np.pi * half_width**2 * curvature / (8.0 * kernel)
-    return compliance, 0.5 * curvature * place**2, force * ARM
+    @property
+    def ours(self) -> Measured:
+        """As an answer among those of packages."""
+        return Measured(self.core.auto, self.residual)
 
 
-def best_time(call: Callable[[], object], seconds: float = 0.6) -> float:
-    """Shortest of several runs [s]."""
+Columns = Mapping[str, Callable[[Row], float]]
+
+TIMES: Columns = {
+    "L": lambda row: row.core.limit,
+    "bare": lambda row: row.core.bare,
+    "auto": lambda row: row.core.auto,
+    "proven": lambda row: row.core.proven,
+    "warm": lambda row: row.core.warm,
+    "single": lambda row: row.core.single,
+    "angles": lambda row: row.angles,
+    "general": lambda row: row.general,
+}
+RATIOS: Columns = {
+    "bare/L": lambda row: row.core.bare / row.core.limit,
+    "auto/L": lambda row: row.core.auto / row.core.limit,
+    "proven/L": lambda row: row.core.proven / row.core.limit,
+    "warm/L": lambda row: row.core.warm / row.core.limit,
+    "single/L": lambda row: row.core.single / row.core.limit,
+    "angles/auto": lambda row: row.angles / row.core.auto,
+    "general/auto": lambda row: row.general / row.core.auto,
+    "error": lambda row: row.residual,
+}
+PAPERS: Columns = {
+    "kept": lambda row: row.core.bordered,
+    "dgesv": lambda row: row.core.dgesv,
+    "kept/bare": lambda row: row.core.bordered / row.core.bare,
+    "dgesv/bare": lambda row: row.core.dgesv / row.core.bare,
+    "kept/auto": lambda row: row.core.bordered / row.core.auto,
+    "dgesv/auto": lambda row: row.core.dgesv / row.core.auto,
+}
+#: What is wanted where: number of pairs, what, at most or at least, limit.
+LIMITS = (
+    (400, "bare/L", "<=", 3.0),
+    (400, "auto/L", "<=", 5.0),
+    (400, "kept/auto", ">=", 3.0),
+    (400, "dgesv/auto", ">=", 12.0),
+    (1600, "bare/L", "<=", 2.0),
+    (1600, "auto/L", "<=", 3.0),
+    (1600, "kept/auto", ">=", 10.0),
+    (1600, "dgesv/auto", ">=", 80.0),
+    (100, "package/auto", ">=", 4.0),
+    (400, "package/auto", ">=", 25.0),
+    (1600, "package/auto", ">=", 400.0),
+)
+
+
+def best_ms(call: Callable[[], object], seconds: float = 0.6) -> float:
+    """Shortest of several runs [ms]."""
     best = np.inf
     end = time.perf_counter() + seconds
     runs = 0
-    while runs < 3 or (time.perf_counter() < end and runs < 2000):
+    while runs < 3 or time.perf_counter() < end:
         start = time.perf_counter()
         call()
         best = min(best, time.perf_counter() - start)
         runs += 1
-    return best
+    return 1e3 * best
 
 
-def paper_dgesv(compliance: np.ndarray, gaps: np.ndarray, torque: float) -> np.ndarray:
-    """Fig. 6 as printed (with corrected (34)): (32) assembled and solved anew at every step."""
-    n = gaps.size
-    influence = compliance / ARM
-    angles = gaps / ARM
-    angles = angles - angles.min()
-    pairs = [int(angles.argmin())]
-    reduced = influence - influence[pairs[0]]
-    while True:
-        matrix = reduced[np.ix_(pairs, pairs)]
-        matrix[0] = ARM
-        right = -angles[pairs]
-        right[0] = torque
-        _, _, forces, info = dgesv(matrix, right)
-        if info:
-            raise ValueError("the equations (32) are singular")
-        columns = influence[:, pairs] @ forces
-        final = columns + angles - columns[pairs[0]]
-        final[pairs] = 0.0
-        joining = int(final.argmin())
-        if final[joining] >= -1e-12 * np.abs(columns).max():
-            result = np.zeros(n)
-            result[pairs] = forces
-            return result
-        pairs.append(joining)
+def measure(friction: float, problem: Problem, core: CoreTimes) -> Row:
+    """Add what Python sees to the core times of a problem."""
+    influence = np.asfortranarray(problem.compliance / problem.levers[:, None])
+    angles = problem.gaps / problem.levers
+
+    def call_angles() -> ContactState:
+        return solve_contact(
+            influence,
+            problem.row,
+            angles,
+            problem.torque,
+            normal_lever_arms=problem.levers,
+            positive_definite=True,
+        )
+
+    def call_general() -> ContactState:
+        return solve_contact_general(
+            problem.compliance,
+            problem.gaps,
+            problem.levers,
+            problem.torque,
+            load_rows=problem.row,
+            positive_definite=True,
+        )
+
+    state = call_general()
+    exact = residual(problem, state.normal_forces, state.rotation)
+    return Row(friction, core, best_ms(call_angles), best_ms(call_general), exact)
 
 
-def core_times() -> dict[int, list[float]]:
-    """Core times [ms] by number of pairs, from the compiled bench.
-
-    Pairs in contact; L, auto (matrix known to be definite), auto (uniqueness proven), single, auto
-    from the final set, paper.
-    """
-    folder = Path("build")
-    ninja = Path(sys.executable).parent / "ninja"
-    subprocess.run(
-        [ninja, "-C", folder, "tests/fortran/bench_contact"], check=True, capture_output=True
-    )
-    output = subprocess.run(
-        [folder / "tests/fortran/bench_contact"], check=True, capture_output=True, text=True
-    ).stdout
-    rows = [line.split() for line in output.splitlines() if not line.startswith("#")]
-    return {int(row[0]): [float(part) for part in row[1:]] for row in rows}
+def lines(heading: str, columns: Columns, rows: Sequence[Row]) -> str:
+    """A table with one line for each problem."""
+    head = " mu     n    k" + "".join(f"{name:>13s}" for name in columns)
+    return "\n".join([heading, head, *(line(columns, row) for row in rows)])
 
 
-def measure(n: int, core: list[float]) -> str:
-    """One line of the table."""
-    compliance, gaps, torque = hertz_problem(n)
-    levers = np.full(n, ARM)
-    influence = np.asfortranarray(compliance / ARM)
-    state = solve_contact(influence, levers, gaps / ARM, torque)
-    forces = paper_dgesv(compliance, gaps, torque)
-    if not np.allclose(forces, state.normal_forces, rtol=0, atol=1e-8 * forces.max()):
-        raise ValueError("the paper's method and the loop disagree")
-    k, bound, fast, proven, single, warm, paper = core
-    python = 1e3 * best_time(
-        lambda: solve_contact(influence, levers, gaps / ARM, torque, positive_definite=True)
-    )
-    dense = 1e3 * best_time(lambda: paper_dgesv(compliance, gaps, torque))
-    return (
-        f"{n:5d} {int(k):4d} {bound:8.4f} {fast:8.4f} {fast / bound:7.1f} {warm / bound:7.1f} "
-        f"{proven / bound:7.1f} {single / bound:9.1f} {paper / fast:11.1f} {dense / fast:11.1f} "
-        f"{python:9.3f} {state.info.backward_error / np.finfo(float).eps:8.1f}"
-    )
+def line(columns: Columns, row: Row) -> str:
+    """One line of a table."""
+    start = f"{row.friction:3.1f} {row.core.n:5d} {row.core.k:4d}"
+    return start + "".join(f"{number(value(row)):>13s}" for value in columns.values())
+
+
+def wanted(rows: Sequence[Row], packages: Mapping[tuple[float, int], float]) -> str:
+    """Wanted figures beside the measured ones."""
+    text = [WANTED.format(*FRICTIONS)]
+    known = {**RATIOS, **PAPERS}
+    for n, what, sense, limit in LIMITS:
+        found = [
+            packages[row.friction, n] if what == "package/auto" else known[what](row)
+            for row in rows
+            if row.core.n == n
+        ]
+        missed = [value > limit if sense == "<=" else value < limit for value in found]
+        parts = "".join(
+            f"{number(value):>10s} {'missed' if miss else '':6s}"
+            for value, miss in zip(found, missed, strict=True)
+        )
+        text.append(f"  n = {n:4d}  {what:13s} {sense} {limit:4g}  {parts}".rstrip())
+    return "\n".join(text)
+
+
+def package_tables(rows: Sequence[Row], problems: Sequence[Problem]) -> tuple[list[str], dict]:
+    """Tables of the packages, and how much faster ours is than the fastest that counts."""
+    text = []
+    faster = {}
+    sizes = "".join(f"{f'n = {n}':>27s}" for n in SIZES)
+    for friction in FRICTIONS:
+        chosen = [i for i, row in enumerate(rows) if row.friction == friction]
+        ours = [rows[i].ours for i in chosen]
+        measured = measure_packages([problems[i] for i in chosen])
+        text.append(f"{PACKAGE.format(friction)}\n{'':18s}{sizes}\n{table(measured, ours)}")
+        for place, i in enumerate(chosen):
+            faster[friction, rows[i].core.n] = least_ratio(measured, ours, place)
+    text.append("\n".join([TIMED, *(f"  {p.name:10s} {p.timed}" for p in PACKAGES)]))
+    return text, faster
 
 
 def run() -> str:
-    """Table of times and ratios."""
-    head = (
-        "    n    k     L ms  auto ms  auto/L  warm/L proven/L single/L  paper/auto"
-        "  dgesv/auto Python ms  error/eps"
-    )
-    core = core_times()
-    return "\n".join([head, *(measure(n, core[n]) for n in sorted(core))])
+    """Tables of times and ratios, then what is wanted beside them."""
+    cases = [(friction, n) for friction in FRICTIONS for n in SIZES]
+    problems = [cylinder(n, friction) for friction, n in cases]
+    rows = [
+        measure(friction, problem, core)
+        for (friction, _), problem, core in zip(cases, problems, core_times(problems), strict=True)
+    ]
+    tables = [
+        lines(OURS, TIMES, rows),
+        lines(OVER_LIMIT, RATIOS, rows),
+        lines(PAPER, PAPERS, rows),
+    ]
+    packages, faster = package_tables(rows, problems)
+    return "\n\n".join([*tables, *packages, wanted(rows, faster)])

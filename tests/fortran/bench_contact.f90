@@ -1,196 +1,220 @@
-!> Core times of the contact loop beside the practical limit L, printed as a table of numbers.
+!> Core times of the contact loop, of the paper's loop and of the practical limit L.
 !>
-!> L is what the final state alone costs in compiled code: one Cholesky factorisation of the pairs
-!> in contact, two right-hand sides, one gap check; the final set is known.
+!> Arguments are files with one problem each, written by tests/benchmarks/_core.py; one line of
+!> numbers is printed for each: n, pairs in contact, then shortest times [ms] in the order of the
+!> constants below. A way that fails, or ends with other forces, has the time -1.
 program bench_contact
     use, intrinsic :: iso_fortran_env, only: int64
-    use flankload, only: wp, solve_contact_problem, contact_result, error_type, &
-        & method_auto, method_single, method_block, method_paper, symmetric_matrix, definite_matrix
-    use flankload_lapack, only: potrf, solve_triangle, add_product
+    use flankload, only: wp, solve_contact_problem, contact_result, error_type, method_auto, &
+        & method_single, general_matrix, symmetric_matrix, definite_matrix, definite_part
+    use flankload_contact_problem, only: contact_problem, new_contact_problem
+    use flankload_contact_ladder, only: climb
+    use flankload_loop_start, only: loop_state
+    use flankload_paper_loop, only: paper_state, paper_loop
+    use bench_limit, only: limit_gaps
+    use bench_paper, only: paper_dgesv
     implicit none
 
-    real(wp), parameter :: arm = 30.0_wp
-    real(wp), parameter :: pi = acos(-1.0_wp)
-    integer, parameter :: sizes(3) = [100, 400, 1600]
-    !> Runs for at least this long [s]
-    real(wp), parameter :: long_enough = 0.4_wp
+    !> The limit; the loop without its certificate; with it, K known to be definite; with the proof
+    !> from the whole of K; one pair at a time; from the final pairs; the paper's loop with its kept
+    !> factor and as printed, both without a certificate.
+    integer, parameter :: way_limit = 1
+    integer, parameter :: way_bare = 2
+    integer, parameter :: way_auto = 3
+    integer, parameter :: way_proven = 4
+    integer, parameter :: way_single = 5
+    integer, parameter :: way_warm = 6
+    integer, parameter :: way_bordered = 7
+    integer, parameter :: way_dgesv = 8
+    integer, parameter :: n_ways = 8
+
+    !> A problem and its solution
+    type :: bench_case
+        !> K, and A of the paper, shape (n, n)
+        real(wp), allocatable :: compliance(:, :)
+        real(wp), allocatable :: influence(:, :)
+        !> g0, and ε of the paper, shape (n)
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: angles(:)
+        !> b and m, shape (n, 1)
+        real(wp), allocatable :: levers(:, :)
+        real(wp), allocatable :: row(:, :)
+        real(wp) :: torque = 0.0_wp
+        !> What is known of K, with and without the word that it is definite
+        integer :: known = definite_matrix
+        integer :: unknown = symmetric_matrix
+        !> Forces and pairs in contact
+        real(wp), allocatable :: forces(:)
+        integer, allocatable :: pairs(:)
+    end type bench_case
+
+    !> Every way is run so many times over, each time for at least this long [s]: what disturbs the
+    !> machine for a while then hits all ways and spoils none.
+    integer, parameter :: n_rounds = 5
+    real(wp), parameter :: long_enough = 0.1_wp
+    !> Forces that differ by less, relative to the largest, are the same
+    real(wp), parameter :: same = 1.0e-8_wp
     integer :: i
 
-    do i = 1, size(sizes)
-        call measure(sizes(i))
+    do i = 1, command_argument_count()
+        call measure(read_case(i))
     end do
 
 contains
 
-    !> A cylinder on an elastic half-plane whose load presses about a fifth of the pairs together.
-    subroutine hertz_problem(n, compliance, gaps, load)
-        !> Number of pairs
-        integer, intent(in) :: n
-        !> K [mm/N]
-        real(wp), allocatable, intent(out) :: compliance(:, :)
-        !> Gaps [mm]
-        real(wp), allocatable, intent(out) :: gaps(:)
-        !> Torque [N mm]
-        real(wp), intent(out) :: load
+    !> Read the problem of one argument and solve it.
+    function read_case(argument) result(case)
+        !> Number of the argument
+        integer, intent(in) :: argument
+        type(bench_case) :: case
 
-        integer :: k, j
-        real(wp) :: spacing, kernel
-        real(wp), allocatable :: place(:)
+        integer :: n, unit, length
+        character(len=:), allocatable :: path
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
 
-        spacing = 2.0_wp/n
-        kernel = 2.0_wp*(1.0_wp - 0.3_wp**2)/(pi*206.0e3_wp)
-        place = [((k - 0.5_wp*(n + 1))*spacing, k=1, n)]
-        allocate (compliance(n, n))
-        do j = 1, n
-            compliance(:, j) = 4.0e-5_wp - 2.0_wp*kernel/spacing*( &
-                & primitive(abs(place - place(j)) + 0.5_wp*spacing) &
-                & - primitive(abs(place - place(j)) - 0.5_wp*spacing) - spacing)
+        call get_command_argument(argument, length=length)
+        allocate (character(len=length) :: path)
+        call get_command_argument(argument, path)
+        open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
+            & action='read')
+        read (unit) n
+        allocate (case%compliance(n, n), case%gaps(n), case%levers(n, 1), case%row(n, 1))
+        read (unit) case%torque, case%compliance, case%gaps, case%levers, case%row
+        close (unit)
+        case%influence = case%compliance/spread(case%levers(:, 1), 2, n)
+        case%angles = case%gaps/case%levers(:, 1)
+        if (any(abs(case%compliance - transpose(case%compliance)) > 0.0_wp)) then
+            case%known = definite_part
+            case%unknown = general_matrix
+        end if
+        call solve_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
+            & [case%torque], case%unknown, method_auto, [integer ::], state, error)
+        if (allocated(error)) error stop 1
+        case%forces = state%forces
+        case%pairs = state%active_pairs
+    end function read_case
+
+    !> Print one line.
+    subroutine measure(case)
+        !> The problem
+        type(bench_case), intent(in) :: case
+
+        integer :: round, way
+        real(wp) :: best(n_ways)
+
+        best = huge(1.0_wp)
+        do round = 1, n_rounds
+            do way = 1, n_ways
+                best(way) = min(best(way), shortest_time(case, way))
+            end do
         end do
-        gaps = 0.1_wp*place**2
-        load = 0.69_wp*pi*0.2_wp**2*0.2_wp/(8.0_wp*kernel)*arm
-    end subroutine hertz_problem
-
-    !> ∫ ln|x| dx + x
-    elemental function primitive(x) result(area)
-        !> Any number
-        real(wp), intent(in) :: x
-        real(wp) :: area
-
-        area = 0.0_wp
-        if (abs(x) > 0.0_wp) area = x*log(abs(x))
-    end function primitive
-
-    !> One line of the table: n, pairs in contact, times [ms] of L, of the loops and of a warm
-    !> start.
-    subroutine measure(n)
-        !> Number of pairs
-        integer, intent(in) :: n
-
-        real(wp), allocatable :: compliance(:, :), gaps(:)
-        real(wp) :: load
-        integer, allocatable :: pairs(:), none(:)
-
-        call hertz_problem(n, compliance, gaps, load)
-        allocate (none(0))
-        pairs = active_pairs(compliance, gaps, load)
-        print '(2(i0, 1x), *(es12.5, 1x))', n, size(pairs), &
-            & limit_time(compliance, gaps, load, pairs), &
-            & loop_time(compliance, gaps, load, method_auto, definite_matrix, none), &
-            & loop_time(compliance, gaps, load, method_block, symmetric_matrix, none), &
-            & loop_time(compliance, gaps, load, method_single, definite_matrix, none), &
-            & loop_time(compliance, gaps, load, method_auto, definite_matrix, pairs), &
-            & loop_time(compliance, gaps, load, method_paper, definite_matrix, none)
+        print '(2(i0, 1x), *(es12.5, 1x))', size(case%gaps), size(case%pairs), best
     end subroutine measure
 
-    !> Pairs in contact.
-    function active_pairs(compliance, gaps, load) result(pairs)
-        !> K, gaps and load
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        real(wp), intent(in) :: gaps(:)
-        real(wp), intent(in) :: load
-        integer, allocatable :: pairs(:)
-
-        type(contact_result) :: state
-        type(error_type), allocatable :: error
-        real(wp) :: levers(size(gaps), 1)
-
-        levers = arm
-        call solve_contact_problem(compliance, gaps, levers, levers, [load], symmetric_matrix, &
-            & method_auto, [integer ::], state, error)
-        if (allocated(error)) error stop 1
-        pairs = state%active_pairs
-    end function active_pairs
-
-    !> Shortest time of a solution [ms].
-    function loop_time(compliance, gaps, load, method, structure, warm) result(best)
-        !> K, gaps and load
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        real(wp), intent(in) :: gaps(:)
-        real(wp), intent(in) :: load
-        !> Method, structure of K, pairs to begin with
-        integer, intent(in) :: method
-        integer, intent(in) :: structure
-        integer, intent(in) :: warm(:)
+    !> Shortest time of one way in one round [ms].
+    function shortest_time(case, way) result(best)
+        !> The problem and the way
+        type(bench_case), intent(in) :: case
+        integer, intent(in) :: way
         real(wp) :: best
 
-        type(contact_result) :: state
-        type(error_type), allocatable :: error
-        real(wp) :: levers(size(gaps), 1), start, total
+        real(wp) :: start, now, total
         integer :: runs
-
-        levers = arm
-        best = huge(1.0_wp)
-        total = 0.0_wp
-        runs = 0
-        do while (runs < 3 .or. total < long_enough)
-            start = seconds()
-            call solve_contact_problem(compliance, gaps, levers, levers, [load], structure, &
-                & method, warm, state, error)
-            best = min(best, seconds() - start)
-            if (allocated(error)) error stop 1
-            total = total + seconds() - start
-            runs = runs + 1
-        end do
-        best = 1.0e3_wp*best
-    end function loop_time
-
-    !> Shortest time of L [ms].
-    function limit_time(compliance, gaps, load, pairs) result(best)
-        !> K, gaps and load
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        real(wp), intent(in) :: gaps(:)
-        real(wp), intent(in) :: load
-        !> The pairs in contact
-        integer, intent(in) :: pairs(:)
-        real(wp) :: best
-
-        real(wp) :: start, total
-        real(wp), allocatable :: final(:)
-        integer :: runs
+        logical :: right
 
         best = huge(1.0_wp)
         total = 0.0_wp
         runs = 0
-        do while (runs < 3 .or. total < long_enough)
+        do while (runs < 2 .or. total < long_enough)
             start = seconds()
-            final = limit(compliance, gaps, load, pairs)
-            best = min(best, seconds() - start)
-            total = total + seconds() - start
+            call go(case, way, right)
+            now = seconds()
+            best = min(best, now - start)
+            total = total + now - start
             runs = runs + 1
         end do
-        if (minval(final) < -1.0e-12_wp) error stop 2
-        best = 1.0e3_wp*best
-    end function limit_time
+        best = merge(1.0e3_wp*best, -1.0_wp, right)
+    end function shortest_time
 
-    !> The final gaps of a known set.
-    function limit(compliance, gaps, load, pairs) result(final)
-        !> K, gaps and load
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        real(wp), intent(in) :: gaps(:)
-        real(wp), intent(in) :: load
-        !> The pairs, a run of neighbours
-        integer, intent(in) :: pairs(:)
-        real(wp), allocatable :: final(:)
+    !> Solve a problem in one way.
+    subroutine go(case, way, right)
+        !> The problem and the way
+        type(bench_case), intent(in) :: case
+        integer, intent(in) :: way
+        !> The answer is that of the case
+        logical, intent(out) :: right
 
-        integer :: k, j, info
-        real(wp) :: rotation, x(size(pairs), 2), forces(size(gaps))
-        real(wp), allocatable :: block(:, :)
+        real(wp), allocatable :: found(:)
+        integer :: info
 
-        k = size(pairs)
-        allocate (block(k, k))
-        do j = 1, k
-            block(:, j) = compliance(pairs, pairs(j))
-        end do
-        call potrf(k, block, info)
-        x(:, 1) = arm
-        x(:, 2) = gaps(pairs)
-        call solve_triangle(k, block, 'L', 'N', 'N', x)
-        call solve_triangle(k, block, 'L', 'T', 'N', x)
-        rotation = (load + arm*sum(x(:, 2)))/(arm*sum(x(:, 1)))
-        forces(pairs) = rotation*x(:, 1) - x(:, 2)
-        final = gaps - arm*rotation
-        call add_product(compliance, pairs(1), pairs(k), forces, final)
-    end function limit
+        select case (way)
+        case (way_limit)
+            call limit_gaps(case%compliance, case%gaps, case%levers(:, 1), case%row(:, 1), &
+                & case%torque, case%known == definite_matrix, case%pairs, found, info)
+            right = info == 0 .and. minval(found) > -same*maxval(found)
+            return
+        case (way_bare, way_bordered)
+            call go_bare(case, way, found)
+        case (way_dgesv)
+            call paper_dgesv(case%influence, case%angles, case%row(:, 1), case%torque, found, info)
+            if (info /= 0) deallocate (found)
+        case (way_auto, way_proven, way_single, way_warm)
+            call go_certified(case, way, found)
+        case default
+            error stop 2
+        end select
+        right = allocated(found)
+        if (right) right = all(abs(found - case%forces) <= same*maxval(case%forces))
+    end subroutine go
+
+    !> The loop as it is called, with its certificate.
+    subroutine go_certified(case, way, found)
+        !> The problem and the way
+        type(bench_case), intent(in) :: case
+        integer, intent(in) :: way
+        !> Its forces
+        real(wp), allocatable, intent(out) :: found(:)
+
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+        integer, allocatable :: warm(:)
+
+        allocate (warm(0))
+        if (way == way_warm) warm = case%pairs
+        call solve_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
+            & [case%torque], merge(case%unknown, case%known, way == way_proven), &
+            & merge(method_single, method_auto, way == way_single), warm, state, error)
+        if (.not. allocated(error)) call move_alloc(state%forces, found)
+    end subroutine go_certified
+
+    !> A loop alone: the problem scaled, the loop, its forces.
+    subroutine go_bare(case, way, found)
+        !> The problem and the way
+        type(bench_case), intent(in) :: case
+        integer, intent(in) :: way
+        !> Its forces
+        real(wp), allocatable, intent(out) :: found(:)
+
+        type(contact_problem) :: problem
+        type(loop_state) :: state
+        type(paper_state) :: paper
+        type(error_type), allocatable :: error
+        real(wp) :: part
+        integer :: rung
+
+        call new_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
+            & [case%torque], case%known, problem, error)
+        if (way == way_bordered) then
+            call paper_loop(problem, case%compliance, paper, error)
+            if (.not. allocated(error)) call move_alloc(paper%forces, found)
+        else
+            call climb(problem, case%compliance, method_auto, [integer ::], state, rung, part, &
+                & error)
+            if (.not. allocated(error)) call move_alloc(state%forces, found)
+        end if
+        if (allocated(found)) found = problem%load_scale*problem%row_scale*found
+    end subroutine go_bare
 
     !> Wall time [s].
     function seconds() result(now)
