@@ -20,6 +20,9 @@ module flankload_final_refinement
     !> at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
+    !> A force so much less than the largest (without loads: than what closes the largest gap) is
+    !> what refinement leaves of none: rounding of rounding.
+    real(wp), parameter :: no_force = 1.0e-24_wp
 
 contains
 
@@ -173,10 +176,12 @@ contains
             if (.not. met) cycle
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
             if (state%condition > ill_conditioned) call refine_extended(problem, compliance, state)
+            call clear_remains(problem, state%forces)
             return
         end do
         if (done) then
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
+            call clear_remains(problem, state%forces)
             return
         end if
         ! A force that was positive before the refinement is negative after it.
@@ -185,6 +190,22 @@ contains
         call drop_pair(state%system, problem, compliance, leaving, solved)
         state%pivots = state%pivots + 1
     end subroutine finish
+
+    !> Pairs that only hold a motion in place, with no load on it, carry nothing.
+    pure subroutine clear_remains(problem, forces)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled forces, shape (n)
+        real(wp), intent(inout) :: forces(:)
+
+        real(wp) :: largest
+
+        largest = maxval(forces)
+        if (all(abs(problem%loads) <= 0.0_wp)) then
+            largest = max(largest, maxval(abs(problem%normal_gaps)))
+        end if
+        where (forces <= no_force*largest) forces = 0.0_wp
+    end subroutine clear_remains
 
     !> Refine on in twice the working precision: forces that no equation within rounding of these
     !> would tell apart get the digits of the very numbers given. Kept only where every force stays

@@ -71,6 +71,8 @@ contains
 
         load = problem%loads(1)
         sense = sign(1.0_wp, load)
+        ! Without load either sense will do; pairs may stand in the way of one only.
+        if (.not. abs(load) > 0.0_wp .and. all(problem%load_rows(:, 1) <= 0.0_wp)) sense = -sense
         allocate (pairs(0), forces(0))
         allocate (motion(1), source=sense)
         best = 0

@@ -178,3 +178,49 @@ def test_a_load_against_all_levers_has_no_state() -> None:
     assert caught.value.code == -1
     assert caught.value.largest_torque == 0.0
     assert caught.value.motion.tolist() == [-1.0]
+
+
+def test_own_backward_error_where_influences_cancel() -> None:
+    """Pair 0, without lever, is pressed by what pair 1 lifts: only its gap of 1e-9 is left over."""
+    compliance = [[0.9, -0.3], [-0.3, 0.7]]
+    state = fl.solve_contact_general(compliance, [1e-9, 0.0], [0.0, 1.0], 1e5 / 3)
+    expected = [(1e4 - 1e-9) / 0.9, 1e5 / 3]
+    np.testing.assert_allclose(state.normal_forces, expected, rtol=ROUND_OFF, atol=0)
+    assert state.info.backward_error <= 10 * EPS
+
+
+@pytest.mark.parametrize("method", ["auto", "single", "block", "load_path"])
+def test_no_load_on_several_motions(method: str) -> None:
+    """No force at all, not even of rounding, at a motion that touches where it may."""
+    rng = np.random.default_rng(0)
+    for q in (1, 2, 3, 4):
+        gaps, levers = rng.uniform(0, 1, 9), rng.standard_normal((9, q))
+        for motions in (levers, np.abs(levers), -np.abs(levers)):
+            state = fl.solve_contact_general(
+                np.eye(9), gaps, motions, np.zeros(q), method=method, warm_pairs=[3, 5]
+            )
+            assert not state.normal_forces.any()
+            assert state.active_pairs.size == 0
+            assert state.status == 0
+            assert state.info.backward_error <= 10 * EPS
+            left = gaps - motions @ state.motions
+            np.testing.assert_allclose(state.final_gap_angles, left, rtol=0, atol=1e3 * ROUND_OFF)
+            assert (state.final_gap_angles == 0).sum() >= q
+
+
+@pytest.mark.parametrize("method", ["auto", "single", "block", "load_path"])
+def test_preload_beside_a_motion_without_load(method: str) -> None:
+    """Drive and coast flank press each other; the pairs that only place the hub carry nothing."""
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        levers = np.array([[30.0, 0.0], [-30.0, 0.0], [0.0, 0.7], [0.0, 0.9]])
+        coupling = np.zeros((4, 4))
+        coupling[2:, :2] = 3e-5 * rng.uniform(size=(2, 2))
+        compliance = 1e-4 * np.eye(4) + coupling + coupling.T
+        gaps = np.r_[-0.01, -0.01, rng.uniform(0, 1, 2)]
+        state = fl.solve_contact_general(compliance, gaps, levers, [0.0, 0.0], method=method)
+        np.testing.assert_allclose(
+            state.normal_forces, [100, 100, 0, 0], rtol=1e3 * ROUND_OFF, atol=0
+        )
+        assert state.active_pairs.tolist() == [0, 1]
+        assert state.info.backward_error <= 10 * EPS
