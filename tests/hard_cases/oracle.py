@@ -6,11 +6,16 @@ from dataclasses import dataclass
 
 import mpmath as mp
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import lu_factor, lu_solve
 
 import flankload as fl
 
 EPS = float(np.finfo(float).eps)
 DIGITS = 60
+# The exact solution is refined until its last correction is below this part of it.
+SETTLED = mp.mpf(10) ** -40
+MAX_REFINEMENTS = 60
 
 
 @dataclass(frozen=True)
@@ -20,79 +25,216 @@ class Verdict:
     Attributes
     ----------
     forward_error : float
-        Largest error of a force, relative to the largest force.
-    rotation_error : float
-        Error of the rotation, relative to its own size or that of the largest gap angle.
+        Largest error of a force, relative to the largest force, both times sqrt(K_ii); NaN where
+        the active pairs leave a motion free.
+    motion_error : float
+        Largest error of a motion, relative to the largest motion, gap or force, each on the scale
+        of the pairs (motions by their largest lever, rows over sqrt(K_ii)); NaN as above.
     backward_error : float
         Largest error of a row, gaps and forces of the wrong sign included, relative to its size.
     exact_violation : float
-        The same for the exact solution of this set of pairs: wrong signs only.
+        The same for the exact solution of this set of pairs: wrong signs only. Where the active
+        pairs leave a motion free, that of the state itself.
     """
 
     forward_error: float
-    rotation_error: float
+    motion_error: float
     backward_error: float
     exact_violation: float
 
 
+@dataclass(frozen=True)
+class Problem:
+    """The general form: K (n, n), g0 (n), B and R (n, q), Q (q); the numbers are taken as exact."""
+
+    compliance: np.ndarray
+    gaps: np.ndarray
+    motions: np.ndarray
+    load_rows: np.ndarray
+    loads: np.ndarray
+
+
 def judge(
-    matrix: np.ndarray,
-    row: np.ndarray,
-    gaps: np.ndarray,
-    torque: float,
+    matrix: ArrayLike, row: ArrayLike, gaps: ArrayLike, torque: float, state: fl.ContactState
+) -> Verdict:
+    """Judge a state of the angle form; row levers drop out of its equations."""
+    matrix = np.asarray(matrix, dtype=float)
+    return judge_general(matrix, gaps, np.ones(len(matrix)), torque, state, load_rows=row)
+
+
+def judge_general(
+    compliance: ArrayLike,
+    gaps: ArrayLike,
+    motions: ArrayLike,
+    loads: ArrayLike,
     state: fl.ContactState,
-    levers: np.ndarray | None = None,
+    *,
+    load_rows: ArrayLike | None = None,
 ) -> Verdict:
     """Solve and check the set of pairs of a state; the numbers given are taken as exact."""
-    matrix, row, gaps = (np.asarray(part, dtype=float) for part in (matrix, row, gaps))
-    n = gaps.size
-    levers = np.abs(row) if levers is None else np.asarray(levers, dtype=float)
-    active = state.active_pairs.tolist()
-    k = len(active)
+    force_scale = np.atleast_1d(np.asarray(loads, dtype=float))
+    shape = (np.size(gaps), force_scale.size)
+    levers = np.asarray(motions, dtype=float).reshape(shape)
+    problem = Problem(
+        np.asarray(compliance, dtype=float),
+        np.asarray(gaps, dtype=float),
+        levers,
+        levers if load_rows is None else np.asarray(load_rows, dtype=float).reshape(shape),
+        force_scale,
+    )
+    active = np.flatnonzero(state.normal_forces)
     with mp.workdps(DIGITS):
-        a = [[mp.mpf(float(entry)) for entry in line] for line in matrix]
-        m = [mp.mpf(float(entry)) for entry in row]
-        e = [mp.mpf(float(entry)) for entry in gaps]
-        load = mp.mpf(float(torque))
-        bordered = mp.zeros(k + 1)
-        right = mp.zeros(k + 1, 1)
-        for r, i in enumerate(active):
-            for c, j in enumerate(active):
-                bordered[r, c] = a[i][j]
-            bordered[r, k] = -1
-            bordered[k, r] = m[i] / max(abs(part) for part in m)
-            right[r] = -e[i]
-        right[k] = load / max(abs(part) for part in m)
-        exact = mp.lu_solve(bordered, right)
-        forces = [mp.mpf(0)] * n
-        for r, i in enumerate(active):
-            forces[i] = exact[r]
-        rotation = exact[k]
-        largest = max(abs(force) for force in forces)
-        given = [mp.mpf(float(force)) for force in state.normal_forces]
-        turned = mp.mpf(float(state.rotation))
-
-        def row_errors(force: list[mp.mpf], phi: mp.mpf, *, closed: bool) -> mp.mpf:
-            worst = mp.mpf(0)
-            for i in range(n):
-                terms = [a[i][j] * force[j] for j in active]
-                size = sum(map(abs, terms)) + abs(e[i]) + abs(phi)
-                gap = sum(terms) + e[i] - phi
-                wrong = abs(gap) if closed and i in active else max(-gap, mp.mpf(0))
-                worst = max(worst, wrong / size if size else wrong)
-                worst = max(worst, -force[i] / largest)
-            return worst
-
-        held = sum(m[i] * given[i] for i in range(n))
-        size = sum(abs(m[i] * given[i]) for i in range(n)) + load
-        turn = max(abs(rotation), *(abs(part) for part in e))
-        return Verdict(
-            forward_error=float(
-                max(abs(x - y) for x, y in zip(given, forces, strict=True)) / largest
-            ),
-            rotation_error=float(abs(turned - rotation) / turn),
-            backward_error=float(
-                max(row_errors(given, turned, closed=True), abs(held - load) / size)
-            ),
-            exact_violation=float(row_errors(forces, rotation, closed=False)),
+        columns = _exact(problem.compliance[:, active])
+        given = _exact(state.normal_forces[active])
+        moved = _exact(state.motions)
+        backward = max(
+            _worst_row(problem, columns, active, given, moved, closed=True),
+            _worst_load(problem, active, given),
         )
+        solved = _exact_solution(problem, active)
+        if solved is None:
+            violation = _worst_row(problem, columns, active, given, moved, closed=False)
+            return Verdict(np.nan, np.nan, float(backward), float(violation))
+        forces, motion = solved
+        violation = _worst_row(problem, columns, active, forces, motion, closed=False)
+        root = np.sqrt(problem.compliance.diagonal())
+        levers = np.abs(problem.motions / root[:, np.newaxis]).max(axis=0)
+        pressed = _size(forces, root[active])
+        return Verdict(
+            forward_error=_distance(given, forces, root[active], pressed),
+            motion_error=_distance(
+                moved, motion, levers, max(pressed, np.abs(problem.gaps / root).max())
+            ),
+            backward_error=float(backward),
+            exact_violation=float(violation),
+        )
+
+
+def _exact(values: np.ndarray) -> list:
+    """The numbers of an array as lists of 60-digit ones."""
+    if values.ndim > 1:
+        return [_exact(line) for line in values]
+    return [mp.mpf(value) for value in values.tolist()]
+
+
+def _size(numbers: list, weight: np.ndarray) -> float:
+    """Largest weighted number."""
+    return float(max((abs(x) * w for x, w in zip(numbers, weight, strict=True)), default=0))
+
+
+def _distance(given: list, exact: list, weight: np.ndarray, size: float) -> float:
+    """Largest weighted difference relative to the size, or to the largest entry if that is more."""
+    wrong = _size([y - x for x, y in zip(exact, given, strict=True)], weight)
+    size = max(size, _size(exact, weight))
+    if not wrong:
+        return 0.0
+    return wrong / size if size else np.inf
+
+
+def _worst_row(
+    problem: Problem, columns: list, active: np.ndarray, forces: list, motion: list, *, closed: bool
+) -> mp.mpf:
+    """Largest error of a row relative to its size Σ|K_ij|F_j + |g0_i| + Σ|B_ic q_c|.
+
+    A gap must not be negative, with `closed` that of an active pair must be zero; no force may be
+    negative, on the scale of the largest, both times sqrt(K_ii). Errors are taken in 60 digits; for
+    sizes double precision will do.
+    """
+    strengths = np.abs(np.array(forces, dtype=float))
+    sizes = (
+        np.abs(problem.compliance[:, active]) @ strengths
+        + np.abs(problem.gaps)
+        + np.abs(problem.motions) @ np.abs(np.array(motion, dtype=float))
+    )
+    back = [-part for part in motion]
+    touching = set(active.tolist()) if closed else set()
+    worst = mp.mpf(0)
+    for i, (line, size) in enumerate(zip(columns, sizes.tolist(), strict=True)):
+        levers = _exact(problem.motions[i])
+        gap = mp.fdot(line + levers, forces + back) + mp.mpf(float(problem.gaps[i]))
+        wrong = abs(gap) if i in touching else max(-gap, mp.mpf(0))
+        worst = max(worst, wrong / size if size else wrong)
+    if any(forces):
+        root = np.sqrt(problem.compliance.diagonal()[active])
+        pull = min(force * weight for force, weight in zip(forces, root, strict=True))
+        worst = max(worst, -pull / _size(forces, root))
+    return worst
+
+
+def _worst_load(problem: Problem, active: np.ndarray, forces: list) -> mp.mpf:
+    """Largest lack of a load, relative to Σ|R_ic|F_i + |Q_c|."""
+    worst = mp.mpf(0)
+    for c, load in enumerate(problem.loads.tolist()):
+        parts = problem.load_rows[active, c]
+        lack = abs(mp.fdot(_exact(parts), forces) - mp.mpf(load))
+        size = np.abs(parts) @ np.array(forces, dtype=float) + abs(load)
+        worst = max(worst, lack / float(size) if size else lack)
+    return worst
+
+
+def _exact_solution(problem: Problem, active: np.ndarray) -> tuple[list, list] | None:
+    """Forces and motion of the active pairs to 40 digits; None where a motion stays free.
+
+    Solved in double precision on scales of powers of two, then refined with 60-digit residuals
+    until nothing changes; elimination in 60 digits where that does not settle.
+    """
+    k, q = active.size, problem.loads.size
+    equations = np.zeros((k + q, k + q))
+    equations[:k, :k] = problem.compliance[np.ix_(active, active)]
+    equations[:k, k:] = -problem.motions[active]
+    equations[k:, :k] = problem.load_rows[active].T
+    right = np.concatenate([-problem.gaps[active], problem.loads])
+    if k < q or np.linalg.matrix_rank(problem.motions[active]) < q:
+        return None
+    rows, columns = _scales(equations, k)
+    exact, target = _exact(equations), _exact(right)
+    solution = _refine(equations * np.outer(rows, columns), rows, columns, exact, target)
+    if solution is None:
+        try:
+            solution = list(mp.lu_solve(mp.matrix(exact), mp.matrix(target)))
+        except ZeroDivisionError:
+            return None
+    return solution[:k], solution[k:]
+
+
+def _scales(equations: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Powers of two for rows and columns: unit diagonal of K, then unit motions and loads."""
+    pairs = np.exp2(-np.round(0.5 * np.log2(np.abs(equations.diagonal()[:k]))))
+    loads = np.exp2(-np.round(np.log2(np.abs(equations[k:, :k] * pairs).max(axis=1))))
+    motions = np.exp2(-np.round(np.log2(np.abs(equations[:k, k:].T * pairs).max(axis=1))))
+    return np.concatenate([pairs, loads]), np.concatenate([pairs, motions])
+
+
+def _refine(
+    scaled: np.ndarray, rows: np.ndarray, columns: np.ndarray, exact: list, target: list
+) -> list | None:
+    """Iterative refinement; None where it does not settle."""
+    try:
+        factor = lu_factor(scaled)
+    except (np.linalg.LinAlgError, RuntimeWarning):
+        return None
+    weights, scales = _exact(rows), _exact(columns)
+    solution = [mp.mpf(0)] * len(target)
+    before = mp.inf
+    for _ in range(MAX_REFINEMENTS):
+        lack = [
+            weight * (right - mp.fdot(line, solution))
+            for weight, right, line in zip(weights, target, exact, strict=True)
+        ]
+        size = max(abs(part) for part in lack)
+        if not size:
+            return solution
+        change = lu_solve(factor, np.array([part / size for part in lack], dtype=float))
+        if not np.isfinite(change).all():
+            return None
+        step = size * mp.mpf(float(np.abs(change).max()))
+        if step > before / 2:
+            return None
+        before = step
+        solution = [
+            old + scale * size * mp.mpf(new)
+            for old, scale, new in zip(solution, scales, change.tolist(), strict=True)
+        ]
+        if step <= SETTLED * max(abs(x) / s for x, s in zip(solution, scales, strict=True)):
+            return solution
+    return None

@@ -31,7 +31,7 @@ def solve(
     """Solve and hold the state against 60-digit arithmetic."""
     row = np.ones(len(gaps)) if row is None else np.asarray(row, dtype=float)
     state = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, method=method)
-    verdict = judge(matrix, row, np.asarray(gaps), torque, state, levers)
+    verdict = judge(matrix, row, gaps, torque, state)
     assert verdict.backward_error <= BACKWARD
     assert state.info.backward_error <= BACKWARD
     assert verdict.exact_violation <= BACKWARD

@@ -1,0 +1,145 @@
+"""Random problems of the general form: existence from linear programming, states in 60 digits."""
+
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import oracle
+import pytest
+from general_like import general_like
+from oracle import EPS, Problem, judge_general
+from tolerances import ROUND_OFF
+
+import flankload as fl
+from flankload import errors
+
+METHODS = ("auto", "single", "block", "load_path")
+
+
+def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.ContactState:
+    return fl.solve_contact_general(
+        problem.compliance,
+        problem.gaps,
+        problem.motions,
+        problem.loads,
+        load_rows=problem.load_rows,
+        method=method,
+        warm_pairs=warm,
+    )
+
+
+def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
+    """What 60-digit arithmetic finds wrong with a state and its certificate."""
+    verdict = judge_general(
+        problem.compliance,
+        problem.gaps,
+        problem.motions,
+        problem.loads,
+        state,
+        load_rows=problem.load_rows,
+    )
+    forward = 20 * EPS * state.info.condition
+    faults = {
+        "a force or a gap is negative": state.normal_forces.min() < 0
+        or state.final_gap_angles.min() < 0,
+        f"backward error {verdict.backward_error:g}": verdict.backward_error > 10 * EPS,
+        f"own backward error {state.info.backward_error:g}": state.info.backward_error > 10 * EPS,
+        f"wrong pairs, by {verdict.exact_violation:g}": verdict.exact_violation > 10 * EPS,
+        # Both are NaN where the pairs leave a motion free.
+        f"force error {verdict.forward_error:g}": verdict.forward_error > forward,
+        f"motion error {verdict.motion_error:g}": verdict.motion_error > forward,
+        "not said to be unique": problem.motions is problem.load_rows and not state.info.unique,
+    }
+    return [name for name, there in faults.items() if there]
+
+
+def faults_of_refusal(problem: Problem, motion: np.ndarray) -> list[str]:
+    """What is wrong with a motion that is to show that no forces hold the loads: R y <= 0 < Q y."""
+    opening = problem.load_rows @ motion
+    size = np.abs(problem.load_rows) @ np.abs(motion)
+    faults = []
+    if (opening > ROUND_OFF * size).any():
+        faults.append("the motion closes a gap")
+    if not problem.loads @ motion > ROUND_OFF * np.abs(problem.loads) @ np.abs(motion):
+        faults.append("no load works on the motion")
+    return faults
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_state_is_found_exactly_where_forces_can_hold_the_loads(seed: int) -> None:
+    rng = np.random.default_rng(700 + seed)
+    solved, none, faults = set(), 0, []
+    for case in range(300):
+        problem, held = general_like(rng)
+        method = METHODS[case % len(METHODS)]
+        warm = rng.permutation(problem.gaps.size)[: int(rng.integers(0, 9))] if case % 3 else None
+        try:
+            state = solve(problem, method, warm)
+        except errors.NoContactState as error:
+            found = faults_of_refusal(problem, error.motion)
+            none += 1
+            found += ["says no state"] if held else []
+        except errors.ContactError as error:
+            found = [type(error).__name__]
+        else:
+            found = faults_of_state(problem, state)
+            found += [] if held else ["a state that cannot be"]
+            solved.add((problem.loads.size, state.active_pairs.size))
+        faults += [f"case {case}, {method}: {fault}" for fault in found]
+    assert faults == []
+    assert none >= 20
+    # From as few pairs as motions up to many more, for each number of motions.
+    for q in range(1, 5):
+        sizes = {size for motions, size in solved if motions == q}
+        assert q in sizes
+        assert max(sizes) >= 20
+
+
+def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
+    """Refined from double precision or eliminated as a whole: the same 40 digits."""
+    rng = np.random.default_rng(17)
+    compared = 0
+    while compared < 12:
+        problem, held = general_like(rng)
+        if not held or problem.gaps.size > 20:
+            continue
+        active = solve(problem, "auto").active_pairs
+        with mp.workdps(oracle.DIGITS):
+            refined = oracle._exact_solution(problem, active)
+            if refined is None:
+                continue
+            k, q = active.size, problem.loads.size
+            bordered, right = mp.zeros(k + q), mp.zeros(k + q, 1)
+            for r, i in enumerate(active):
+                for c, j in enumerate(active):
+                    bordered[r, c] = mp.mpf(float(problem.compliance[i, j]))
+                for c in range(q):
+                    bordered[r, k + c] = -mp.mpf(float(problem.motions[i, c]))
+                    bordered[k + c, r] = mp.mpf(float(problem.load_rows[i, c]))
+                right[r] = -mp.mpf(float(problem.gaps[i]))
+            for c in range(q):
+                right[k + c] = mp.mpf(float(problem.loads[c]))
+            whole = list(mp.lu_solve(bordered, right))
+            for part, one in zip((*refined[0], *refined[1]), whole, strict=True):
+                assert abs(part - one) <= mp.mpf(10) ** -36 * max(map(abs, whole))
+        compared += 1
+
+
+def test_the_judge_finds_an_error_of_a_hundred_roundings() -> None:
+    """A force, a motion, a gap and the set of pairs, each spoilt by itself."""
+    rng = np.random.default_rng(3)
+    problem, held = general_like(rng)
+    while not held or problem.loads.size < 2:
+        problem, held = general_like(rng)
+    state = solve(problem, "auto")
+    assert faults_of_state(problem, state) == []
+    largest = int((state.normal_forces * np.sqrt(problem.compliance.diagonal())).argmax())
+    for name in ("normal_forces", "motions"):
+        spoilt = {name: np.array(getattr(state, name)) for name in ("normal_forces", "motions")}
+        spoilt[name][largest if name == "normal_forces" else 0] *= 1 + 1e3 * EPS
+        wrong = fl.ContactState(**{**vars(state), **spoilt})
+        assert any(fault.startswith("backward error") for fault in faults_of_state(problem, wrong))
+    fewer = np.array(state.normal_forces)
+    fewer[largest] = 0.0
+    wrong = fl.ContactState(**{**vars(state), "normal_forces": fewer})
+    assert any(fault.startswith("wrong pairs") for fault in faults_of_state(problem, wrong))
