@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from test_contact import THREE
+
 import flankload as fl
 from flankload import _core, errors
 
@@ -36,6 +38,50 @@ def test_matrix_that_is_not_square() -> None:
 def test_matrix_with_one_axis() -> None:
     message = refusal(-4, flexibility_matrix=[1.0])
     assert message == "flexibility_matrix: expected 2 axes, found shape (1,)"
+
+
+@pytest.mark.parametrize("name", ["lever_arms", "gap_angles", "normal_lever_arms"])
+def test_number_in_place_of_a_vector(name: str) -> None:
+    message = refusal(-4, **{name: 1.0})
+    assert message == f"{name}: expected an array of shape (n,), found a single number"
+
+
+def test_number_in_place_of_the_matrix() -> None:
+    message = refusal(-4, flexibility_matrix=5)
+    assert message == (
+        "flexibility_matrix: expected an array of shape (n, n), found a single number"
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["flexibility_matrix", "lever_arms", "gap_angles", "normal_lever_arms", "torque"]
+)
+def test_complex_numbers_are_not_cut_down_to_their_real_part(name: str) -> None:
+    shape = {"flexibility_matrix": (3, 3), "torque": ()}.get(name, (3,))
+    message = refusal(-4, **{name: np.full(shape, 1.0 + 0j)})
+    assert message == f"{name}: expected real numbers, found complex128"
+
+
+@pytest.mark.parametrize("name", ["compliance_matrix", "normal_gaps", "motions", "load_rows"])
+def test_general_form_refuses_complex_numbers_and_single_ones(name: str) -> None:
+    good: dict[str, Any] = {
+        "compliance_matrix": MATRIX,
+        "normal_gaps": np.zeros(3),
+        "motions": np.ones(3),
+        "load_rows": np.ones(3),
+    }
+    for bad, words in ((good[name] * 1j, "found complex128"), (1.0, "expected .*shape")):
+        with pytest.raises(errors.InputError, match=f"^{name}: .*{words}"):
+            fl.solve_contact_general(**good | {name: bad}, loads=1.0)
+
+
+def test_general_form_refuses_complex_loads() -> None:
+    with pytest.raises(errors.InputError, match="^loads: expected real numbers"):
+        fl.solve_contact_general(MATRIX, np.zeros(3), np.ones(3), 1j)
+
+
+def test_integer_beyond_any_float() -> None:
+    assert refusal(-4, gap_angles=[10**400, 0, 0]).startswith("gap_angles: expected an array of")
 
 
 def test_no_pairs() -> None:
@@ -186,3 +232,16 @@ def test_states_are_frozen() -> None:
     state = fl.solve_contact(MATRIX, np.ones(3), np.zeros(3), 5.0)
     with pytest.raises(AttributeError):
         state.rotation = 0.0  # type: ignore[misc]
+
+
+def test_arrays_of_a_state_are_read_only() -> None:
+    angles = fl.solve_contact(MATRIX, np.ones(3), np.zeros(3), 5.0)
+    general = fl.solve_contact_general(MATRIX, np.zeros(3), np.ones(3), 5.0)
+    with pytest.raises(errors.NegativeForce) as caught:
+        fl.solve_contact(THREE, np.ones(3), [1, 0, 1], 10.0, method="paper")
+    for state in (angles, general, caught.value.state):
+        arrays = [part for part in vars(state).values() if isinstance(part, np.ndarray)]
+        assert len(arrays) == 5
+        for numbers in arrays:
+            with pytest.raises(ValueError, match="read-only"):
+                numbers[...] = 0

@@ -16,9 +16,17 @@ Vector = NDArray[np.float64]
 def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:
     """Double-precision numbers, or an InputError that names the argument."""
     try:
-        numbers = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        given = np.asarray(values)
+        real = not np.iscomplexobj(given)
+        # A cast would drop imaginary parts without a word.
+        numbers = given.astype(np.float64, copy=False) if real else np.empty(0)
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected an array of numbers, found {error}") from None
+    if not real:
+        raise InputError(f"{name}: expected real numbers, found {given.dtype}")
+    if n_axes and numbers.ndim == 0:
+        shape = "(n,)" if n_axes == 1 else "(n, n)"
+        raise InputError(f"{name}: expected an array of shape {shape}, found a single number")
     if n_axes is not None and numbers.ndim != n_axes:
         kind = "a number" if n_axes == 0 else f"{n_axes} axes"
         raise InputError(f"{name}: expected {kind}, found shape {numbers.shape}")
@@ -32,7 +40,8 @@ def expect_finite(name: str, numbers: Vector) -> None:
     if not np.isfinite(numbers).all():
         place = np.argwhere(~np.isfinite(numbers))[0].tolist()
         found = numbers[tuple(place)]
-        raise InputError(f"{name}: expected finite numbers, found {found} at {place}")
+        at = f" at {place}" if place else ""
+        raise InputError(f"{name}: expected finite numbers, found {found}{at}")
 
 
 def expect_shape(name: str, numbers: Vector, shape: tuple[int, ...]) -> None:

@@ -58,7 +58,7 @@ class ContactInfo:
 
 @dataclass(frozen=True)
 class ContactState:
-    """State of contact of n pairs.
+    """State of contact of n pairs; its arrays are read-only.
 
     Attributes
     ----------
@@ -90,6 +90,16 @@ class ContactState:
     info: ContactInfo
     motions: Vector
     tangent: Vector
+
+    def __post_init__(self) -> None:
+        for numbers in (
+            self.normal_forces,
+            self.final_gap_angles,
+            self.active_pairs,
+            self.motions,
+            self.tangent,
+        ):
+            numbers.flags.writeable = False
 
 
 def undetermined_groups(
