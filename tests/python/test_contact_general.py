@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from test_contact import random_problem
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
@@ -136,18 +139,107 @@ def test_random_problems_against_linear_programming() -> None:
     assert without > 20
 
 
-def test_one_motion_is_the_angle_form() -> None:
-    compliance = np.array([[10, 7, 5], [7, 10, 7], [5, 7, 10.0]])
-    levers = np.array([20.0, 21.0, 22.0])
-    gaps = np.array([0.3, 0.0, 0.2])
-    angles = fl.solve_contact(compliance / levers[:, None], levers, gaps / levers, 50.0)
-    general = fl.solve_contact_general(compliance, gaps, levers, 50.0)
-    np.testing.assert_allclose(
-        general.normal_forces, angles.normal_forces, rtol=ROUND_OFF, atol=ROUND_OFF
+@pytest.mark.parametrize("method", ["auto", "single", "block", "load_path", "paper"])
+def test_one_motion_is_the_angle_form_bit_for_bit(method: str) -> None:
+    """K = diag(b) A, g0 = b ε, B = b, R = m: friction, levers of any sign, preload, no load."""
+    rng = np.random.default_rng(31)
+    refusals = errors.ContactError if method == "paper" else errors.NoContactState
+    solved = refused = 0
+    for case in range(120):
+        matrix, row, levers, gaps, torque = random_problem(rng, unsymmetric=bool(case % 2))
+        if case % 3 == 0:
+            row[rng.random(row.size) < 0.3] = 0.0
+            row[rng.random(row.size) < 0.3] *= -0.2
+        if case % 5 == 0:
+            gaps = gaps - 0.5 * gaps.max()
+        if case % 7 == 0:
+            torque = 0.0
+        if not row.max() > 0:
+            continue
+        warm = rng.permutation(row.size)[:2]
+        kind = {
+            "method": method,
+            "warm_pairs": warm,
+            "positive_definite": np.array_equal(row, levers),
+        }
+        scaled = levers[:, None] * matrix
+        try:
+            angles = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers, **kind)
+        except refusals as error:
+            refused += 1
+            with pytest.raises(type(error), match=re.escape(str(error).split(": ")[-1])):
+                fl.solve_contact_general(
+                    scaled, levers * gaps, levers, torque, load_rows=row, **kind
+                )
+            continue
+        general = fl.solve_contact_general(
+            scaled, levers * gaps, levers, torque, load_rows=row, **kind
+        )
+        solved += 1
+        for name in ("normal_forces", "active_pairs", "motions", "tangent"):
+            assert np.array_equal(getattr(general, name), getattr(angles, name)), name
+        assert np.array_equal(general.final_gap_angles / levers, angles.final_gap_angles)
+        assert general.rotation == angles.rotation
+        assert general.status == angles.status
+        assert general.info == angles.info
+    assert solved > 60
+    assert refused > 0
+
+
+def planet_carrier(planets: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Compliance of the meshes of a sun with its planets, and levers of the sun: (φ, x, y)."""
+    place = 2 * np.pi * np.arange(planets) / planets
+    action = place + np.deg2rad(90 + 20)
+    levers = np.column_stack([np.full(planets, BASE_RADIUS), np.cos(action), np.sin(action)])
+    root = rng.standard_normal((planets, planets))
+    return 1e-5 * (np.eye(planets) + 0.1 * root @ root.T), levers
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_three_planets_share_equally_where_the_sun_floats(seed: int) -> None:
+    """Three forces at 120 degrees balance only when they are equal, whatever the pins' errors."""
+    rng = np.random.default_rng(seed)
+    compliance, levers = planet_carrier(3, rng)
+    pins = 0.1 * rng.standard_normal(3)
+    share = TORQUE / (3 * BASE_RADIUS)
+    state = fl.solve_contact_general(compliance, pins, levers, [TORQUE, 0, 0])
+    np.testing.assert_allclose(state.normal_forces, share, rtol=10 * ROUND_OFF, atol=0)
+    # What the sun moves follows from its three gaps.
+    moved = np.linalg.solve(levers, compliance @ np.full(3, share) + pins)
+    np.testing.assert_allclose(state.motions, moved, rtol=0, atol=SOLVER * np.abs(moved).max())
+
+
+@pytest.mark.parametrize("planets", [3, 4])
+@pytest.mark.parametrize("seed", range(5))
+def test_planets_of_a_fixed_sun_share_by_their_pins_errors(seed: int, planets: int) -> None:
+    """Springs of one compliance c side by side: F_k = M/(z r_b) + (mean of e - e_k)/c."""
+    rng = np.random.default_rng(seed)
+    c = 1e-5
+    pins = 0.005 * rng.uniform(-1, 1, planets)
+    state = fl.solve_contact_general(
+        c * np.eye(planets), pins, np.full(planets, BASE_RADIUS), TORQUE
     )
-    np.testing.assert_allclose(general.rotation, angles.rotation, rtol=ROUND_OFF, atol=0)
+    expected = TORQUE / (planets * BASE_RADIUS) + (pins.mean() - pins) / c
+    assert expected.min() > 0
     np.testing.assert_allclose(
-        general.final_gap_angles / levers, angles.final_gap_angles, rtol=0, atol=ROUND_OFF
+        state.normal_forces, expected, rtol=0, atol=10 * ROUND_OFF * expected.max()
+    )
+    assert np.ptp(state.normal_forces) > 0.02 * expected.mean()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_four_planets_of_a_floating_sun_share_in_pairs(seed: int) -> None:
+    """Opposite planets carry the same: M/(4 r_b) ± (e_1 + e_3 - e_0 - e_2)/(4 c)."""
+    rng = np.random.default_rng(seed)
+    _, levers = planet_carrier(4, rng)
+    c = 1e-5
+    pins = 0.005 * rng.uniform(-1, 1, 4)
+    state = fl.solve_contact_general(c * np.eye(4), pins, levers, [TORQUE, 0, 0])
+    apart = (pins[1] + pins[3] - pins[0] - pins[2]) / (4 * c)
+    expected = TORQUE / (4 * BASE_RADIUS) + apart * np.array([1, -1, 1, -1])
+    assert expected.min() > 0
+    np.testing.assert_allclose(
+        state.normal_forces, expected, rtol=0, atol=10 * ROUND_OFF * expected.max()
     )
 
 

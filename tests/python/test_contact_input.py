@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from test_contact import THREE
 
 import flankload as fl
@@ -76,7 +75,7 @@ def test_general_form_refuses_complex_numbers_and_single_ones(name: str) -> None
 
 
 def test_general_form_refuses_complex_loads() -> None:
-    with pytest.raises(errors.InputError, match="^loads: expected real numbers"):
+    with pytest.raises(errors.InputError, match=r"^loads: expected real numbers"):
         fl.solve_contact_general(MATRIX, np.zeros(3), np.ones(3), 1j)
 
 
