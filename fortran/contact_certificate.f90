@@ -4,7 +4,7 @@ module flankload_contact_certificate
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
     use flankload_contact_problem, only: contact_problem, unshifted, row_size, least_row_sizes, &
-        & row_tolerance
+        & row_tolerance, is_finite
     use flankload_lapack, only: potrf
     implicit none
     private
@@ -151,7 +151,8 @@ contains
             matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
         end do
         call potrf(k, matrix, info)
-        unique = info == 0
+        ! LAPACK takes a NaN on its diagonal for a positive number.
+        unique = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
     end function is_unique
 
     !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz demand of a positive

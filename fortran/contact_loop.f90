@@ -240,7 +240,8 @@ contains
         ! What is left of a closed gap is rounding, already in the backward error.
         result%gaps = problem%load_scale*gaps/problem%row_scale
         result%gaps(pairs) = 0.0_wp
-        result%gaps = max(result%gaps, 0.0_wp)
+        ! A NaN must not be taken for a closed gap.
+        where (is_finite(result%gaps)) result%gaps = max(result%gaps, 0.0_wp)
         result%motion = problem%load_scale*problem%motion_scale*(problem%start_motion + motion)
         result%tangent = tangent*spread(problem%motion_scale, 2, q) &
             & *spread(problem%load_row_scale, 1, q)
