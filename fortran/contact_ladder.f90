@@ -5,14 +5,13 @@
 !> Each rung begins with the pairs that the one before has left.
 module flankload_contact_ladder
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit
+    use flankload_error, only: error_type, no_contact_state
     use flankload_contact_problem, only: contact_problem
-    use flankload_loop_start, only: loop_state, start_loop, start_warm
+    use flankload_loop_start, only: loop_state
     use flankload_single_loop, only: single_loop
-    use flankload_final_refinement, only: most_open_pair, finish
     use flankload_block_loop, only: block_loop
     use flankload_coarse_problem, only: in_flank_order
-    use flankload_load_path, only: path_end, follow_load_path, path_solved, path_ray
+    use flankload_last_rung, only: take_last_rung
     implicit none
     private
 
@@ -47,7 +46,8 @@ module flankload_contact_ladder
 contains
 
     !> Go from rung to rung until one answers.
-    pure subroutine climb(problem, compliance, method, warm_pairs, state, rung, largest_part, error)
+    pure subroutine climb(problem, compliance, method, warm_pairs, state, rung, largest_part, &
+        & none_proven, error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
@@ -62,6 +62,8 @@ contains
         integer, intent(out) :: rung
         !> Without a state: part of the loads that can be held
         real(wp), intent(out) :: largest_part
+        !> Without a state: there is none for certain
+        logical, intent(out) :: none_proven
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
@@ -74,12 +76,15 @@ contains
         if (method == rung_auto) rung = choose(problem, compliance, warm_pairs)
         if (method == rung_primal) rung = rung_single
         largest_part = 0.0_wp
+        none_proven = .false.
         fresh = problem
         begin = warm_pairs
         pivots = 0
         settled = .false.
         if (rung == rung_block .or. rung == rung_cascade) then
             call block_loop(problem, compliance, begin, rung == rung_cascade, state, settled, error)
+            ! Before the first pair is in contact all that a loop says is that no forces hold the loads.
+            if (allocated(error)) none_proven = error%code == no_contact_state
             if (settled .or. allocated(error)) return
             call step_down(state, rung_single, rung, pivots, begin)
         end if
@@ -89,6 +94,7 @@ contains
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
             ! What fails before the first pair is in contact is no matter of the loop.
+            none_proven = error%code == no_contact_state
             if (.not. allocated(state%system%pairs)) return
             call step_down(state, rung_pivoted, rung, pivots, begin)
         end if
@@ -101,7 +107,7 @@ contains
             call step_down(state, rung_load_path, rung, pivots, begin)
         end if
         problem = fresh
-        call take_load_path(problem, compliance, state, largest_part, error)
+        call take_last_rung(problem, compliance, state, largest_part, none_proven, error)
         state%pivots = pivots + state%pivots
     end subroutine climb
 
@@ -139,56 +145,5 @@ contains
         pivots = left%pivots
         if (allocated(left%system%pairs)) begin = left%system%pairs
     end subroutine step_down
-
-    !> The last rung.
-    pure subroutine take_load_path(problem, compliance, state, largest_part, error)
-        !> The problem
-        type(contact_problem), intent(inout) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
-        type(loop_state), intent(out) :: state
-        !> Part of the loads that can be held
-        real(wp), intent(out) :: largest_part
-        !> No state, or none found
-        type(error_type), allocatable, intent(out) :: error
-
-        type(path_end) :: path
-        integer, allocatable :: first(:)
-        real(wp), allocatable :: first_forces(:)
-        logical :: ready, done
-        integer :: joining, pivots
-
-        largest_part = 0.0_wp
-        call start_loop(problem, first, first_forces, state, error)
-        if (allocated(error)) return
-        call follow_load_path(problem, compliance, path)
-        largest_part = path%largest_part
-        if (path%outcome == path_ray .and. .not. problem%definite) then
-            ! As a motion for the loads, in whose scales the caller takes it back.
-            state%motion = path%motion*problem%motion_scale/problem%load_row_scale
-            state%motion = state%motion/max(maxval(abs(state%motion)), tiny(1.0_wp))
-            state%pivots = path%pivots
-            call fatal_error(error, no_contact_state, 'the load path ends before these loads')
-            return
-        else if (path%outcome /= path_solved) then
-            state%pivots = path%pivots
-            call fatal_error(error, pivot_limit, 'no rung of the ladder found a state')
-            return
-        end if
-        call start_warm(problem, compliance, path%pairs, state, ready)
-        done = .false.
-        joining = 0
-        if (ready) then
-            call most_open_pair(problem, compliance, state, joining)
-            if (joining == 0) call finish(problem, compliance, state, joining, done)
-        end if
-        pivots = path%pivots
-        if (.not. done .or. joining > 0) then
-            ! The path breaks ties; what it has decided may have to be decided again.
-            call single_loop(problem, compliance, path%pairs, .true., state, error)
-        end if
-        state%pivots = state%pivots + pivots
-    end subroutine take_load_path
 
 end module flankload_contact_ladder

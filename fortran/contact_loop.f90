@@ -158,7 +158,8 @@ contains
 
         real(wp) :: part
 
-        call climb(problem, compliance, method, warm_pairs, state, result%rung, part, error)
+        call climb(problem, compliance, method, warm_pairs, state, result%rung, part, &
+            & result%none_proven, error)
         result%pivots = state%pivots
         if (.not. allocated(error)) then
             call report_state(problem, compliance, state, result)

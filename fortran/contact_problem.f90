@@ -12,7 +12,7 @@ module flankload_contact_problem
     private
 
     public :: contact_problem
-    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps
+    public :: new_contact_problem, shift_gaps, unshifted, contact_gaps, find_recession
     public :: row_size, least_row_sizes
     public :: is_finite, is_finite_matrix
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -216,8 +216,7 @@ contains
         original%start_motion = 0.0_wp
     end function unshifted
 
-    !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it. One product per run of active
-    !> columns, since active pairs are mostly neighbours.
+    !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it.
     pure subroutine contact_gaps(problem, compliance, forces, motion, gaps)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -230,11 +229,27 @@ contains
         !> Scaled gaps, shape (n)
         real(wp), contiguous, intent(out) :: gaps(:)
 
+        call find_recession(problem, compliance, forces, gaps)
+        gaps = gaps + problem%gaps - matmul(problem%motions, motion)
+    end subroutine contact_gaps
+
+    !> Scaled recession K F. One product per run of active columns, since active pairs are mostly
+    !> neighbours.
+    pure subroutine find_recession(problem, compliance, forces, recession)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, zero for pairs that are not active, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled recession, shape (n)
+        real(wp), contiguous, intent(out) :: recession(:)
+
         integer :: first, last
         real(wp), allocatable :: columns(:)
 
         columns = problem%row_scale*forces
-        gaps = 0.0_wp
+        recession = 0.0_wp
         last = 0
         do
             first = last + 1
@@ -248,10 +263,10 @@ contains
                 if (.not. abs(forces(last + 1)) > 0.0_wp) exit
                 last = last + 1
             end do
-            call add_product(compliance, first, last, columns, gaps)
+            call add_product(compliance, first, last, columns, recession)
         end do
-        gaps = problem%row_scale*gaps + problem%gaps - matmul(problem%motions, motion)
-    end subroutine contact_gaps
+        recession = problem%row_scale*recession
+    end subroutine find_recession
 
     !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, motions measured from the start or from
     !> zero, whichever is less: small loads at large gaps are resolved, large starts excuse nothing.

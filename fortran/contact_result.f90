@@ -39,6 +39,8 @@ module flankload_contact_result
         logical :: unique = .false.
         !> Without a state: part of the loads that can be held on the way there
         real(wp) :: largest_part = 0.0_wp
+        !> Without a state: there is none for certain, rather than none that was found
+        logical :: none_proven = .false.
         !> d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
     end type contact_result
@@ -68,14 +70,14 @@ contains
     end subroutine blank
 
     !> Counters in the order of the flat door: pivots, refactorisations, 1 where the state is
-    !> unique, the method that found it.
+    !> unique, the method that found it, 1 where there is none for certain.
     pure function counters_of(result) result(counters)
         !> A state
         type(contact_result), intent(in) :: result
-        integer :: counters(4)
+        integer :: counters(5)
 
         counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
-            & result%rung]
+            & result%rung, merge(1, 0, result%none_proven)]
     end function counters_of
 
     !> Certificate in the order of the flat door: condition, growth, backward error, margin, part of

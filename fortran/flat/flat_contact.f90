@@ -73,8 +73,9 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     double precision, intent(out) :: tangent(n_motions, n_motions)
     !> 1 for the pairs that carry a force, else 0, shape (n)
     integer, intent(out) :: active(n)
-    !> Pivots, refactorisations, 1 where the state is unique, the method that found it, shape (4)
-    integer, intent(out) :: counters(4)
+    !> Pivots, refactorisations, 1 where the state is unique, the method that found it; without a
+    !> state (info -1) 1 where it is proven that there is none; shape (5)
+    integer, intent(out) :: counters(5)
     !> Condition, growth, backward error, margin; without a state (info -1) the part of the loads
     !> that can be held; shape (5)
     double precision, intent(out) :: certificate(5)
@@ -144,7 +145,7 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     double precision, intent(out) :: motion(n_motions)
     double precision, intent(out) :: tangent(n_motions, n_motions)
     integer, intent(out) :: active(n)
-    integer, intent(out) :: counters(4)
+    integer, intent(out) :: counters(5)
     double precision, intent(out) :: certificate(5)
     !> Status 0 … 3, or an error -1 … -5
     integer, intent(out) :: info

@@ -41,7 +41,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     double precision, intent(out) :: motion(n_motions, n_loads, n_problems)
     double precision, intent(out) :: tangent(n_motions, n_motions, n_loads, n_problems)
     integer, intent(out) :: active(n_pairs, n_loads)
-    integer, intent(out) :: counters(4, n_loads, n_problems)
+    integer, intent(out) :: counters(5, n_loads, n_problems)
     double precision, intent(out) :: certificate(5, n_loads, n_problems)
     !> Status 0 … 3, or an error -1 … -6, shape (n_loads, n_problems)
     integer, intent(out) :: info(n_loads, n_problems)

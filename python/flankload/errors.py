@@ -71,14 +71,18 @@ class ContactError(FlankloadError):
 
 
 class NoContactState(ContactError):  # noqa: N818 - a public name
-    """No state of contact holds the loads (code -1).
+    """No state of contact holds the loads, or none was found (code -1).
 
     Attributes
     ----------
+    proven : bool
+        No state exists. False: none was found, but one may exist; so it can be only where the
+        matrix is not positive definite.
     largest_torque : float
-        The largest torque that can be held [N mm].
+        The largest torque that was held on the way from no load [N mm].
     motion : ndarray of shape (q,)
-        A motion that opens or keeps all gaps while the loads do work.
+        Where no forces hold the loads: a motion that opens or keeps all gaps while the loads do
+        work; else the motion in which the way from no load ends. Zero where neither was met.
     """
 
     code = -1
@@ -87,10 +91,12 @@ class NoContactState(ContactError):  # noqa: N818 - a public name
         self,
         message: str,
         *,
+        proven: bool = False,
         largest_torque: float = 0.0,
         motion: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(message)
+        self.proven = proven
         self.largest_torque = largest_torque
         self.motion = np.empty(0) if motion is None else motion
 

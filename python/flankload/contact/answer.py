@@ -107,14 +107,7 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
     """The exception of a code of the core."""
     code = int(answer.code)
     if code == NoContactState.code:
-        held = float(answer.certificate[4]) * loads
-        return NoContactState(
-            "no pairs can hold these loads: free to move along "
-            + ", ".join(f"{part:g}" for part in answer.motion)
-            + (f"; {held[0]:g} can be held" if held.size == 1 else ""),
-            largest_torque=float(held[0]) if held.size == 1 else 0.0,
-            motion=answer.motion,
-        )
+        return _no_state(answer, float(answer.certificate[4]) * loads)
     if code == PivotLimit.code:
         return PivotLimit(f"no state of contact reached after {int(answer.counters[0])} pivots")
     if code == SingularContact.code:
@@ -123,6 +116,26 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
             "or a motion is held by no pair"
         )
     return InputError(f"the core refused the problem (code {code})", code=code)
+
+
+def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
+    """The error that says whether no state exists or none was found."""
+    proven = bool(answer.counters[4])
+    message = (
+        "no pairs can hold these loads"
+        if proven
+        else "no state was found; the matrix does not rule out that there is one"
+    )
+    if answer.motion.any():
+        message += ": free to move along " + ", ".join(f"{part:g}" for part in answer.motion)
+    if held.size == 1:
+        message += f"; {held[0]:g} can be held"
+    return NoContactState(
+        message,
+        proven=proven,
+        largest_torque=float(held[0]) if held.size == 1 else 0.0,
+        motion=answer.motion,
+    )
 
 
 def _uniqueness(unique: bool, structure: int) -> str:

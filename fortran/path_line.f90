@@ -1,0 +1,129 @@
+!> One step of a load path: the line of states on which just the active pairs touch.
+!>
+!> Solved from a kept factor; nothing accumulates, since every line is solved as a whole and its rows
+!> are computed from the matrix itself. Where they are not met to rounding, or many pairs have
+!> changed sides, the present set is factored anew.
+module flankload_path_line
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem, find_recession
+    use flankload_path_factor, only: path_problem, path_factor, factor_line, border_line
+    implicit none
+    private
+
+    public :: path_line
+    public :: find_line
+
+    !> A line of states: at a distance t from its start the forces of active pairs and gaps of the
+    !> others are value + t change, q and λ likewise.
+    type :: path_line
+        real(wp), allocatable :: value(:), change(:)
+        real(wp), allocatable :: motion(:), motion_change(:)
+        real(wp) :: part = 0.0_wp, part_change = 0.0_wp
+    end type path_line
+
+    !> What rounding may leave in a row of the line, relative to the largest term of any row.
+    real(wp), parameter :: line_tolerance = 64.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> The line on which just the active pairs touch.
+    pure subroutine find_line(problem, compliance, way, driver, factor, line, solved)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives, zero at the start of the line and one at a unit from it: 0 for
+        !> λ, else force (pair active) or gap of that pair
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(inout) :: factor
+        !> The line
+        type(path_line), intent(out) :: line
+        !> False if the equations are singular
+        logical, intent(out) :: solved
+
+        integer :: k
+        real(wp), allocatable :: forces(:, :), motion(:, :), part(:)
+        logical :: accurate
+
+        solved = .false.
+        if (factor%n_changed >= 0) then
+            call border_line(problem, compliance, way, driver, factor, forces, motion, part, solved)
+        end if
+        if (solved) then
+            call complete_line(problem, compliance, way, driver, factor, forces, motion, part, &
+                & line, accurate)
+            if (accurate) return
+        end if
+        call factor_line(problem, compliance, way, driver, factor, solved)
+        if (.not. solved) return
+        if (allocated(forces)) deallocate (forces)
+        allocate (forces(problem%n, 2), source=0.0_wp)
+        k = size(factor%pairs)
+        forces(factor%pairs, :) = factor%solution(:k, :)
+        motion = factor%solution(k + 1:k + problem%n_motions, :)
+        part = factor%solution(k + problem%n_motions + 1, :)
+        call complete_line(problem, compliance, way, driver, factor, forces, motion, part, line, &
+            & accurate)
+    end subroutine find_line
+
+    !> Gaps of the line, and whether its equations are met to rounding.
+    pure subroutine complete_line(problem, compliance, way, driver, factor, forces, motion, part, &
+        & line, accurate)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> Scaled forces at the start and their change, shape (n, 2)
+        real(wp), contiguous, intent(in) :: forces(:, :)
+        !> Motion and its change, shape (n_motions, 2)
+        real(wp), intent(in) :: motion(:, :)
+        !> λ and its change, shape (2)
+        real(wp), intent(in) :: part(:)
+        !> The line
+        type(path_line), intent(out) :: line
+        !> What the rows lack is rounding
+        logical, intent(out) :: accurate
+
+        integer :: c
+        logical, allocatable :: closed(:)
+        real(wp) :: terms
+        real(wp), allocatable :: gaps(:, :), lacking(:)
+
+        allocate (gaps(problem%n, 2))
+        closed = factor%active
+        accurate = .true.
+        do c = 1, 2
+            call find_recession(problem, compliance, forces(:, c), gaps(:, c))
+            gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
+            lacking = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
+            terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
+                & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
+            if (c == 1) then
+                gaps(:, c) = gaps(:, c) + way%gaps
+                lacking = lacking + way%base_loads
+                terms = max(terms, maxval(abs(way%gaps), mask=closed), maxval(abs(way%base_loads)))
+            end if
+            accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
+                & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
+        end do
+        line%value = merge(forces(:, 1), gaps(:, 1), closed)
+        line%change = merge(forces(:, 2), gaps(:, 2), closed)
+        line%motion = motion(:, 1)
+        line%motion_change = motion(:, 2)
+        line%part = part(1)
+        line%part_change = part(2)
+        if (driver > 0) accurate = accurate &
+            & .and. abs(line%value(driver)) <= line_tolerance*terms &
+            & .and. abs(line%change(driver) - 1.0_wp) <= line_tolerance*terms
+    end subroutine complete_line
+
+end module flankload_path_line
