@@ -3,8 +3,9 @@
 !> The forces hold the loads and are not negative at every step; each step goes towards the state in
 !> which just the active pairs touch, stops where a force becomes zero and lets that pair go, or
 !> else lets the most open pair join. With a symmetric positive definite K the stored energy falls
-!> at every step, so that no set of pairs comes twice. The paper's loop (Fig. 6) is the case in
-!> which no pair ever leaves.
+!> at every step, so that no set of pairs comes twice. With another K the loop may go in circles: it
+!> gives up where neither energy nor the number of open pairs has fallen for some steps. The paper's
+!> loop (Fig. 6) is the case in which no pair ever leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, pivot_limit, singular_contact
@@ -25,6 +26,18 @@ module flankload_single_loop
     !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
 
+    !> How near to a state the loop has come.
+    type :: loop_progress
+        !> Fewest open pairs and least stored energy so far
+        integer :: fewest = huge(1)
+        real(wp) :: least_energy = huge(1.0_wp)
+        !> Steps without less of either
+        integer :: steps_without = 0
+    end type loop_progress
+
+    !> Steps within which there must be progress; 20000 problems of gears need 3.
+    integer, parameter :: patience = 10
+
 contains
 
     !> Run the loop.
@@ -44,6 +57,7 @@ contains
 
         integer, allocatable :: first(:)
         real(wp), allocatable :: first_forces(:)
+        type(loop_progress) :: progress
         logical :: ready, done
         integer :: joining
 
@@ -67,11 +81,44 @@ contains
                 call finish(problem, compliance, state, joining, done)
                 if (done) exit
             end if
+            call watch_progress(problem, state, progress)
+            if (progress%steps_without > patience) then
+                call fatal_error(error, pivot_limit, 'the loop gets no nearer to a state')
+                return
+            end if
             if (joining > 0) call let_join(problem, compliance, joining, state, error)
             if (allocated(error)) return
         end do
         if (any(state%waiting)) call judge_waiting(problem, compliance, state, error)
     end subroutine single_loop
+
+    !> Note whether fewer pairs are open than ever or, with a symmetric K, less energy is stored.
+    pure subroutine watch_progress(problem, state, progress)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The state, with just the active pairs touching
+        type(loop_state), intent(in) :: state
+        !> How near it is
+        type(loop_progress), intent(inout) :: progress
+
+        integer :: open
+        real(wp) :: energy
+
+        progress%steps_without = progress%steps_without + 1
+        open = count(state%gaps < 0.0_wp .and. .not. state%forces > 0.0_wp)
+        if (open < progress%fewest) then
+            progress%fewest = open
+            progress%steps_without = 0
+        end if
+        if (.not. (problem%symmetric .and. problem%same_rows)) return
+        ! ½ Fᵀ K F + g0 F with K F = B q - g0 where F > 0
+        energy = 0.5_wp*(dot_product(problem%loads, state%motion) &
+            & + dot_product(problem%gaps, state%forces))
+        if (energy < progress%least_energy) then
+            progress%least_energy = energy
+            progress%steps_without = 0
+        end if
+    end subroutine watch_progress
 
     !> Go towards the state in which just the active pairs touch; pairs whose force becomes zero on
     !> the way leave.
