@@ -9,7 +9,8 @@
 module flankload_case_search
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_case_table, only: simplex_table, new_table, exchange, safety, negligible
+    use flankload_case_table, only: simplex_table, new_table, rebuilt_table, exchange, &
+        & safety, negligible
     use flankload_case_proof, only: is_proof
     implicit none
     private
@@ -31,6 +32,8 @@ module flankload_case_search
         integer :: outcome = cases_none
         integer :: pivots = 0
         integer, allocatable :: pairs(:)
+        !> The table without any pair decided
+        type(simplex_table) :: start
     end type case_list
 
     !> Entries of tables: 10 ms or so.
@@ -56,7 +59,7 @@ contains
         !> Exchanges of variables
         integer, intent(out) :: pivots
 
-        type(simplex_table) :: start
+        type(simplex_table) :: table
         type(case_list) :: cases
         logical :: consistent
 
@@ -65,8 +68,9 @@ contains
         allocate (pairs(0))
         if (real(problem%n, wp)**3 > most_work) return
         cases%work = most_work
-        call new_table(problem, compliance, start, consistent)
-        if (consistent) call search_case(problem, compliance, start, cases)
+        call new_table(problem, compliance, table, consistent)
+        cases%start = table
+        if (consistent) call search_case(problem, compliance, table, cases)
         outcome = cases%outcome
         pivots = cases%pivots
         if (outcome == cases_found) pairs = cases%pairs
@@ -146,12 +150,13 @@ contains
         !> Found, none, or open
         integer, intent(out) :: outcome
 
-        integer :: row, column, pivot, m
+        integer :: row, column, pivot, m, rebuilt_at
         real(wp) :: sense
         logical :: lowest
 
         m = size(table%basic)
         outcome = cases_open
+        rebuilt_at = -m
         do pivot = 0, most_pivots*m
             lowest = pivot > patience*m
             call wrong_row(table, lowest, row, sense)
@@ -162,12 +167,18 @@ contains
             call helpful_column(table, row, sense, lowest, column)
             if (column == 0) then
                 if (is_proof(problem, compliance, table, row, sense)) outcome = cases_none
-                return
+                if (outcome == cases_none .or. rebuilt_at == cases%pivots) return
+            else
+                call exchange(table, row, column)
+                cases%pivots = cases%pivots + 1
+                cases%work = cases%work - real(m, wp)**2
+                if (cases%work < 0.0_wp) return
+                if (table%largest <= too_large) cycle
+                if (cases%pivots - rebuilt_at < m) return
             end if
-            call exchange(table, row, column)
-            cases%pivots = cases%pivots + 1
-            cases%work = cases%work - real(m, wp)**2
-            if (table%largest > too_large .or. cases%work < 0.0_wp) return
+            table = rebuilt_table(cases%start, table)
+            rebuilt_at = cases%pivots
+            cases%work = cases%work - real(m, wp)**3
         end do
     end subroutine make_feasible
 

@@ -6,7 +6,7 @@ module flankload_case_table
     private
 
     public :: simplex_table
-    public :: new_table, exchange
+    public :: new_table, rebuilt_table, exchange
     public :: safety, negligible
 
     !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps
@@ -15,8 +15,9 @@ module flankload_case_table
         integer, allocatable :: basic(:)
         integer, allocatable :: nonbasic(:)
         real(wp), allocatable :: value(:)
-        !> What rounding may have done to each value
+        !> Rounding on the scale of each basic value, and of each variable from the start
         real(wp), allocatable :: rounding(:)
+        real(wp), allocatable :: least_rounding(:)
         real(wp), allocatable :: table(:, :)
         !> Variables that are zero in this case
         logical, allocatable :: fixed(:)
@@ -50,8 +51,10 @@ contains
         start%basic = [(n + i, i=1, n), (2*n + q + c, c=1, q)]
         start%nonbasic = [(i, i=1, n), (2*n + c, c=1, q)]
         start%value = [problem%gaps, problem%loads]
-        start%rounding = epsilon(1.0_wp)*[abs(problem%gaps) &
-            & + matmul(abs(problem%motions), abs(problem%start_motion)), abs(problem%loads)]
+        allocate (start%least_rounding(2*n + 2*q), source=epsilon(1.0_wp)*sum(abs(problem%loads)))
+        start%least_rounding(n + 1:2*n) = epsilon(1.0_wp)*(abs(problem%gaps) &
+            & + matmul(abs(problem%motions), abs(problem%start_motion)))
+        start%rounding = start%least_rounding(start%basic)
         allocate (start%fixed(2*n + 2*q), source=.false.)
         allocate (start%table(n + q, n + q), source=0.0_wp)
         do j = 1, n
@@ -87,6 +90,40 @@ contains
         start%nonbasic = start%nonbasic(columns)
     end subroutine new_table
 
+    !> The same table with the digits that many exchanges have lost: from the start, each time by the
+    !> largest entry.
+    pure function rebuilt_table(start, table) result(rebuilt)
+        !> The table without any pair decided
+        type(simplex_table), intent(in) :: start
+        !> The table
+        type(simplex_table), intent(in) :: table
+        type(simplex_table) :: rebuilt
+
+        integer :: i, j, place(2)
+        logical, allocatable :: wanted(:)
+
+        rebuilt = start
+        rebuilt%fixed = table%fixed
+        allocate (wanted(size(table%fixed)), source=.false.)
+        wanted(table%basic) = .true.
+        do
+            place = 0
+            do j = 1, size(rebuilt%nonbasic)
+                if (.not. wanted(rebuilt%nonbasic(j))) cycle
+                i = maxloc(abs(rebuilt%table(:, j)), dim=1, mask=.not. wanted(rebuilt%basic))
+                if (i == 0) cycle
+                if (place(1) > 0) then
+                    if (abs(rebuilt%table(i, j)) <= abs(rebuilt%table(place(1), place(2)))) cycle
+                end if
+                place = [i, j]
+            end do
+            if (place(1) == 0) exit
+            if (.not. abs(rebuilt%table(place(1), place(2))) > 0.0_wp) exit
+            call exchange(rebuilt, place(1), place(2))
+        end do
+        rebuilt%largest = max(1.0_wp, maxval(abs(rebuilt%table)))
+    end function rebuilt_table
+
     !> Exchange a basic variable and one that is not.
     pure subroutine exchange(table, row, column)
         !> The table
@@ -108,7 +145,8 @@ contains
         table%value(row) = value
         ! Not what rounding may amount to at worst, but the scale on which it happens.
         table%rounding = max(table%rounding, epsilon(1.0_wp)*abs(entering*value))
-        table%rounding(row) = max(table%rounding(row)/abs(pivot), epsilon(1.0_wp)*abs(value))
+        table%rounding(row) = max(table%least_rounding(table%nonbasic(column)), &
+            & epsilon(1.0_wp)*abs(value))
         do j = 1, size(table%nonbasic)
             if (j == column) cycle
             entry = -table%table(row, j)/pivot

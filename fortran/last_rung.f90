@@ -20,10 +20,11 @@ module flankload_last_rung
 
     public :: take_last_rung
 
-    !> Other starts that are tried, as long as they take no more pivots than so many a pair.
-    integer, parameter :: other_starts = 40
-    integer, parameter :: pivots_per_pair = 40
-    integer, parameter :: pivots_at_least = 2000
+    !> Other starts that are tried, while their pivots times the square of the pairs are no more than
+    !> this, 0.1 s or so, and always for so many pivots.
+    integer, parameter :: other_starts = 400
+    real(wp), parameter :: most_work = 4.0e7_wp
+    integer, parameter :: pivots_at_least = 1000
 
 contains
 
@@ -145,7 +146,7 @@ contains
         integer :: start, limit
 
         settled = .false.
-        limit = pivots + pivots_per_pair*problem%n + pivots_at_least
+        limit = pivots + pivots_at_least + int(most_work/real(problem%n, wp)**2)
         do start = 1, other_starts
             if (pivots > limit) return
             problem = touching

@@ -22,7 +22,7 @@ module flankload_path_line
     end type path_line
 
     !> What rounding may leave in a row of the line, relative to the largest term of any row.
-    real(wp), parameter :: line_tolerance = 64.0_wp*epsilon(1.0_wp)
+    real(wp), parameter :: line_tolerance = 512.0_wp*epsilon(1.0_wp)
 
 contains
 
