@@ -203,6 +203,7 @@ contains
         type(paper_state) :: state
 
         call paper_loop(problem, compliance, state, error)
+        if (allocated(error)) result%none_proven = error%code == no_contact_state
         if (allocated(error)) return
         result%rung = method_paper
         result%pivots = size(state%pairs)

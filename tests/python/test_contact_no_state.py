@@ -1,0 +1,125 @@
+"""Matrices without structure: a state is found, or it is proven or said to be open that none exists."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_contact import brute_force
+
+import flankload as fl
+from flankload import errors
+
+EPS = float(np.finfo(float).eps)
+METHODS = ["auto", "single", "block", "load_path"]
+Problem = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def without_structure(rng: np.random.Generator, fewest: int, most: int) -> Problem:
+    """Matrix, torque row of both signs and gaps, at least one lever above zero."""
+    n = int(rng.integers(fewest, most + 1))
+    matrix = rng.standard_normal((n, n))
+    matrix[np.diag_indices(n)] = rng.uniform(0.2, 1.5, n)
+    row = rng.uniform(-0.5, 1.0, n)
+    row[0] = abs(row[0])
+    return matrix, row, rng.uniform(0.0, 1.0, n)
+
+
+def jamming(n: int) -> Problem:
+    """Pair 1 turns back more than pair 0 holds once it touches; the others touch late and turn back."""
+    matrix = np.eye(n)
+    matrix[:2, :2] = [[1.0, 1.5], [0.5, 1.0]]
+    row = np.full(n, -1.0)
+    row[0] = 1.0
+    gaps = np.full(n, 1e3)
+    gaps[:2] = [0.0, 0.2]
+    return matrix, row, gaps
+
+
+def solve(problem: Problem, method: str) -> fl.ContactState:
+    matrix, row, gaps = problem
+    return fl.solve_contact(
+        matrix, row, gaps, 1.0, normal_lever_arms=np.ones(gaps.size), method=method
+    )
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("fewest", "most", "number", "least_solved", "least_none"),
+    [(2, 6, 300, 200, 30), (7, 12, 150, 100, 5)],
+)
+def test_a_state_or_the_proof_that_there_is_none(
+    method: str, fewest: int, most: int, number: int, least_solved: int, least_none: int
+) -> None:
+    rng = np.random.default_rng(5)
+    solved = none = 0
+    for _ in range(number):
+        matrix, row, gaps = problem = without_structure(rng, fewest, most)
+        try:
+            state = solve(problem, method)
+        except errors.NoContactState as error:
+            assert error.proven
+            assert not brute_force(matrix, gaps, np.ones(gaps.size), row, 1.0)
+            none += 1
+            continue
+        solved += 1
+        forces = state.normal_forces
+        final = matrix @ forces + gaps - state.rotation
+        size = np.abs(matrix) @ forces + gaps + abs(state.rotation)
+        assert (forces >= 0).all()
+        assert (final >= -20 * EPS * size).all()
+        assert (np.abs(final) <= 20 * EPS * size)[forces > 0].all()
+        assert abs(row @ forces - 1.0) <= 20 * EPS * (np.abs(row) @ forces + 1.0)
+        assert state.info.backward_error <= 10 * EPS
+    assert solved >= least_solved
+    assert none >= least_none
+
+
+def test_fourteen_pairs() -> None:
+    rng = np.random.default_rng(14)
+    none = 0
+    for _ in range(60):
+        matrix, row, gaps = problem = without_structure(rng, 13, 14)
+        try:
+            assert solve(problem, "load_path").info.backward_error <= 10 * EPS
+        except errors.NoContactState as error:
+            assert error.proven
+            assert not brute_force(matrix, gaps, np.ones(gaps.size), row, 1.0)
+            none += 1
+    assert none >= 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_two_pairs_without_a_state_are_proven(method: str) -> None:
+    matrix = np.array([[2.0, 1.0], [1.0, 1.5]])
+    with pytest.raises(errors.NoContactState, match="no pairs can hold these loads") as caught:
+        solve((matrix, np.array([1.0, -1.0]), np.zeros(2)), method)
+    assert caught.value.proven
+
+
+def test_loads_that_no_forces_hold_are_proven() -> None:
+    with pytest.raises(errors.NoContactState) as caught:
+        fl.solve_contact_general(np.eye(3), np.zeros(3), np.ones(3), -1.0)
+    assert caught.value.proven
+
+
+@pytest.mark.parametrize(("n", "proven"), [(2, True), (40, True), (300, False)])
+def test_what_is_not_proven_is_said_to_be_open(n: int, proven: bool) -> None:
+    """The same jamming each time; for 300 pairs the proof would take too long."""
+    message = "no pairs can hold these loads" if proven else "no state was found"
+    with pytest.raises(errors.NoContactState, match=message) as caught:
+        solve(jamming(n), "auto")
+    assert caught.value.proven == proven
+    np.testing.assert_allclose(caught.value.largest_torque, 0.4, rtol=1e-9, atol=0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", range(3))
+def test_loops_that_would_go_in_circles_step_down_early(seed: int, method: str) -> None:
+    n = 60
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((n, n))
+    state = solve((root - root.T + 1e-8 * np.eye(n), np.ones(n), rng.uniform(0, 1, n)), method)
+    assert state.info.rung == "load_path"
+    assert state.info.backward_error <= 10 * EPS
+    # One at a time goes in circles here; it used to take 20 pivots a pair to say so.
+    assert state.info.pivots <= 8 * n
