@@ -36,8 +36,9 @@ module flankload_case_search
         type(simplex_table) :: start
     end type case_list
 
-    !> Entries of tables: 10 ms or so.
+    !> Entries of tables, 20 ms or so; tables whose cube is more than a part of that are not begun.
     real(wp), parameter :: most_work = 2.0e7_wp
+    real(wp), parameter :: part_to_begin = 0.25_wp
     !> From this entry on a table has lost too many digits.
     real(wp), parameter :: too_large = 1.0e8_wp
     !> Pivots of one case, in rows, before the lowest numbers go first, which cannot cycle
@@ -66,7 +67,7 @@ contains
         outcome = cases_open
         pivots = 0
         allocate (pairs(0))
-        if (real(problem%n, wp)**3 > most_work) return
+        if (real(problem%n, wp)**3 > part_to_begin*most_work) return
         cases%work = most_work
         call new_table(problem, compliance, table, consistent)
         cases%start = table
@@ -113,7 +114,7 @@ contains
             child = table
             child%fixed(order(side)) = .true.
             call search_case(problem, compliance, child, cases)
-            if (cases%outcome == cases_found) return
+            if (cases%outcome == cases_found .or. cases%work < 0.0_wp) return
         end do
     end subroutine search_case
 

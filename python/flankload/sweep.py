@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Status of a position without an answer: the contact loop's codes, then those of the stages before
 #: it.
 FAILURES: dict[int, tuple[type[ContactError], str]] = {
-    -1: (NoContactState, "no state of contact holds this torque"),
+    -1: (NoContactState, "no state of contact was found for this torque"),
     -2: (PivotLimit, "the contact loop used up its pivots"),
     -3: (SingularContact, "the equations of the pairs in contact are singular"),
     -4: (InputError, "numbers that do not make a contact problem"),
