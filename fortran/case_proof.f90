@@ -8,8 +8,8 @@ module flankload_case_proof
 
     public :: is_proof
 
-    !> What the table's rounding may leave in a sum, relative to its terms: to make a difference, forces
-    !> would have to be the inverse of this times those that the loads and gaps call for.
+    !> What the table's rounding may leave in a sum, relative to its terms: to make a difference,
+    !> forces would have to be the inverse of this times those that the loads and gaps call for.
     real(wp), parameter :: limit = 1.0e-10_wp
 
 contains

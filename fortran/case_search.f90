@@ -1,11 +1,11 @@
 !> All cases of contact, one by one: a search that finds a state or proves that there is none.
 !>
-!> Without g F = 0 the problem is a linear program: where no F >= 0 and g >= 0 meet its equations, no
-!> state exists, whatever K is. Where they do, and a pair has both force and gap, two cases are
+!> Without g F = 0 the problem is a linear program: where no F >= 0 and g >= 0 meet its equations,
+!> no state exists, whatever K is. Where they do, and a pair has both force and gap, two cases are
 !> left, without its force or without its gap, each a linear program with less freedom (branch and
-!> bound). The programs are solved by the dual simplex method on a table of the basic variables. What
-!> ends a case is a sum of equations that no forces and gaps >= 0 can meet; it is summed up again from
-!> the numbers given, and where rounding could make the difference the case is not called closed.
+!> bound). The programs are solved by the dual simplex method on a table of the basic variables.
+!> What ends a case is a sum of equations that no forces and gaps >= 0 can meet; it is summed up
+!> again from the numbers given, and a case that this does not confirm stays open.
 module flankload_case_search
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -137,8 +137,8 @@ contains
             & .or. (left_out(n + 1:2*n) .and. .not. left_out(:n)))
     end function touching
 
-    !> Dual simplex method: exchange variables until no basic one is negative, and none but zero that
-    !> is fixed.
+    !> Dual simplex method: exchange variables until no basic one is negative, and none that is
+    !> fixed other than zero.
     pure subroutine make_feasible(problem, compliance, table, cases, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem

@@ -90,8 +90,8 @@ contains
         start%nonbasic = start%nonbasic(columns)
     end subroutine new_table
 
-    !> The same table with the digits that many exchanges have lost: from the start, each time by the
-    !> largest entry.
+    !> The same table with the digits that many exchanges have lost: from the start, each time by
+    !> the largest entry.
     pure function rebuilt_table(start, table) result(rebuilt)
         !> The table without any pair decided
         type(simplex_table), intent(in) :: start

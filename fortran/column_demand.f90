@@ -144,6 +144,7 @@ contains
                 return
             end if
             wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
+            result%none_proven = size(wanted) == 0 .and. error%code == no_contact_state
             if (size(wanted) > 0) deallocate (error)
             result%motion = part%motion
             result%largest_part = part%largest_part

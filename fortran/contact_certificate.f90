@@ -63,8 +63,8 @@ contains
         result%margin = minval(forces/largest, mask=active)
         do i = 1, problem%n
             ! Only where it could matter: the size without cancellation. A row without any size (no
-            ! force, no gap, no lever) is met exactly. What an active or overlapping pair lacks always
-            ! matters: where K F cancels, nothing but that size tells rounding from a gap.
+            ! force, no gap, no lever) is met exactly. Where K F cancels, nothing but that size
+            ! tells rounding from a gap.
             if (active(i) .or. rows(i) <= near_contact*sizes(i)) then
                 sizes(i) = max(tiny(1.0_wp), sizes(i))
                 if (abs(rows(i)) > row_tolerance*sizes(i)) sizes(i) = max(sizes(i), &

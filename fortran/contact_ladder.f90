@@ -83,7 +83,7 @@ contains
         settled = .false.
         if (rung == rung_block .or. rung == rung_cascade) then
             call block_loop(problem, compliance, begin, rung == rung_cascade, state, settled, error)
-            ! Before the first pair is in contact all that a loop says is that no forces hold the loads.
+            ! Before the first pair is in contact a loop only says that no forces hold the loads.
             if (allocated(error)) none_proven = error%code == no_contact_state
             if (settled .or. allocated(error)) return
             call step_down(state, rung_single, rung, pivots, begin)

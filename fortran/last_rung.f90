@@ -1,9 +1,9 @@
 !> The last rung: the load path, and what can be done where it finds no state.
 !>
-!> Where K (its weighted symmetric part) is positive definite a state exists whenever forces can hold
-!> the loads. Otherwise a path without end proves nothing: the cases of contact are searched, which
-!> may prove that there is no state, and where they are too many, other paths and other starts are
-!> tried.
+!> Where K (its weighted symmetric part) is positive definite a state exists whenever forces can
+!> hold the loads. Otherwise a path without end proves nothing: the cases of contact are searched,
+!> which may prove that there is no state, and where they are too many, other paths and other starts
+!> are tried.
 module flankload_last_rung
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit
@@ -20,8 +20,8 @@ module flankload_last_rung
 
     public :: take_last_rung
 
-    !> Other starts that are tried, while their pivots times the square of the pairs are no more than
-    !> this, 0.1 s or so, and always for so many pivots.
+    !> Other starts that are tried, while their pivots times the square of the pairs are no more
+    !> than this, 0.1 s or so, and always for so many pivots.
     integer, parameter :: other_starts = 400
     real(wp), parameter :: most_work = 4.0e7_wp
     integer, parameter :: pivots_at_least = 1000

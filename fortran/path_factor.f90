@@ -5,8 +5,8 @@
 !>     [     driver       ] [λ]   [  t   ]
 !>
 !> The factor, with exchange of rows, is that of an earlier set. It is bordered by what has changed
-!> since: a pair that joined brings its force and the condition gap = 0, one that left brings its gap
-!> and the condition force = 0, and the present driver takes the place of the kept one.
+!> since: a pair that joined brings its force and the condition gap = 0, one that left brings its
+!> gap and the condition force = 0, and the present driver takes the place of the kept one.
 module flankload_path_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -39,8 +39,8 @@ module flankload_path_factor
         real(wp), allocatable :: matrix(:, :)
         integer, allocatable :: swaps(:)
         real(wp), allocatable :: solution(:, :)
-        !> Pairs that have changed sides since, -1 of them: too many. For each: what a unit of its new
-        !> unknown takes from the kept unknowns, and the row that its condition puts on these.
+        !> Pairs that have changed sides since, -1 of them: too many. For each: what a unit of its
+        !> new unknown takes from the kept unknowns, and the row that its condition puts on these.
         integer :: n_changed = -1
         integer :: changed(most_changes) = 0
         real(wp), allocatable :: columns(:, :)

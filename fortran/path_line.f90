@@ -1,7 +1,7 @@
 !> One step of a load path: the line of states on which just the active pairs touch.
 !>
-!> Solved from a kept factor; nothing accumulates, since every line is solved as a whole and its rows
-!> are computed from the matrix itself. Where they are not met to rounding, or many pairs have
+!> Solved from a kept factor; nothing accumulates, since every line is solved as a whole and its
+!> rows are computed from the matrix itself. Where they are not met to rounding, or many pairs have
 !> changed sides, the present set is factored anew.
 module flankload_path_line
     use flankload_kinds, only: wp

@@ -1,7 +1,7 @@
 !> Where a load path begins: a state that is known, of the problem with some gaps opened.
 !>
-!> With one motion it begins without load; else where forces hold the loads with the obstacles pushed
-!> back. Further starts are made up: other pairs, forces and gaps, the same in every run.
+!> With one motion it begins without load; else where forces hold the loads with the obstacles
+!> pushed back. Further starts are made up: other pairs, forces and gaps, the same in every run.
 module flankload_path_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, find_recession
@@ -102,7 +102,8 @@ contains
         logical :: solved
         real(wp) :: shared, open
         integer, allocatable :: pairs(:)
-        real(wp), allocatable :: forces(:), motion(:), recession(:), drawn(:), inverse(:, :), less(:)
+        real(wp), allocatable :: forces(:), motion(:), recession(:), drawn(:), less(:)
+        real(wp), allocatable :: inverse(:, :)
 
         allocate (active(problem%n), source=.false.)
         allocate (recession(problem%n))
