@@ -138,7 +138,7 @@ contains
         open = max(maxval(abs(recession)), tie_breaker*maxval(abs(way%cover)))
         where (active)
             way%cover = -way%cover
-        elsewhere
+        else where
             way%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - way%cover)
         end where
         way%gaps = way%gaps + way%cover
