@@ -3,7 +3,7 @@
 module flankload_contact_certificate
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
-    use flankload_contact_problem, only: contact_problem, unshifted, row_size, least_row_sizes, &
+    use flankload_contact_problem, only: contact_problem, measure_from_zero, row_size, &
         & row_tolerance, is_finite
     use flankload_lapack, only: potrf
     implicit none
@@ -36,21 +36,27 @@ contains
         !> Its condition is known already
         type(contact_result), intent(inout) :: result
 
-        type(contact_problem) :: original
-        integer :: i
+        type(contact_problem), allocatable :: original
+        integer :: i, c
         integer, allocatable :: pairs(:)
-        real(wp), allocatable :: rows(:), sizes(:), whole_motion(:), lacking(:), load_sizes(:)
+        real(wp), allocatable :: rows(:), recession(:), sizes(:), whole_motion(:)
+        real(wp), allocatable :: lacking(:), load_sizes(:)
         real(wp) :: largest, wrong
         logical, allocatable :: active(:)
         logical :: degenerate
 
-        allocate (sizes(problem%n))
-        original = unshifted(problem)
         whole_motion = problem%start_motion + motion
         ! The same products K F, but with the caller's gaps and the motion from zero.
-        rows = ((gaps - problem%gaps) + matmul(problem%motions, motion)) &
-            & + problem%normal_gaps - matmul(problem%motions, whole_motion)
-        call least_row_sizes(original, rows, whole_motion, sizes)
+        recession = gaps - problem%gaps
+        do c = 1, problem%n_motions
+            recession = recession + problem%motions(:, c)*motion(c)
+        end do
+        rows = recession + problem%normal_gaps
+        sizes = abs(recession) + abs(problem%normal_gaps)
+        do c = 1, problem%n_motions
+            rows = rows - problem%motions(:, c)*whole_motion(c)
+            sizes = sizes + abs(problem%motions(:, c)*whole_motion(c))
+        end do
         active = abs(forces) > 0.0_wp
         pairs = pack([(i, i=1, problem%n)], active)
         largest = max(maxval(abs(forces)), tiny(1.0_wp))
@@ -67,8 +73,14 @@ contains
             ! tells rounding from a gap.
             if (active(i) .or. rows(i) <= near_contact*sizes(i)) then
                 sizes(i) = max(tiny(1.0_wp), sizes(i))
-                if (abs(rows(i)) > row_tolerance*sizes(i)) sizes(i) = max(sizes(i), &
-                    & row_size(original, compliance, forces, whole_motion, pairs, i))
+                if (abs(rows(i)) > row_tolerance*sizes(i)) then
+                    if (.not. allocated(original)) then
+                        original = problem
+                        call measure_from_zero(original)
+                    end if
+                    sizes(i) = max(sizes(i), &
+                        & row_size(original, compliance, forces, whole_motion, pairs, i))
+                end if
             end if
             wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active(i))
             result%backward_error = max(result%backward_error, wrong/sizes(i))
@@ -78,8 +90,7 @@ contains
         end do
         result%margin = max(0.0_wp, result%margin)
         if (problem%definite) then
-            result%unique = energy_bounds_rows(problem, compliance, forces, &
-                & (gaps - problem%gaps) + matmul(problem%motions, motion))
+            result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
         else
             result%unique = is_unique(problem, compliance, [(i, i=1, problem%n)])

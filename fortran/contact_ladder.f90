@@ -6,7 +6,7 @@
 module flankload_contact_ladder
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, no_contact_state
-    use flankload_contact_problem, only: contact_problem
+    use flankload_contact_problem, only: contact_problem, measure_from_zero
     use flankload_loop_start, only: loop_state
     use flankload_single_loop, only: single_loop
     use flankload_block_loop, only: block_loop
@@ -67,8 +67,7 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        type(contact_problem) :: fresh
-        logical :: settled
+        logical :: settled, symmetric
         integer :: pivots
         integer, allocatable :: begin(:)
 
@@ -77,7 +76,7 @@ contains
         if (method == rung_primal) rung = rung_single
         largest_part = 0.0_wp
         none_proven = .false.
-        fresh = problem
+        symmetric = problem%symmetric
         begin = warm_pairs
         pivots = 0
         settled = .false.
@@ -89,7 +88,7 @@ contains
             call step_down(state, rung_single, rung, pivots, begin)
         end if
         if (rung == rung_single) then
-            problem = fresh
+            call measure_from_zero(problem)
             call single_loop(problem, compliance, begin, .false., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
@@ -99,14 +98,15 @@ contains
             call step_down(state, rung_pivoted, rung, pivots, begin)
         end if
         if (rung == rung_pivoted) then
-            problem = fresh
+            call measure_from_zero(problem)
             problem%symmetric = .false.
             call single_loop(problem, compliance, begin, .true., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
             call step_down(state, rung_load_path, rung, pivots, begin)
         end if
-        problem = fresh
+        problem%symmetric = symmetric
+        call measure_from_zero(problem)
         call take_last_rung(problem, compliance, state, largest_part, none_proven, error)
         state%pivots = pivots + state%pivots
     end subroutine climb
