@@ -21,6 +21,11 @@ module flankload_load_vertex
 
     !> The load rows are scaled to one: what is smaller than this is rounding.
     real(wp), parameter :: tolerance = 1.0e4_wp*epsilon(1.0_wp)
+    !> Pairs with smaller rows (a normal that meets the axis but for rounding) hold loads only with
+    !> forces beyond all others: they are taken where no other pairs hold the loads.
+    real(wp), parameter :: small_row = 1.0e-8_wp
+    !> Steps of the simplex method per row; in exact numbers a few would do.
+    integer, parameter :: steps_per_row = 50
 
 contains
 
@@ -66,8 +71,8 @@ contains
         !> One of the codes above
         integer, intent(out) :: outcome
 
-        integer :: i, best
-        real(wp) :: load, sense, way, best_way
+        integer :: best
+        real(wp) :: load, sense
 
         load = problem%loads(1)
         sense = sign(1.0_wp, load)
@@ -75,19 +80,8 @@ contains
         if (.not. abs(load) > 0.0_wp .and. all(problem%load_rows(:, 1) <= 0.0_wp)) sense = -sense
         allocate (pairs(0), forces(0))
         allocate (motion(1), source=sense)
-        best = 0
-        best_way = huge(1.0_wp)
-        do i = 1, problem%n
-            if (sense*problem%load_rows(i, 1) <= 0.0_wp) cycle
-            way = huge(1.0_wp)
-            if (sense*problem%motions(i, 1) > 0.0_wp) then
-                way = problem%gaps(i)/(sense*problem%motions(i, 1))
-            end if
-            if (best == 0 .or. way < best_way) then
-                best = i
-                best_way = way
-            end if
-        end do
+        best = touching_first(small_row)
+        if (best == 0) best = touching_first(0.0_wp)
         outcome = vertex_found
         if (best == 0) then
             outcome = merge(vertex_infeasible, vertex_loose, abs(load) > 0.0_wp)
@@ -96,11 +90,44 @@ contains
         pairs = [best]
         forces = [load/problem%load_rows(best, 1)]  ! Eq. (26)
         motion = 0.0_wp
-        if (best_way < huge(1.0_wp)) motion = sense*best_way
+        if (way_to(best) < huge(1.0_wp)) motion = sense*way_to(best)
+
+    contains
+
+        !> The pair that touches first among those with load rows larger than this; 0 if none.
+        pure function touching_first(least) result(first)
+            !> Least load row
+            real(wp), intent(in) :: least
+            integer :: first
+
+            integer :: i
+
+            first = 0
+            do i = 1, problem%n
+                if (sense*problem%load_rows(i, 1) <= least) cycle
+                if (first > 0) then
+                    if (way_to(i) >= way_to(first)) cycle
+                end if
+                first = i
+            end do
+        end function touching_first
+
+        !> The motion that closes the gap of a pair.
+        pure function way_to(i) result(way)
+            !> Number of the pair
+            integer, intent(in) :: i
+            real(wp) :: way
+
+            way = huge(1.0_wp)
+            if (sense*problem%motions(i, 1) > 0.0_wp) then
+                way = problem%gaps(i)/(sense*problem%motions(i, 1))
+            end if
+        end function way_to
+
     end subroutine first_pair
 
-    !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}: artificial forces hold the loads at
-    !> the start and are driven out. Bland's rule cannot cycle.
+    !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}; loads are made positive and rows
+    !> scaled to one, which changes neither what can be held nor the motion that shows it.
     pure subroutine first_phase(problem, pairs, forces, motion, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -113,38 +140,85 @@ contains
         !> One of the codes above
         integer, intent(out) :: outcome
 
-        integer :: q, c, j, leaving
-        logical :: solved
-        real(wp), allocatable :: sense(:), inverse(:, :), prices(:), entering(:)
+        real(wp), allocatable :: sense(:), sizes(:)
 
-        q = problem%n_motions
+        sense = sign(1.0_wp, problem%loads)
+        sizes = maxval(abs(problem%load_rows), dim=2)
+        call hold_loads(unit_rows(small_row), abs(problem%loads), pairs, forces, motion, outcome)
+        if (outcome /= vertex_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
+            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), pairs, forces, motion, outcome)
+        end if
+        motion = sense*motion
+        if (outcome == vertex_found) forces = forces/sizes(pairs)
+
+    contains
+
+        !> The rows of at least this size, scaled to one; the others are zero.
+        pure function unit_rows(least) result(rows)
+            !> Least size
+            real(wp), intent(in) :: least
+            real(wp), allocatable :: rows(:, :)
+
+            integer :: i
+
+            allocate (rows(size(sizes), size(sense)), source=0.0_wp)
+            do i = 1, size(sizes)
+                if (sizes(i) > 0.0_wp .and. sizes(i) >= least) then
+                    rows(i, :) = sense*problem%load_rows(i, :)/sizes(i)
+                end if
+            end do
+        end function unit_rows
+
+    end subroutine first_phase
+
+    !> Artificial forces hold the loads at the start and are driven out. Bland's rule cannot cycle,
+    !> but for rounding.
+    pure subroutine hold_loads(rows, loads, pairs, forces, motion, outcome)
+        !> Rows of size one, or zero, shape (n, n_motions)
+        real(wp), intent(in) :: rows(:, :)
+        !> Loads >= 0, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> The pairs, shape (n_motions)
+        integer, allocatable, intent(out) :: pairs(:)
+        !> Their forces, shape (n_motions)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> A motion that shows that the loads cannot be held, else zero
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> One of the codes above
+        integer, intent(out) :: outcome
+
+        integer :: q, c, j, leaving, step
+        logical :: solved
+        real(wp), allocatable :: inverse(:, :), prices(:)
+
+        q = size(loads)
         ! basis(c) > 0: a pair; -c: the artificial force of load c
         pairs = [(-c, c=1, q)]
-        sense = sign(1.0_wp, problem%loads)
         allocate (motion(q), source=0.0_wp)
-        do
-            call basis_inverse(problem, pairs, sense, inverse, solved)
-            forces = matmul(inverse, abs(problem%loads))
+        outcome = vertex_loose
+        do step = 1, steps_per_row*(size(rows, 1) + q)
+            call basis_inverse(rows, pairs, inverse, solved)
+            forces = matmul(inverse, loads)
+            if (sum(forces, mask=pairs < 0) <= tolerance*sum(loads)) then
+                call fill_basis(rows, pairs, inverse, outcome)
+                forces = max(matmul(inverse, loads), 0.0_wp)
+                return
+            end if
             prices = sum(inverse, dim=1, mask=spread(pairs < 0, 2, q))
-            outcome = vertex_found
-            if (sum(forces, mask=pairs < 0) <= tolerance*sum(abs(problem%loads))) exit
-            outcome = vertex_infeasible
-            do j = 1, problem%n
+            do j = 1, size(rows, 1)
                 if (any(pairs == j)) cycle
-                if (dot_product(prices, sense*problem%load_rows(j, :)) > tolerance) exit
+                if (dot_product(prices, rows(j, :)) > tolerance) exit
             end do
-            if (j > problem%n) exit
-            entering = matmul(inverse, sense*problem%load_rows(j, :))
-            leaving = blocking_row(forces, entering, pairs)
+            if (j > size(rows, 1)) then
+                outcome = vertex_infeasible
+                motion = prices
+                return
+            end if
+            leaving = blocking_row(forces, matmul(inverse, rows(j, :)), pairs)
+            if (leaving == 0) return
             pairs(leaving) = j
         end do
-        if (outcome == vertex_infeasible) then
-            motion = sense*prices
-            return
-        end if
-        call fill_basis(problem, sense, pairs, inverse, outcome)
-        forces = max(matmul(inverse, abs(problem%loads)), 0.0_wp)
-    end subroutine first_phase
+    end subroutine hold_loads
 
     !> Row of the basis whose force first becomes zero; among equal ones the lowest number.
     pure function blocking_row(forces, entering, basis) result(leaving)
@@ -175,11 +249,9 @@ contains
     end function blocking_row
 
     !> Put pairs without force in the place of artificial forces that are zero.
-    pure subroutine fill_basis(problem, sense, basis, inverse, outcome)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Signs of the loads
-        real(wp), intent(in) :: sense(:)
+    pure subroutine fill_basis(rows, basis, inverse, outcome)
+        !> Rows of size one, or zero, shape (n, n_motions)
+        real(wp), intent(in) :: rows(:, :)
         !> The basis
         integer, intent(inout) :: basis(:)
         !> Inverse of its load rows
@@ -196,9 +268,9 @@ contains
             if (basis(c) > 0) cycle
             best = 0
             best_weight = tolerance
-            do j = 1, problem%n
+            do j = 1, size(rows, 1)
                 if (any(basis == j)) cycle
-                weight = abs(dot_product(inverse(c, :), sense*problem%load_rows(j, :)))
+                weight = abs(dot_product(inverse(c, :), rows(j, :)))
                 if (weight > best_weight) then
                     best = j
                     best_weight = weight
@@ -209,18 +281,16 @@ contains
                 return
             end if
             basis(c) = best
-            call basis_inverse(problem, basis, sense, inverse, solved)
+            call basis_inverse(rows, basis, inverse, solved)
         end do
     end subroutine fill_basis
 
-    !> Inverse of the load rows of a basis, loads made positive.
-    pure subroutine basis_inverse(problem, basis, sense, inverse, solved)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
+    !> Inverse of the load rows of a basis.
+    pure subroutine basis_inverse(rows, basis, inverse, solved)
+        !> Rows of size one, or zero, shape (n, n_motions)
+        real(wp), intent(in) :: rows(:, :)
         !> The basis
         integer, intent(in) :: basis(:)
-        !> Signs of the loads
-        real(wp), intent(in) :: sense(:)
         !> The inverse, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out) :: inverse(:, :)
         !> False if singular
@@ -231,7 +301,7 @@ contains
         allocate (inverse(size(basis), size(basis)), source=0.0_wp)
         do c = 1, size(basis)
             if (basis(c) > 0) then
-                inverse(:, c) = sense*problem%load_rows(basis(c), :)
+                inverse(:, c) = rows(basis(c), :)
             else
                 inverse(-basis(c), c) = 1.0_wp
             end if

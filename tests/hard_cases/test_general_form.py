@@ -95,6 +95,30 @@ def test_a_state_is_found_exactly_where_forces_can_hold_the_loads(seed: int) -> 
         assert max(sizes) >= 20
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_levers_that_are_rounding(method: str) -> None:
+    """Some levers are 1e-8 … 1e-300 of the others, as where a normal meets the axis: an answer,
+    though such a pair would touch first or could hold a load by itself."""
+    rng = np.random.default_rng(0)
+    for _ in range(250):
+        q = int(rng.integers(1, 4))
+        n = int(rng.integers(q + 1, 10))
+        root = rng.standard_normal((n, n))
+        levers = rng.standard_normal((n, q))
+        small = rng.permutation(n)[: int(rng.integers(1, n - q + 1))]
+        columns = rng.permutation(q)[: int(rng.integers(1, q + 1))]
+        levers[np.ix_(small, columns)] *= 10.0 ** -rng.choice([8, 12, 14, 17, 20, 100, 200, 300])
+        loads = np.delete(levers, small, axis=0).T @ np.abs(rng.standard_normal(n - small.size))
+        problem = Problem(
+            root @ root.T / n + 10.0 ** rng.uniform(-3, 0) * np.eye(n),
+            rng.uniform(-0.3, 1.0, n),
+            levers,
+            levers,
+            loads,
+        )
+        assert faults_of_state(problem, solve(problem, method)) == []
+
+
 def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
     """Refined from double precision or eliminated as a whole: the same 40 digits."""
     rng = np.random.default_rng(17)
