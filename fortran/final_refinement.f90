@@ -20,9 +20,10 @@ module flankload_final_refinement
     !> at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
-    !> A force so much less than the largest (without loads: than what closes the largest gap) is
-    !> what refinement leaves of none: rounding of rounding.
+    !> A force so much less than the largest (without loads: than what closes the largest gap), times
+    !> the condition, is what refinement leaves of none: rounding of rounding. Never above the limit.
     real(wp), parameter :: no_force = 1.0e-24_wp
+    real(wp), parameter :: no_force_limit = 1.0e-18_wp
 
 contains
 
@@ -176,12 +177,12 @@ contains
             if (.not. met) cycle
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
             if (state%condition > ill_conditioned) call refine_extended(problem, compliance, state)
-            call clear_remains(problem, state%forces)
+            call clear_remains(problem, state%condition, state%forces)
             return
         end do
         if (done) then
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
-            call clear_remains(problem, state%forces)
+            call clear_remains(problem, state%condition, state%forces)
             return
         end if
         ! A force that was positive before the refinement is negative after it.
@@ -192,9 +193,11 @@ contains
     end subroutine finish
 
     !> Pairs that only hold a motion in place, with no load on it, carry nothing.
-    pure subroutine clear_remains(problem, forces)
+    pure subroutine clear_remains(problem, condition, forces)
         !> The problem
         type(contact_problem), intent(in) :: problem
+        !> Condition of the final equations
+        real(wp), intent(in) :: condition
         !> Scaled forces, shape (n)
         real(wp), intent(inout) :: forces(:)
 
@@ -204,7 +207,7 @@ contains
         if (all(abs(problem%loads) <= 0.0_wp)) then
             largest = max(largest, maxval(abs(problem%normal_gaps)))
         end if
-        where (forces <= no_force*largest) forces = 0.0_wp
+        where (forces <= min(no_force*condition, no_force_limit)*largest) forces = 0.0_wp
     end subroutine clear_remains
 
     !> Refine on in twice the working precision: forces that no equation within rounding of these
