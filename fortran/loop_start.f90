@@ -51,7 +51,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: outcome
-        real(wp), allocatable :: motion(:)
+        real(wp), allocatable :: motion(:), missed(:), sizes(:)
 
         call load_vertex(problem, first, first_forces, motion, outcome)
         allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
@@ -63,7 +63,10 @@ contains
         else if (outcome /= vertex_found) then
             call fatal_error(error, singular_contact, 'a motion is held by no pair')
         else
-            call shift_gaps(problem, motion, first)
+            ! Where a pair of them has no lever that closes it, the motion takes it to no contact.
+            missed = problem%gaps(first) - matmul(problem%motions(first, :), motion)
+            sizes = abs(problem%gaps(first)) + matmul(abs(problem%motions(first, :)), abs(motion))
+            call shift_gaps(problem, motion, pack(first, abs(missed) <= row_tolerance*sizes))
         end if
     end subroutine start_loop
 

@@ -316,3 +316,12 @@ def test_preload_beside_a_motion_without_load(method: str) -> None:
         )
         assert state.active_pairs.tolist() == [0, 1]
         assert state.info.backward_error <= 10 * EPS
+
+
+@pytest.mark.parametrize("method", ["auto", "block", "load_path"])
+def test_a_pair_that_the_load_presses_and_the_motion_opens(method: str) -> None:
+    """F = 1 and 1 + 0.5 + motion = 0: the pair stands apart at the start, its gap counts."""
+    state = fl.solve_contact_general([[1.0]], [0.5], [-1.0], 1.0, load_rows=[1.0], method=method)
+    np.testing.assert_allclose(state.normal_forces, [1.0], rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(state.rotation, -1.5, rtol=ROUND_OFF, atol=0)
+    assert state.info.backward_error <= 10 * EPS
