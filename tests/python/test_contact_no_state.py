@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from test_contact import brute_force
+from tolerances import SOLVER
 
 import flankload as fl
 from flankload import errors
@@ -87,6 +90,66 @@ def test_fourteen_pairs() -> None:
             proven += error.proven
             missed += len(brute_force(matrix, gaps, np.ones(gaps.size), row, 1.0))
     assert proven == none >= 2
+    assert missed == 0
+
+
+def all_states(
+    compliance: np.ndarray,
+    gaps: np.ndarray,
+    motions: np.ndarray,
+    rows: np.ndarray,
+    loads: np.ndarray,
+) -> list[np.ndarray]:
+    """Forces of every state with several motions, by trying all contact sets."""
+    n, q = motions.shape
+    states = []
+    for size in range(q, n + 1):
+        for pairs in map(list, itertools.combinations(range(n), size)):
+            matrix = np.block(
+                [
+                    [compliance[np.ix_(pairs, pairs)], -motions[pairs]],
+                    [rows[pairs].T, np.zeros((q, q))],
+                ]
+            )
+            solution = np.linalg.solve(matrix, np.r_[-gaps[pairs], loads])
+            forces = np.zeros(n)
+            forces[pairs] = solution[:size]
+            final = compliance @ forces + gaps - motions @ solution[size:]
+            final[pairs] = 0.0
+            if (forces >= 0.0).all() and (final >= 0.0).all():
+                states.append(forces)
+    return states
+
+
+@pytest.mark.parametrize("method", ["auto", "load_path"])
+def test_several_motions(method: str) -> None:
+    """Levers of both signs, overlap at the start, load rows that differ from the motions."""
+    rng = np.random.default_rng(3)
+    solved = none = proven = missed = 0
+    for _ in range(200):
+        q = int(rng.integers(1, 4))
+        n = int(rng.integers(q + 1, 8))
+        compliance, _, _ = without_structure(rng, n, n)
+        motions = rng.standard_normal((n, q))
+        rows = motions + 0.3 * rng.standard_normal((n, q))
+        loads = rows.T @ np.abs(rng.standard_normal(n))
+        gaps = rng.uniform(-0.3, 1.0, n)
+        states = all_states(compliance, gaps, motions, rows, loads)
+        try:
+            state = fl.solve_contact_general(
+                compliance, gaps, motions, loads, load_rows=rows, method=method
+            )
+        except errors.NoContactState as error:
+            none += 1
+            proven += error.proven
+            missed += len(states)
+            continue
+        solved += 1
+        distances = [np.abs(forces - state.normal_forces).max() for forces in states]
+        assert min(distances) <= SOLVER * state.normal_forces.max()
+        assert state.info.backward_error <= 10 * EPS
+    assert solved >= 150
+    assert proven == none >= 10
     assert missed == 0
 
 
