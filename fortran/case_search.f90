@@ -55,7 +55,7 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> One of the codes above
         integer, intent(out) :: outcome
-        !> Pairs that carry a force, if a state was found
+        !> Pairs in contact, if a state was found
         integer, allocatable, intent(out) :: pairs(:)
         !> Exchanges of variables
         integer, intent(out) :: pivots
@@ -118,7 +118,7 @@ contains
         end do
     end subroutine search_case
 
-    !> Pairs in contact: those with a force, and others without gap as far as they are basic.
+    !> Pairs in contact: those with a force, and those whose gap is not basic.
     pure function touching(n, variable, nonbasic) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
@@ -133,8 +133,7 @@ contains
 
         allocate (left_out(max(2*n, maxval(nonbasic))), source=.false.)
         left_out(nonbasic) = .true.
-        pairs = pack([(i, i=1, n)], variable(:n) > 0.0_wp &
-            & .or. (left_out(n + 1:2*n) .and. .not. left_out(:n)))
+        pairs = pack([(i, i=1, n)], variable(:n) > 0.0_wp .or. left_out(n + 1:2*n))
     end function touching
 
     !> Dual simplex method: exchange variables until no basic one is negative, and none that is
