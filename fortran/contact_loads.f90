@@ -6,7 +6,7 @@ module flankload_contact_loads
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
     use flankload_contact_result, only: contact_result
-    use flankload_contact_problem, only: contact_problem
+    use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_loop_start, only: loop_state
     use flankload_block_loop, only: settle_blocks
     use flankload_contact_loop, only: solve_and_keep, report_state, method_auto, method_block, &
@@ -118,6 +118,8 @@ contains
         if (.not. done) return
         result%rung = method_block
         call report_state(problem, compliance, state, result)
+        ! What the kept factor has lost a new one wins back.
+        done = result%backward_error <= row_tolerance
     end subroutine go_on
 
 end module flankload_contact_loads

@@ -4,7 +4,7 @@
 module flankload_contact_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
-        & no_contact_state
+        & no_contact_state, pivot_limit
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: contact_problem, new_contact_problem, row_tolerance, &
         & is_finite_matrix, general_matrix, symmetric_matrix, definite_matrix, &
@@ -24,6 +24,9 @@ module flankload_contact_loop
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
+
+    !> No rounding leaves this much of a row: a state that lacks it is none, whatever found it.
+    real(wp), parameter :: unmet = 1.0e-8_wp
 
 contains
 
@@ -163,6 +166,11 @@ contains
         result%pivots = state%pivots
         if (.not. allocated(error)) then
             call report_state(problem, compliance, state, result)
+            if (.not. result%backward_error <= unmet) then
+                call blank(result, problem%n, problem%n_motions)
+                result%pivots = state%pivots
+                call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
+            end if
         else if (error%code == no_contact_state) then
             result%motion = problem%load_row_scale*state%motion
             result%largest_part = part

@@ -20,8 +20,9 @@ module flankload_final_refinement
     !> at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
-    !> A force so much less than the largest (without loads: than what closes the largest gap), times
-    !> the condition, is what refinement leaves of none: rounding of rounding. Never above the limit.
+    !> A force so much less than the largest (without loads: than what closes the largest gap),
+    !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
+    !> limit.
     real(wp), parameter :: no_force = 1.0e-24_wp
     real(wp), parameter :: no_force_limit = 1.0e-18_wp
 
