@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flankload.scene import Gear, MeshBody, Scene
+from flankload.scene import Gear, MeshBody, Ring, Scene
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def effects_of(scene: Scene) -> Effects:
     )
 
 
-def _is_modified(body: Gear | MeshBody) -> bool:
+def _is_modified(body: Gear | Ring | MeshBody) -> bool:
     profile = body.profile if isinstance(body, MeshBody) else body
     return profile is not None and any(
         (

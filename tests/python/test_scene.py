@@ -28,6 +28,11 @@ SCENE: dict[str, Any] = {
 PROFILE = {"module_mm": 4.5, "tip_diameter_mm": 82.46}
 MESH = {"kind": "mesh", "file": "a.msh", "teeth": 16, "profile": PROFILE}
 
+RING = {
+    **{"kind": "ring", "teeth": 60, "module_mm": 4.5, "tip_diameter_mm": 262},
+    **{"root_diameter_mm": 281, "outer_diameter_mm": 320},
+}
+
 ABSENT = object()
 
 
@@ -106,6 +111,15 @@ def test_mesh_body_with_and_without_profile() -> None:
     assert scene.body_2.reference_radius_mm == 33.0
 
 
+def test_ring_is_body_2_with_its_own_keys() -> None:
+    ring = Scene.from_dict(changed(body_2=RING)).body_2
+    assert ring.kind == "ring"
+    assert (ring.pressure_angle_deg, ring.profile_shift, ring.rigid) == (20.0, 0.0, False)
+    assert (ring.root_fillet_radius_mm, ring.tip_relief_um) == (None, None)
+    assert (ring.young_modulus_MPa, ring.poisson_ratio) == (206000.0, 0.3)
+    assert (ring.root_diameter_mm, ring.outer_diameter_mm) == (281.0, 320.0)
+
+
 def test_scene_does_not_change_its_dictionary() -> None:
     given = deepcopy(SCENE)
     Scene.from_dict(given)
@@ -150,6 +164,8 @@ def test_effects_of_a_plain_pair() -> None:
         ({"body_1__pitch_errors_um": [0] * 15 + [3]}, "pitch_errors", True),
         ({"body_1__pitch_errors_um": [0] * 16}, "pitch_errors", False),
         ({"load__torque_Nm": [302]}, "several_torques", True),
+        ({"body_2": {**RING, "tip_radius_mm": 0.2}}, "flank_modifications", True),
+        ({"body_2": {**RING, "rigid": True}}, "elastic_body_2", False),
     ],
 )
 def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool) -> None:
@@ -519,6 +535,47 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "body_1.flank_sets",
             "no such key, since this version does not simulate meshes of a whole body",
             "['A']",
+        ),
+        (
+            {"body_2": {**RING, "root_diameter_mm": 260}},
+            "body_2.root_diameter_mm",
+            "more than body_2.tip_diameter_mm (262), since the teeth of a ring stand inwards",
+            "260.0",
+        ),
+        (
+            {"body_2": {**RING, "outer_diameter_mm": 281}},
+            "body_2.outer_diameter_mm",
+            "more than body_2.root_diameter_mm (281), since the teeth of a ring stand inwards",
+            "281.0",
+        ),
+        (
+            {
+                "body_2": {
+                    **RING,
+                    **{"tip_relief_um": 9, "tip_relief_start_diameter_mm": 261},
+                }
+            },
+            "body_2.tip_relief_start_diameter_mm",
+            "more than body_2.tip_diameter_mm (262)",
+            "261.0",
+        ),
+        (
+            {"body_2": {k: v for k, v in RING.items() if k != "outer_diameter_mm"}},
+            "body_2.outer_diameter_mm",
+            "a number from 0.001 to 100000",
+            "nothing",
+        ),
+        (
+            {"body_2": {**RING, "bore_diameter_mm": 30}},
+            "body_2.bore_diameter_mm",
+            "a known key (did you mean outer_diameter_mm?)",
+            "the unknown key 'bore_diameter_mm'",
+        ),
+        (
+            {"body_2": {**RING, "pitch_errors_um": [1]}},
+            "body_2.pitch_errors_um",
+            "one entry per tooth: 60, as in body_2.teeth",
+            "1 entries",
         ),
         (
             {"body_1": {**MESH, "profile": {**PROFILE, "tip_relief_um": 3}}},

@@ -9,6 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos, pi, radians
 from pathlib import Path
 from typing import Any
@@ -19,16 +20,17 @@ from flankload.scene.tables import (
     Accuracy,
     EffectsAsked,
     Gear,
-    Geometry,
+    InvoluteKeys,
     Load,
     MeshBody,
     Pair,
     Positions,
     Profile,
+    Ring,
     SceneFile,
 )
 
-__all__ = ["Gear", "MeshBody", "Profile", "Scene", "read_scene", "scene_schema"]
+__all__ = ["Gear", "MeshBody", "Profile", "Ring", "Scene", "read_scene", "scene_schema"]
 
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
@@ -43,8 +45,9 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1, body_2 : Gear or MeshBody
-        Body 1 is free to turn and carries the torque.
+    body_1 : Gear or MeshBody
+        Free to turn; carries the torque.
+    body_2 : Gear, Ring or MeshBody
     pair : Pair
         Centre distance and face width, mm.
     load : Load
@@ -58,7 +61,7 @@ class Scene:
 
     name: str
     body_1: Gear | MeshBody
-    body_2: Gear | MeshBody
+    body_2: Gear | Ring | MeshBody
     pair: Pair
     load: Load
     positions: Positions
@@ -202,7 +205,7 @@ def _refuse(key: str, expected: str, found: object) -> None:
     )
 
 
-def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> None:
+def _check_body(body: Gear | Ring | MeshBody, given: Mapping[str, Any], key: str) -> None:
     if body.pitch_errors_um and len(body.pitch_errors_um) != body.teeth:
         _refuse(
             f"{key}.pitch_errors_um",
@@ -226,6 +229,10 @@ def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> No
                 body.bore_diameter_mm,
             )
         return
+    if isinstance(body, Ring):
+        _check_geometry(body, given, key)
+        _check_ring(body, key)
+        return
     if body.cut_sets[0] == body.cut_sets[1]:
         _refuse(f"{key}.cut_sets", "two different names", list(body.cut_sets))
     if body.profile is None:
@@ -245,13 +252,27 @@ def _check_body(body: Gear | MeshBody, given: Mapping[str, Any], key: str) -> No
         )
 
 
-def _check_pitch_errors(body: Gear | MeshBody, key: str) -> None:
+def _check_ring(ring: Ring, key: str) -> None:
+    """Tip circle, root circle and outside of the rim follow each other outwards."""
+    circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
+    for inner, outer in pairwise(circles):
+        if getattr(ring, outer) <= getattr(ring, inner):
+            _refuse(
+                f"{key}.{outer}",
+                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of a ring "
+                "stand inwards",
+                getattr(ring, outer),
+            )
+
+
+def _check_pitch_errors(body: Gear | Ring | MeshBody, key: str) -> None:
     """A tooth cannot stand beside its place by more than a part of the pitch."""
-    profile = body if isinstance(body, Gear) else body.profile
+    profile = body.profile if isinstance(body, MeshBody) else body
     if profile is not None:
         base_pitch = pi * profile.module_mm * cos(radians(profile.pressure_angle_deg))
     else:
-        base_pitch = 2 * pi * (body.reference_radius_mm or 0.0) / body.teeth  # type: ignore[union-attr]
+        assert isinstance(body, MeshBody)
+        base_pitch = 2 * pi * (body.reference_radius_mm or 0.0) / body.teeth
     for i, error in enumerate(body.pitch_errors_um):
         if base_pitch and abs(error) > LARGEST_PITCH_ERROR * 1000 * base_pitch:
             _refuse(
@@ -262,7 +283,7 @@ def _check_pitch_errors(body: Gear | MeshBody, key: str) -> None:
             )
 
 
-def _check_geometry(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         _refuse(
             f"{key}.tip_radius_mm",
@@ -284,10 +305,11 @@ def _check_geometry(body: Geometry, given: Mapping[str, Any], key: str) -> None:
             f"a number > 0, since there is a {key}.tip_relief_um",
             "nothing",
         )
-    elif start >= body.tip_diameter_mm:
+    elif start <= body.tip_diameter_mm if isinstance(body, Ring) else start >= body.tip_diameter_mm:
+        side = "more" if isinstance(body, Ring) else "less"
         _refuse(
             f"{key}.tip_relief_start_diameter_mm",
-            f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
+            f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
             start,
         )
 

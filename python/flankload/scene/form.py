@@ -43,9 +43,6 @@ NOT_YET = {
         "axial_offset_mm": "axially displaced bodies",
         "face_width_mm": "bodies of different face widths",
         "flank_sets": "meshes of a whole body",
-        "root_fillet_radius_mm": "rings",
-        "root_diameter_mm": "rings",
-        "outer_diameter_mm": "rings",
     },
 }
 

@@ -16,6 +16,7 @@ Text = Annotated[str, Meta(min_length=1)]
 Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[NotNegative, ...], Meta(min_length=1)]
+Shift = Annotated[float, Meta(ge=-5, le=5)]
 Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
@@ -28,24 +29,15 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What all tables have in common."""
 
 
-class Geometry(Table, frozen=True, kw_only=True):
-    """Keys of an involute profile, transverse section."""
+class InvoluteKeys(Table, frozen=True, kw_only=True):
+    """Keys of an involute profile, transverse section, whatever makes its root."""
 
     module_mm: Annotated[Length, about("mm", "module")]
     pressure_angle_deg: Annotated[
         Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
     ] = 20.0
-    profile_shift: Annotated[
-        Annotated[float, Meta(ge=-5, le=5)], about("-", "profile shift in modules")
-    ] = 0.0
+    profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
     tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle")]
-    dedendum_factor: Annotated[
-        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
-    ] = 1.25
-    fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
-    ] = 0.38
     tip_relief_um: Annotated[
         NotNegative | None, about("um", "tip relief at the tip circle, normal to the involute")
     ] = None
@@ -66,7 +58,19 @@ class Geometry(Table, frozen=True, kw_only=True):
     ] = None
 
 
-# Keys that both kinds of body have.
+class Geometry(InvoluteKeys, frozen=True, kw_only=True):
+    """Keys of the profile of an external gear: its root is that of a generating rack."""
+
+    dedendum_factor: Annotated[
+        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
+    ] = 1.25
+    fillet_radius_factor: Annotated[
+        Annotated[float, Meta(ge=0, le=2)],
+        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
+    ] = 0.38
+
+
+# Keys that several kinds of body have.
 Teeth = Annotated[int, Meta(ge=3)]
 Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
 YoungModulus = Annotated[Modulus, about("MPa", "Young's modulus")]
@@ -96,6 +100,39 @@ class Gear(Geometry, frozen=True, kw_only=True, tag_field="kind", tag="gear"):
     def kind(self) -> str:
         """Kind of the body, as the scene file names it."""
         return "gear"
+
+
+class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"):
+    """An internal spur gear, held at the outside of its rim."""
+
+    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    profile_shift: Annotated[
+        Shift,
+        about(
+            "-",
+            "profile shift in modules, positive outwards: the space is as wide as the tooth of an "
+            "external gear with the same shift",
+        ),
+    ] = 0.0
+    root_diameter_mm: Annotated[Length, about("mm", "diameter of the root circle")]
+    root_fillet_radius_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "radius of the arc that touches flank and root circle; absent = the largest, which "
+            "rounds the whole root",
+        ),
+    ] = None
+    outer_diameter_mm: Annotated[Length, about("mm", "outside of the rim, which is fixed")]
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+    rigid: Rigid = False
+    pitch_errors_um: PitchErrors = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "ring"
 
 
 class Profile(Geometry, frozen=True, kw_only=True):
@@ -212,7 +249,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
     body_1: Annotated[Gear | MeshBody, about("", "free to turn, carries the torque")]
-    body_2: Annotated[Gear | MeshBody, about("", "stands at its kinematic angle")]
+    body_2: Annotated[Gear | Ring | MeshBody, about("", "stands at its kinematic angle")]
     pair: Pair
     load: Load
     positions: Positions = Positions()
