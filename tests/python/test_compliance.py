@@ -10,10 +10,11 @@ from tolerances import ROUND_OFF
 
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.gear import build_gear
+from flankload.bodies.ring import build_ring
 from flankload.compliance import close_ring, condense, flank_compliance
 from flankload.elasticity import degrees_of, stiffness
 from flankload.near_field import mode_loads
-from flankload.scene import Gear
+from flankload.scene import Gear, Ring
 
 #: Wanted of the ring closure: identical to the meshed ring but for rounding.
 CLOSURE = 1e-10
@@ -94,6 +95,22 @@ def test_ring_closure_of_real_teeth_equals_the_meshed_gear(teeth: int) -> None:
     sector, _ = condense(matrix, mode_loads(mesh, body.mode_range_mm, n_modes), mesh)
     found = close_ring(sector, teeth)
     expected = full_ring(mesh, body.mode_range_mm, n_modes)
+    assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
+
+
+def test_ring_closure_of_teeth_that_stand_inwards_equals_the_meshed_ring() -> None:
+    spec = Ring(
+        teeth=12,
+        module_mm=3.0,
+        tip_diameter_mm=35.0,
+        root_diameter_mm=43.0,
+        outer_diameter_mm=55.0,
+    )
+    body = build_ring(spec, "body_2", flank_element_mm=2.0)
+    matrix = stiffness(body.mesh.nodes, body.mesh.cells, STEEL, "strain")
+    loads = mode_loads(body.mesh, body.mode_range_mm, 3)
+    found = close_ring(condense(matrix, loads, body.mesh)[0], 12)
+    expected = full_ring(body.mesh, body.mode_range_mm, 3)
     assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
 
 

@@ -14,10 +14,11 @@ from flankload.bodies.blocks import growing_breaks, symmetric_breaks
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.gear import build_gear
 from flankload.bodies.gear_profile import gear_profile
+from flankload.bodies.ring import build_ring
 from flankload.bodies.sector_mesh import sector_mesh
 from flankload.compliance import flank_compliance
 from flankload.errors import SceneError
-from flankload.scene import Gear
+from flankload.scene import Gear, Ring
 
 
 def gear(**keys) -> Gear:
@@ -75,9 +76,41 @@ ODD = [
 ]
 
 
-@pytest.fixture(scope="module", params=range(len(ODD)), ids=str)
+#: Rings: few and many teeth, thin and thick rims, small and full fillets, roundings, chamfers.
+ODD_RINGS = [
+    {},
+    {"outer_diameter_mm": 189.0},
+    {"outer_diameter_mm": 500.0},
+    {"root_fillet_radius_mm": 0.1, "tip_radius_mm": 0.1},
+    {"tip_radius_mm": 1.0},
+    {"tip_chamfer_mm": 0.5, "profile_crowning_um": 5.0},
+    {"tip_relief_um": 30.0, "tip_relief_start_diameter_mm": 178.0},
+    {"teeth": 24, "tip_diameter_mm": 70.0, "root_diameter_mm": 79.5, "outer_diameter_mm": 100.0},
+    {"teeth": 200, "tip_diameter_mm": 595.0, "root_diameter_mm": 608.0, "outer_diameter_mm": 640.0},
+]
+
+
+def ring_built(element_mm: float = 1.0, **keys) -> Body:
+    """A ring of 60 teeth, with other keys."""
+    given = {
+        "teeth": 60,
+        "module_mm": 3.0,
+        "tip_diameter_mm": 175.2,
+        "root_diameter_mm": 187.5,
+        "outer_diameter_mm": 220.0,
+    }
+    return build_ring(Ring(**(given | keys)), "body_2", flank_element_mm=element_mm)
+
+
+@pytest.fixture(
+    scope="module",
+    params=[*range(len(ODD)), *(f"ring{k}" for k in range(len(ODD_RINGS)))],
+    ids=str,
+)
 def body(request: pytest.FixtureRequest) -> Body:
-    return built(**ODD[request.param])
+    if isinstance(request.param, int):
+        return built(**ODD[request.param])
+    return ring_built(**ODD_RINGS[int(request.param[4:])])
 
 
 def test_elements_are_valid(body: Body) -> None:
@@ -101,19 +134,22 @@ def test_elements_fit_together(body: Body) -> None:
     assert len(np.unique(np.round(mesh.nodes / (0.01 * step)), axis=0)) == len(mesh.nodes)
 
 
-def test_cuts_match_and_the_bore_is_held(body: Body) -> None:
+def test_cuts_match_and_the_rim_is_held(body: Body) -> None:
     mesh = mesh_of(body)
     pitch = 2 * pi / mesh.teeth
     turn = np.array([[np.cos(pitch), -np.sin(pitch)], [np.sin(pitch), np.cos(pitch)]])
     left, right = mesh.nodes[mesh.left_nodes], mesh.nodes[mesh.right_nodes]
     size = np.abs(mesh.nodes).max()
     np.testing.assert_allclose(right, left @ turn.T, rtol=0, atol=size * ROUND_OFF)
-    np.testing.assert_allclose(np.arctan2(left[:, 1], left[:, 0]), -pitch / 2, rtol=1e-12)
+    start = body.involute.tooth_center_rad - pitch / 2
+    np.testing.assert_allclose(
+        np.arctan2(left[:, 1], left[:, 0]), start, rtol=1e-12, atol=10 * ROUND_OFF
+    )
     bore = np.hypot(*mesh.nodes[mesh.fixed_nodes].T)
     np.testing.assert_allclose(bore, body.bore_radius_mm, rtol=1e-12)
     assert not set(mesh.fixed_nodes) & (set(mesh.left_nodes) | set(mesh.right_nodes))
     polar = np.arctan2(mesh.nodes[:, 1], mesh.nodes[:, 0])
-    on_cut = np.isclose(polar, -pitch / 2, rtol=0, atol=1e-9)
+    on_cut = np.isclose(polar, start, rtol=0, atol=1e-9)
     assert set(np.flatnonzero(on_cut)) - set(mesh.fixed_nodes) == set(mesh.left_nodes)
 
 
@@ -138,8 +174,11 @@ def test_flank_edges_lie_on_the_profile_from_end_to_end_of_the_modes(body: Body)
 def test_mesh_is_its_own_mirror_image(body: Body) -> None:
     mesh = mesh_of(body)
     tolerance = 1e-9 * np.abs(mesh.nodes).max()
-    there = {tuple(place) for place in np.round(mesh.nodes / tolerance).astype(int).tolist()}
-    mirrored = np.round(mesh.nodes * [1.0, -1.0] / tolerance).astype(int)
+    center = body.involute.tooth_center_rad
+    c, s = np.cos(center), np.sin(center)
+    nodes = mesh.nodes @ np.array([[c, -s], [s, c]])
+    there = {tuple(place) for place in np.round(nodes / tolerance).astype(int).tolist()}
+    mirrored = np.round(nodes * [1.0, -1.0] / tolerance).astype(int)
     near = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)]
     assert all(any((x + a, y + b) in there for a, b in near) for x, y in mirrored.tolist())
 
@@ -163,6 +202,32 @@ def test_area_converges_to_that_of_the_profile() -> None:
     errors = [abs(gauss_weights(mesh_of(built(h))).sum() / exact - 1) for h in (2.0, 1.0, 0.5)]
     assert errors[-1] < 5e-7
     assert (-np.diff(np.log2(errors)) > 2.2).all()
+
+
+def test_area_of_a_ring_converges_to_that_of_the_profile() -> None:
+    body = ring_built()
+    points, weights = np.polynomial.legendre.leggauss(8)
+    half = 0.5 * np.diff(body.curve.breaks)
+    s = 0.5 * (body.curve.breaks[1:] + body.curve.breaks[:-1]) + half * points[:, None]
+    place, slope, _ = body.curve.derivatives(s.ravel())
+    swept = (place[:, 0] * slope[:, 1] - place[:, 1] * slope[:, 0]).reshape(s.shape)
+    flank = (weights[:, None] * half * swept).sum()
+    end = np.arctan2(*body.curve.point([body.curve.length_mm])[0][::-1])
+    exact = 110.0**2 * pi / 60 - flank - 87.6**2 * (pi / 60 - end)
+    errors = [abs(gauss_weights(mesh_of(ring_built(h))).sum() / exact - 1) for h in (2.0, 1.0, 0.5)]
+    assert errors[-1] < 5e-7
+    assert (-np.diff(np.log2(errors)) > 2.2).all()
+
+
+def test_compliance_of_a_ring_converges_under_refinement() -> None:
+    """At least second order, as in gears; without the logarithm it is small, so relative to it."""
+    sizes = np.array([2.0, 1.0, 0.5])
+    smooth = [flank_compliance(ring_built(h), n_modes=4, plane="strain").smooth for h in sizes]
+    finest = flank_compliance(ring_built(0.25), n_modes=4, plane="strain").smooth
+    errors = [np.abs(s - finest).max() / np.abs(finest).max() for s in smooth]
+    assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 1.8
+    even = [abs(s[0, 0, 0] / finest[0, 0, 0] - 1) for s in smooth]
+    assert even[1] < 5e-4
 
 
 def test_flank_element_sets_the_size() -> None:

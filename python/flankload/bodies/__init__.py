@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from flankload.bodies.body import Body, Material, SectorMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import Gear, MeshBody
+    from flankload.scene import Gear, MeshBody, Ring
 
 __all__ = ["Body", "Material", "SectorMesh", "build_body"]
 
 
 def build_body(
-    spec: Gear | MeshBody,
+    spec: Gear | Ring | MeshBody,
     key: str,
     *,
     folder: Path,
@@ -25,7 +25,7 @@ def build_body(
 
     Parameters
     ----------
-    spec : Gear or MeshBody
+    spec : Gear, Ring or MeshBody
     key : str
         Key of the table in the scene, for messages.
     folder : Path
@@ -44,14 +44,18 @@ def build_body(
     SceneError
         If the body cannot be made; names the key. MeshError where a mesh file is at fault.
     """
-    from flankload.scene import Gear
+    from flankload.scene import Gear, MeshBody
 
+    if isinstance(spec, MeshBody):
+        from flankload.bodies.mesh_body import build_mesh_body
+
+        return build_mesh_body(spec, key, folder=folder)
+    if flank_element_mm is None:
+        flank_element_mm = flank_element_parts * spec.module_mm
     if isinstance(spec, Gear):
         from flankload.bodies.gear import build_gear
 
-        if flank_element_mm is None:
-            flank_element_mm = flank_element_parts * spec.module_mm
         return build_gear(spec, key, flank_element_mm=flank_element_mm)
-    from flankload.bodies.mesh_body import build_mesh_body
+    from flankload.bodies.ring import build_ring
 
-    return build_mesh_body(spec, key, folder=folder)
+    return build_ring(spec, key, flank_element_mm=flank_element_mm)

@@ -64,12 +64,13 @@ class Body:
     """A body of equal sectors: its curve, its sites and what its compliance is made from.
 
     The axis is the origin. The working flank of tooth 0 is `curve`; tooth k is tooth 0 turned by k
-    pitches, counter-clockwise.
+    pitches, counter-clockwise. From root to tip the radius grows, or falls where the teeth stand
+    inwards.
 
     Attributes
     ----------
     kind : str
-        "gear" or "mesh".
+        "gear", "ring" or "mesh".
     curve : FlankCurve
         From root to tip.
     teeth : int
@@ -89,9 +90,9 @@ class Body:
     pitch_errors_um : tuple of float
         Empty, or one per tooth.
     outline : (k, 2) array
-        Outer contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
+        Toothed contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
     bore_radius_mm : float
-        Radius of the held inner rim, for pictures.
+        Radius at which the body is held: its bore, or the outside of a ring; for pictures.
     notes : tuple of str
         What a user must know of the body.
     """
@@ -110,6 +111,12 @@ class Body:
     outline: NDArray[np.float64]
     bore_radius_mm: float
     notes: tuple[str, ...] = ()
+
+    @property
+    def outward(self) -> int:
+        """1 where the flank's tip stands further from the axis than its root, -1 where nearer."""
+        root, tip = (self.curve.point([s])[0] for s in (0.0, self.curve.length_mm))
+        return 1 if tip @ tip > root @ root else -1
 
     @property
     def base_radius_mm(self) -> float | None:

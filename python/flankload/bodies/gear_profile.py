@@ -13,7 +13,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from flankload.bodies.basic_rack import BasicRack, basic_rack
-from flankload.bodies.gear_tip import FormPoint, flank_and_tip, modifications_of
+from flankload.bodies.gear_tip import (
+    FormPoint,
+    flank_and_tip,
+    following_fillet,
+    modifications_of,
+)
 from flankload.bodies.involute import (
     Involute,
     InvoluteFlank,
@@ -22,7 +27,7 @@ from flankload.bodies.involute import (
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank_curve import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank_curve import CurvePiece, FlankCurve, Place, fit_flank_curve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,6 +64,16 @@ class GearProfile:
     teeth: int
     mode_range_mm: tuple[float, float]
     root_half_angle_rad: float
+
+    @property
+    def root_radius_mm(self) -> float:
+        """Radius of the root circle."""
+        return self.involute.root_radius_mm
+
+    @property
+    def tip_radius_mm(self) -> float:
+        """Radius of the tip circle."""
+        return self.involute.tip_radius_mm
 
     def rotated(self, angle: float) -> GearProfile:
         """Return the same profile turned counter-clockwise about the axis by an angle in rad."""
@@ -179,21 +194,11 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
 
 
 def _fillet_piece(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
-    """The fillet; where crowning moves the start of the flank, the fillet goes along smoothly."""
-    top, span = np.array([start.beta]), start.beta - 0.5 * pi
-    moved = flank.point(start.roll) - rack.fillet(top)[0][0]
-    if not flank.modifications.crowning_mm:
-        return CurvePiece("fillet", rack.fillet, 0.5 * pi, start.beta)
-
-    def place(beta: Floats) -> tuple[Floats, Floats, Floats]:
-        point, first, second = rack.fillet(beta)
-        x = ((beta - 0.5 * pi) / span)[:, None]
-        return (
-            point + x**3 * (10 - 15 * x + 6 * x**2) * moved,
-            first + 30 * x**2 * (1 - x) ** 2 / span * moved,
-            second + 60 * x * (1 - x) * (1 - 2 * x) / span**2 * moved,
-        )
-
+    """The fillet, from the root circle to the flank."""
+    place: Place = rack.fillet
+    if flank.modifications.crowning_mm:
+        moved = flank.point(start.roll) - rack.fillet(np.array([start.beta]))[0][0]
+        place = following_fillet(rack.fillet, 0.5 * pi, start.beta, moved)
     return CurvePiece("fillet", place, 0.5 * pi, start.beta)
 
 

@@ -5,6 +5,9 @@ With base radius r_b, half the tooth's angle at the base circle th0 and the roll
     P(t) = r_b e_r(th0 - t) + (r_b t - delta(t)) e_theta(th0 - t),
 
 delta being the metal that is taken off along the normal of the involute, e_theta(th0 - t).
+
+The flank of a ring bounds a space that has the form of such a tooth: th0 is half the angle of the
+space, the material lies beyond, and metal taken off counts as a negative delta.
 """
 
 from __future__ import annotations
@@ -50,9 +53,14 @@ class Involute:
     form_radius_mm : float
         Where the involute begins, above the root fillet.
     base_half_angle_rad : float
-        Half the angle of a tooth at its base circle.
+        Half the angle, at the base circle, of what both involutes enclose: a tooth, or the space of
+        a ring.
     turn_rad : float
-        Polar angle of the tooth's centre line in the frame of the body.
+        Polar angle of its centre line in the frame of the body.
+    outward : int
+        1: from root to tip the radius grows; -1: it falls, as in a ring.
+    tooth_center_rad : float
+        Angle from that centre line to the centre of the tooth: 0, or half a pitch in a ring.
     """
 
     base_radius_mm: float
@@ -62,15 +70,21 @@ class Involute:
     tip_radius_mm: float
     base_half_angle_rad: float
     turn_rad: float = 0.0
+    outward: int = 1
+    tooth_center_rad: float = 0.0
 
     def roll_at(self, radius_mm: float) -> float:
         """Roll parameter t (tan of the pressure angle) at a radius; 0 inside the base circle."""
         return sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
 
     def half_angle_at(self, radius_mm: float) -> float:
-        """Half the angle of a tooth at a radius, rad; negative beyond the point of the tooth."""
+        """Half the angle between the involutes at a radius, rad; negative beyond their point."""
         roll = self.roll_at(radius_mm)
         return self.base_half_angle_rad - roll + atan(roll)
+
+    def tooth_half_angle_at(self, radius_mm: float) -> float:
+        """Half the angle of a tooth at a radius, rad; negative beyond the point of the tooth."""
+        return self.outward * (self.half_angle_at(radius_mm) - self.tooth_center_rad)
 
     def polar_angle_at(self, radius_mm: float) -> float:
         """Polar angle of the working flank at a radius in the frame of the body, rad."""
@@ -84,13 +98,14 @@ class Modifications:
     Attributes
     ----------
     tip_relief_mm : float
-        At the tip circle.
+        At the tip circle; negative in a ring, whose material lies on the other side.
     relief_start : float
         Roll at which the relief begins.
     relief_power : int
         1: linear in the roll; 2: parabolic.
     crowning_mm : float
-        Parabola over the roll, 0 in the middle of the flank, this much at both ends.
+        Parabola over the roll, 0 in the middle of the flank, this much at both ends; negative in a
+        ring.
     roll_form, roll_tip : float
         Ends of the flank: form circle and tip circle.
     """
@@ -116,10 +131,10 @@ class Modifications:
         second = np.full_like(roll, 2 * self.crowning_mm / half**2)
         if self.tip_relief_mm:
             span = self.roll_tip - self.relief_start
-            x = np.maximum(roll - self.relief_start, 0.0) / span
+            x = np.maximum((roll - self.relief_start) / span, 0.0)
             n = self.relief_power
             off = off + self.tip_relief_mm * x**n
-            inside = roll >= self.relief_start
+            inside = (roll - self.relief_start) * span >= 0.0
             first = first + inside * (self.tip_relief_mm * n * x ** (n - 1) / span)
             second = second + inside * (self.tip_relief_mm * n * (n - 1) / span**2)
         return off, first, second
@@ -156,7 +171,7 @@ class InvoluteFlank:
         )
 
     def normal(self, roll: float) -> Floats:
-        """Unit normal (2,) out of the material at a roll."""
+        """Unit normal (2,) at a roll, away from what both involutes enclose."""
         _, first, _ = self.place(np.array([roll]))
         tangent = first[0] / np.linalg.norm(first[0])
         return np.array([-tangent[1], tangent[0]])
@@ -178,6 +193,6 @@ class InvoluteFlank:
         return roll
 
     def polar_angle_at(self, radius_mm: float) -> float:
-        """Polar angle at a distance from the axis, from the tooth's centre line, rad."""
+        """Polar angle at a distance from the axis, from the centre line, rad."""
         place = self.point(self.roll_at(radius_mm))
         return atan2(place[1], place[0])

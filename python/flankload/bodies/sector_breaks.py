@@ -5,17 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from flankload.bodies.blocks import even_breaks, growing_breaks, symmetric_breaks
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flankload.bodies.gear_profile import GearProfile
-    from flankload.flank_curve import FlankCurve
+    from numpy.typing import ArrayLike, NDArray
 
     Floats = NDArray[np.float64]
 
@@ -38,6 +35,35 @@ LARGEST_TURN = radians(25.0)
 ROW_PART = 0.35
 
 
+class ToothCurve(Protocol):
+    """What a mesh asks of a flank: a `FlankCurve`, or its image."""
+
+    @property
+    def length_mm(self) -> float: ...
+    @property
+    def labels(self) -> tuple[str, ...]: ...
+    def point(self, s: ArrayLike) -> Floats: ...
+    def tangent(self, s: ArrayLike) -> Floats: ...
+    def range_of(self, *labels: str) -> tuple[float, float]: ...
+
+
+class ToothForm(Protocol):
+    """What a mesh asks of a tooth that stands outwards on the +x axis; lengths in mm."""
+
+    @property
+    def curve(self) -> ToothCurve: ...
+    @property
+    def teeth(self) -> int: ...
+    @property
+    def mode_range_mm(self) -> tuple[float, float]: ...
+    @property
+    def root_half_angle_rad(self) -> float: ...
+    @property
+    def root_radius_mm(self) -> float: ...
+    @property
+    def tip_radius_mm(self) -> float: ...
+
+
 @dataclass(frozen=True)
 class SectorBreaks:
     """Arc lengths and parts at which elements end.
@@ -58,12 +84,12 @@ class SectorBreaks:
     rows: Floats
 
 
-def sector_breaks(profile: GearProfile, bore_radius: float, h: float) -> SectorBreaks:
+def sector_breaks(profile: ToothForm, bore_radius: float, h: float) -> SectorBreaks:
     """Breaks for flank elements no longer than h.
 
     Parameters
     ----------
-    profile : GearProfile
+    profile : ToothForm
     bore_radius : float
         mm.
     h : float
@@ -106,13 +132,13 @@ def sector_breaks(profile: GearProfile, bore_radius: float, h: float) -> SectorB
     )
 
 
-def slants(curve: FlankCurve, s: Floats) -> Floats:
+def slants(curve: ToothCurve, s: Floats) -> Floats:
     """Angle (m,) of the curve's tangent to the centre line at s (m,), positive if it leans in."""
     tangent = curve.tangent(s)
     return np.arctan2(-tangent[:, 1], tangent[:, 0])
 
 
-def _split_point(curve: FlankCurve, form: float) -> float:
+def _split_point(curve: ToothCurve, form: float) -> float:
     """Arc length at which the fillet leans by the split angle, kept off the ends of the fillet."""
     s = np.linspace(0.0, form, 400)
     slant = slants(curve, s)
@@ -121,7 +147,7 @@ def _split_point(curve: FlankCurve, form: float) -> float:
     return float(s[np.argmax(slant <= wanted)])
 
 
-def _tip_corner(curve: FlankCurve) -> tuple[float, float]:
+def _tip_corner(curve: ToothCurve) -> tuple[float, float]:
     """Arc lengths of the tooth block's corner at the tip, and of the end of the curve."""
     start = curve.range_of("flank", "relief")[1]
     if "tip_radius" in curve.labels:
@@ -129,7 +155,7 @@ def _tip_corner(curve: FlankCurve) -> tuple[float, float]:
     return start, curve.length_mm
 
 
-def _turned_breaks(curve: FlankCurve, start: float, end: float, largest: float) -> Floats:
+def _turned_breaks(curve: ToothCurve, start: float, end: float, largest: float) -> Floats:
     """Breaks between two places: none longer than `largest`, none that turns too much."""
     s = np.linspace(start, end, 200)
     turn = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(slants(curve, s))))])

@@ -15,7 +15,7 @@ import numpy as np
 
 from flankload.bodies.blocks import BlockMesh, coons, even_breaks, with_middles
 from flankload.bodies.body import SectorMesh
-from flankload.bodies.sector_breaks import SectorBreaks, sector_breaks, slants
+from flankload.bodies.sector_breaks import sector_breaks, slants
 from flankload.errors import SceneError
 from flankload.plane_mesh import jacobians
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.gear_profile import GearProfile
-    from flankload.flank_curve import FlankCurve
+    from flankload.bodies.sector_breaks import ToothCurve, ToothForm
 
     Floats = NDArray[np.float64]
 
@@ -62,26 +62,46 @@ def sector_mesh(
             expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
             found=f"{2 * bore_radius_mm:g}",
         )
-    breaks = sector_breaks(profile, bore_radius_mm, flank_element_mm)
-    mesh = _assemble(profile, bore_radius_mm, breaks)
-    cells = mesh.cells[0][1]
-    determinants = jacobians(mesh.nodes, "quad9", cells)
-    worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
-    if not worst.min() > 0.0:
-        place = float(np.linalg.norm(mesh.nodes[cells[worst.argmin(), 8]]))
+    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm)
+    worst, place = worst_element(mesh)
+    if not worst > 0.0:
         in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
             key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} "
+            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
             f"relative to its mean (bore {2 * bore_radius_mm:g} mm)",
         )
     return mesh
 
 
-def _assemble(profile: GearProfile, bore_radius: float, breaks: SectorBreaks) -> SectorMesh:
+def worst_element(mesh: SectorMesh) -> tuple[float, float]:
+    """Least Jacobian of all elements, relative to the element's mean, and its radius in mm."""
+    cells = mesh.cells[0][1]
+    determinants = jacobians(mesh.nodes, "quad9", cells)
+    worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
+    place = mesh.nodes[cells[worst.argmin(), 8]]
+    return float(worst.min()), float(np.linalg.norm(place))
+
+
+def tooth_mesh(profile: ToothForm, bore_radius: float, flank_element_mm: float) -> SectorMesh:
+    """Mesh of a tooth that stands outwards on the +x axis, its elements not yet checked.
+
+    Parameters
+    ----------
+    profile : ToothForm
+    bore_radius : float
+        mm.
+    flank_element_mm : float
+        Largest length of an element along the flank.
+
+    Returns
+    -------
+    SectorMesh
+    """
+    breaks = sector_breaks(profile, bore_radius, flank_element_mm)
     curve, teeth = profile.curve, profile.teeth
-    tip_radius = profile.involute.tip_radius_mm
+    tip_radius = profile.tip_radius_mm
     mirror = np.array([1.0, -1.0])
     s_flank = with_middles(breaks.flank)
     flank = curve.point(s_flank)
@@ -154,7 +174,7 @@ def _arc(radius: float, angles: Floats) -> Floats:
 
 
 def _sagging_line(
-    curve: FlankCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
+    curve: ToothCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
 ) -> Floats:
     """Foot of the tooth, from split point to mirror image: a cubic that sags into the rim."""
     start = curve.point([s_split])[0]
@@ -175,7 +195,7 @@ def _sagging_line(
 
 
 def _tip_line(
-    curve: FlankCurve, s_tip: Floats, tip_radius: float, columns: Floats
+    curve: ToothCurve, s_tip: Floats, tip_radius: float, columns: Floats
 ) -> tuple[Floats, Floats]:
     """Upper edge of the tooth block from the working side to its mirror image, and its parts."""
     end = curve.point([curve.length_mm])[0]
@@ -201,9 +221,9 @@ def _tip_line(
     )
 
 
-def _root_line(profile: GearProfile, low: Floats) -> tuple[Floats, Floats]:
+def _root_line(profile: ToothForm, low: Floats) -> tuple[Floats, Floats]:
     """Upper edge of a side block from the cut along the root arc to the split point; its parts."""
-    radius = profile.involute.root_radius_mm
+    radius = profile.root_radius_mm
     start = profile.root_half_angle_rad
     root = radius * (pi / profile.teeth - start)
     size = float(np.diff(low).mean())

@@ -6,7 +6,14 @@ n = (-t_y, t_x) is the unit normal out of the material.
 """
 
 from flankload.flank_curve.curve import FlankCurve
-from flankload.flank_curve.fit import CurvePiece, fit_flank_curve
+from flankload.flank_curve.fit import CurvePiece, Place, fit_flank_curve
 from flankload.flank_curve.nodes import curve_through_nodes, nodes_deviation
 
-__all__ = ["CurvePiece", "FlankCurve", "curve_through_nodes", "fit_flank_curve", "nodes_deviation"]
+__all__ = [
+    "CurvePiece",
+    "FlankCurve",
+    "Place",
+    "curve_through_nodes",
+    "fit_flank_curve",
+    "nodes_deviation",
+]
