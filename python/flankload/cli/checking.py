@@ -26,7 +26,7 @@ def _check_scene(path: Path) -> None:
     scene = read_scene(path)
     from flankload.assembly import build_bodies
     from flankload.effects import effects_of
-    from flankload.pairing import describe_mesh
+    from flankload.gear_mesh import describe_mesh
 
     pair = build_bodies(scene)
     print(f"{scene.name}: a valid scene")
@@ -65,7 +65,9 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         ):
             rows.append((f"{name} diameter", f"{2 * radius:.4f} mm"))
         tip = involute.tip_radius_mm
-        rows.append(("tooth thickness at tip", f"{2 * tip * involute.half_angle_at(tip):.4f} mm"))
+        rows.append(
+            ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
+        )
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
     if body.mesh is not None:
