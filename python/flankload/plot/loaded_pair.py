@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import PathPatch, Polygon
+from matplotlib.path import Path
 
 from flankload.plot.style import (
     GREY,
@@ -65,11 +66,12 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
         _draw_bodies(axes, result, p)
         for s, site in carrying:
             _draw_pressure_on_flank(axes, result, p, s, site)
-        # The pair further into recess stands above the other one in the picture, and so here.
+        # The pair that stands above the other one in the picture stands so here.
         # The panels have the same axes, so that widths and heights can be compared.
         curves = [_pressure_along(result, p, site) for _, site in carrying]
         reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
-        for row, (s, site) in enumerate(reversed(carrying)):
+        upwards = carrying if not result.drawing.is_around else carrying[::-1]
+        for row, (s, site) in enumerate(reversed(upwards)):
             _draw_pressure(figure.add_subplot(grid[row, 1]), result, p, s, site, reach)
         return figure
 
@@ -96,23 +98,31 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], 0.0),
         (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.center_distance_mm),
     )
+    rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
         sectors = [_turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
+        shape = [np.vstack(sectors)]
+        if z == 1 and drawing.is_around:
+            turn = np.linspace(0.0, -2 * np.pi, 721)  # the other way round: the teeth are a hole
+            shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         axes.add_patch(
-            Polygon(
-                np.vstack(sectors) + np.array([centre, 0.0]),
-                closed=True,
+            PathPatch(
+                Path.make_compound_path(
+                    *(Path(part + np.array([centre, 0.0]), closed=True) for part in shape)
+                ),
                 facecolor=STEEL[z],
                 edgecolor="#404040",
                 linewidth=0.9,
             )
         )
+        same_way = z == 0 or drawing.is_around
+        at_left = (z == 0) != drawing.is_around
         axes.text(
-            0.03 if z == 0 else 0.97,
+            0.03 if at_left else 0.97,
             0.03,
-            f"body {z + 1} {'↺' if z == 0 else '↻'}",
+            f"body {z + 1} {'↺' if same_way else '↻'}",
             transform=axes.transAxes,
-            ha="left" if z == 0 else "right",
+            ha="left" if at_left else "right",
             fontweight="bold",
             color="#404040",
         )
@@ -121,11 +131,12 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
 def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of the picture: all contacts of the position and about a tooth around them."""
     drawing = result.drawing
-    tip_1, tip_2 = (
-        float(np.max(np.hypot(*outline.T))) for outline in (drawing.outline_1, drawing.outline_2)
-    )
+    tip_1 = float(np.max(np.hypot(*drawing.outline_1.T)))
+    radii_2 = np.hypot(*drawing.outline_2.T)
+    # the teeth meet between the axes, or, inside body 2, beyond the axis of body 1
+    side, tip_2 = (-1.0, radii_2.min()) if drawing.is_around else (1.0, radii_2.max())
     pitch = 2 * np.pi * tip_1 / drawing.teeth_1
-    middle = np.array([(tip_1 + drawing.center_distance_mm - tip_2) / 2, 0.0])
+    middle = np.array([(side * tip_1 + drawing.center_distance_mm - tip_2) / 2, 0.0])
     table = result.pairs(p)
     places = np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
     reach = float(np.abs(places[:, 1]).max()) if len(places) else 0.0

@@ -64,12 +64,13 @@ class PairDrawing:
     Attributes
     ----------
     outline_1, outline_2 : (k, 2) arrays
-        Outer contour of one sector in the body's frame, from cut to cut, mm.
+        Toothed contour of one sector in the body's frame, from cut to cut, mm.
     teeth_1, teeth_2 : int
     center_distance_mm : float
     angle_1, angle_2 : (P,) arrays
         Turn of both body frames at each position, rad.
     bore_radius_1_mm, bore_radius_2_mm : float or None
+        Where the bodies are held.
     """
 
     outline_1: Floats
@@ -81,3 +82,9 @@ class PairDrawing:
     angle_2: Floats
     bore_radius_1_mm: float | None = None
     bore_radius_2_mm: float | None = None
+
+    @property
+    def is_around(self) -> bool:
+        """Whether body 2 stands around body 1: it is held outside its teeth."""
+        radius = self.bore_radius_2_mm
+        return radius is not None and bool(radius > np.hypot(*self.outline_2.T).max())
