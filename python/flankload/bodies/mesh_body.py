@@ -160,16 +160,18 @@ def _read_sector(spec: MeshBody, key: str, path: Path) -> _Sector:
     flank = _flank_edges(
         nodes, edges, _grown(raw, spec.flank_set, edges), path, key, spec.flank_set
     )
+    fixed = _grown(raw, spec.fixed_set, edges)
     middle = nodes[flank[len(flank) // 2]]
     along = middle[1] - middle[0]
-    if float(middle.mean(axis=0) @ along) < 0.0:
-        # P . t < 0 on the way that has the material on its right: the tip comes first
+    # what is held outside its flank is a ring: from root to tip its radius falls
+    held_outside = np.hypot(*nodes[fixed].T).min() > np.hypot(*middle.T).max()
+    if (float(middle.mean(axis=0) @ along) < 0.0) != held_outside:
+        # on the way that has the material on its right the tip comes first
         nodes = nodes * np.array([1.0, -1.0])
         cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells)
         flank = flank[::-1][:, [1, 0, 2]]
         edges = edges[:, [1, 0, 2]]
         notes.append("the flank faces clockwise: the body is taken in its mirror image")
-    fixed = _grown(raw, spec.fixed_set, edges)
     if np.isin(flank, fixed).any():
         raise MeshError(
             file=path,
