@@ -1,6 +1,7 @@
 """Pictures: that they are made, all or none, and that they show what the result says."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from made_up_result import made_up_result
 from matplotlib.axes import Axes
 
+import flankload as fl
 from flankload import plot
 from flankload.plot import (
     plot_all,
@@ -17,7 +19,9 @@ from flankload.plot import (
     plot_transmission_error,
 )
 from flankload.result import Result
+from flankload.scene import Load
 
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 NAMES = ["load_sharing.png", "loaded_pair.png", "peak_pressure.png", "transmission_error.png"]
 
 
@@ -238,3 +242,26 @@ def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
 
 def test_unloaded_pair_can_be_drawn(tmp_path: Path) -> None:
     assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 4
+
+
+def test_ring_is_drawn_around_its_pinion() -> None:
+    """Body 2 is its rim less what its teeth stand around; window and names are on their sides."""
+    scene = fl.read_scene(EXAMPLES / "internal_gear.toml")
+    result = fl.solve(replace(scene, load=Load(torque_Nm=0.0)))
+    assert result.drawing.is_around
+    assert not made_up_result().drawing.is_around
+    axes = plot_loaded_pair(result).axes[0]
+    pinion, ring = (patch.get_path() for patch in axes.patches)
+    center = result.drawing.center_distance_mm
+    # as filled by the canvas: a loop the other way round takes away
+    loops = ring.to_polygons()
+    areas = [0.5 * np.sum(p[:-1, 0] * p[1:, 1] - p[1:, 0] * p[:-1, 1]) for p in loops]
+    assert areas[0] > 0 > areas[1]
+    assert -sum(areas) == pytest.approx(np.pi * (110.0**2 - 90.5**2), rel=0.03)
+    rim = np.hypot(loops[1][:, 0] - center, loops[1][:, 1])
+    np.testing.assert_allclose(rim, 110.0, rtol=1e-9)
+    low, high = axes.get_xlim()
+    pinion_tip = pinion.vertices[:, 0].min()
+    assert low < pinion_tip < high < 0
+    labels = {text.get_text(): text.get_position()[0] for text in axes.texts}
+    assert labels["body 2 ↺"] < labels["body 1 ↺"]

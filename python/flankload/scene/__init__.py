@@ -30,7 +30,7 @@ from flankload.scene.tables import (
     SceneFile,
 )
 
-__all__ = ["Gear", "MeshBody", "Profile", "Ring", "Scene", "read_scene", "scene_schema"]
+__all__ = ["Gear", "Load", "MeshBody", "Profile", "Ring", "Scene", "read_scene", "scene_schema"]
 
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
