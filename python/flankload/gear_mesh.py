@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.involute import roll_of_involute_angle
 from flankload.errors import SceneError
-from flankload.interference import overlaps_of
+from flankload.interference import overlapping_flanks, root_contacts
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
@@ -132,9 +132,11 @@ def gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str]) 
         warnings.append(
             f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
         )
-    _warn_of_root_contact(one, tangent_1 + start, "1", warnings)
-    _warn_of_root_contact(two, tangent_2 - pair.sense * end, "2", warnings)
-    _look_for_overlaps(body_1, body_2, (radius_1, radius_2), distance, warnings)
+    deepest = (tangent_1 + start, tangent_2 - pair.sense * end)
+    warnings += [
+        *root_contacts((one, two), deepest),
+        *overlapping_flanks(body_1, body_2, (radius_1, radius_2), distance),
+    ]
     return Mesh(
         pressure_angle_rad=angle,
         pitch_radius_1_mm=radius_1,
@@ -211,11 +213,20 @@ def _backlash(pair: _Pair, radius_1: float, radius_2: float, warnings: list[str]
     )
     backlash = 2 * pi * radius_1 / pair.teeth[0] - thickness
     if backlash < -LARGEST_OVERLAP * pair.base_pitch:
+        found = f"{pair.distance:g} mm with a backlash of {backlash:.4f} mm: the teeth overlap"
+        enough = _distance_without_backlash(pair)
+        if enough is None:
+            raise SceneError(
+                key="body_2.profile_shift",
+                expected="spaces of body_2 into which the teeth of body_1 fit at some centre "
+                "distance",
+                found=f"teeth too thick for all of them ({found})",
+            )
         raise SceneError(
             key=DISTANCE,
-            expected=f"{_distance_without_backlash(pair):.4f} mm or "
-            f"{'more' if pair.sense > 0 else 'less'}, where the teeth have no negative backlash",
-            found=f"{pair.distance:g} mm with a backlash of {backlash:.4f} mm: the teeth overlap",
+            expected=f"{enough:.4f} mm or {'more' if pair.sense > 0 else 'less'}, where the teeth "
+            "have no negative backlash",
+            found=found,
         )
     if backlash <= 0.0:
         warnings.append(
@@ -225,8 +236,8 @@ def _backlash(pair: _Pair, radius_1: float, radius_2: float, warnings: list[str]
     return backlash
 
 
-def _distance_without_backlash(pair: _Pair) -> float:
-    """Centre distance (mm) at which both flanks of a tooth touch.
+def _distance_without_backlash(pair: _Pair) -> float | None:
+    """Centre distance (mm) at which both flanks of a tooth touch; None where there is none.
 
     The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum of r_b times (half
     angle of the tooth at the base, less inv(alpha_w) or more where it stands inwards) of both
@@ -238,7 +249,7 @@ def _distance_without_backlash(pair: _Pair) -> float:
         for radius, involute in zip(radii, (pair.one, pair.two), strict=True)
     )
     value = (filled - 0.5 * pair.base_pitch) / sum(radii)
-    return abs(sum(radii)) * hypot(1.0, roll_of_involute_angle(max(0.0, value)))
+    return abs(sum(radii)) * hypot(1.0, roll_of_involute_angle(value)) if value > 0.0 else None
 
 
 def _check_clearances(pair: _Pair) -> None:
@@ -256,47 +267,6 @@ def _check_clearances(pair: _Pair) -> None:
                 f"tip of body_{name} clears the root of body_{other}",
                 found=f"{distance:g} mm, {-clearance:.4f} mm too {side}",
             )
-
-
-def _warn_of_root_contact(
-    involute: Involute, length_mm: float, name: str, warnings: list[str]
-) -> None:
-    """The mate's tip must meet the involute, not the fillet: compare the radii."""
-    deepest = hypot(involute.base_radius_mm, max(0.0, length_mm))
-    depth = involute.outward * (involute.form_radius_mm - deepest)
-    if length_mm < 0.0 or depth > 0.0:
-        side = "below" if involute.outward > 0 else "beyond"
-        warnings.append(
-            f"the mate's tip reaches {max(0.0, depth):.3f} mm {side} the form circle of "
-            f"body_{name} (diameter {2 * involute.form_radius_mm:.3f} mm): it meets the root fillet"
-        )
-
-
-def _look_for_overlaps(
-    body_1: Body,
-    body_2: Body,
-    pitch_radii: tuple[float, float],
-    distance: float,
-    warnings: list[str],
-) -> None:
-    """Flanks that overlap off the path of contact: tips cannot pass, roots are a warning."""
-    for overlap in overlaps_of(body_1, body_2, pitch_radii, distance):
-        where = (
-            f"at the diameters {2 * overlap.radius_1_mm:.3f} mm of body_1 and "
-            f"{2 * overlap.radius_2_mm:.3f} mm of body_2"
-        )
-        if overlap.at_tips:
-            raise SceneError(
-                key="body_2.tip_diameter_mm",
-                expected="tips that clear each other on their way out of the mesh (shorter teeth, "
-                f"or more than {body_2.teeth - body_1.teeth} teeth of difference)",
-                found=f"{2 * (body_2.tip_radius_mm or 0.0):g}, where the tips overlap by "
-                f"{overlap.depth_mm:.4f} mm {where}",
-            )
-        warnings.append(
-            f"the flanks overlap by up to {overlap.depth_mm:.4f} mm off the path of contact, "
-            f"{where}: the motion is not even, the root pushes the tip back"
-        )
 
 
 def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:

@@ -1,4 +1,4 @@
-"""Flanks that overlap at positions off the path of contact, whatever parts of them.
+"""Flanks that would meet where they should not: in a fillet, or anywhere off the path of contact.
 
 A place p of flank 1 and a place q of flank 2 can meet only where a circle about O1 through p cuts
 one about O2 through q, above or below the line of centres. Body 1 turns until p is there; how far
@@ -9,9 +9,12 @@ negative where one stands in the other.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.involute import Involute
 
     Floats = NDArray[np.float64]
 
@@ -47,6 +51,73 @@ class Overlap:
     radius_1_mm: float
     radius_2_mm: float
     at_tips: bool
+
+
+def root_contacts(
+    involutes: tuple[Involute, Involute], lengths_mm: tuple[float, float]
+) -> Iterator[str]:
+    """Say where the mate's tip does not meet the involute but the fillet.
+
+    Parameters
+    ----------
+    involutes : two Involute
+    lengths_mm : (float, float)
+        Where each path of contact ends at the root: length along the line of action from the base
+        circle.
+
+    Yields
+    ------
+    str
+        A warning.
+    """
+    for name, involute, length in zip("12", involutes, lengths_mm, strict=True):
+        deepest = hypot(involute.base_radius_mm, max(0.0, length))
+        depth = involute.outward * (involute.form_radius_mm - deepest)
+        if length < 0.0 or depth > 0.0:
+            side = "below" if involute.outward > 0 else "beyond"
+            yield (
+                f"the mate's tip reaches {depth:.3f} mm {side} the form circle of body_{name} "
+                f"(diameter {2 * involute.form_radius_mm:.3f} mm): it meets the root fillet"
+            )
+
+
+def overlapping_flanks(
+    body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
+) -> Iterator[str]:
+    """Say how deep flanks overlap off the path of contact.
+
+    Parameters
+    ----------
+    body_1, body_2, pitch_radii_mm, distance_mm
+        As for `overlaps_of`.
+
+    Yields
+    ------
+    str
+        A warning, where a root pushes a tip back.
+
+    Raises
+    ------
+    SceneError
+        Where tips cannot pass each other.
+    """
+    for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
+        where = (
+            f"at the diameters {2 * overlap.radius_1_mm:.3f} mm of body_1 and "
+            f"{2 * overlap.radius_2_mm:.3f} mm of body_2"
+        )
+        if overlap.at_tips:
+            raise SceneError(
+                key="body_2.tip_diameter_mm",
+                expected="tips that clear each other on their way out of the mesh (shorter teeth, "
+                f"or more than {body_2.teeth - body_1.teeth} teeth of difference)",
+                found=f"{2 * (body_2.tip_radius_mm or 0.0):g}, where the tips overlap by "
+                f"{overlap.depth_mm:.4f} mm {where}",
+            )
+        yield (
+            f"the flanks overlap by up to {overlap.depth_mm:.4f} mm off the path of contact, "
+            f"{where}: the motion is not even, the root pushes the tip back"
+        )
 
 
 def overlaps_of(

@@ -165,6 +165,14 @@ def test_overlapping_teeth_say_which_distance_would_do() -> None:
     assert pair(enough).pairing.mesh.backlash_mm == pytest.approx(0.0, abs=1e-4)
 
 
+def test_teeth_that_fit_at_no_distance() -> None:
+    """Spaces of -0.8 modules of shift: inv(alpha_w) would have to be negative."""
+    shift = {"profile_shift": 0.3, "tip_diameter_mm": 79.5}
+    error = refused(pinion=shift, profile_shift=-0.5, root_diameter_mm=184.0)
+    assert error.key == "body_2.profile_shift"
+    assert "into which the teeth of body_1 fit" in error.expected
+
+
 def test_slightly_negative_backlash_is_a_warning_with_its_value() -> None:
     found = pair(54.01)
     (warning,) = [note for note in found.notes if "backlash" in note]
