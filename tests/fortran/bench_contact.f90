@@ -202,6 +202,7 @@ contains
         type(error_type), allocatable :: error
         real(wp) :: part
         integer :: rung
+        logical :: proven
 
         call new_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
             & [case%torque], case%known, problem, error)
@@ -210,7 +211,7 @@ contains
             if (.not. allocated(error)) call move_alloc(paper%forces, found)
         else
             call climb(problem, case%compliance, method_auto, [integer ::], state, rung, part, &
-                & error)
+                & proven, error)
             if (.not. allocated(error)) call move_alloc(state%forces, found)
         end if
         if (allocated(found)) found = problem%load_scale*problem%row_scale*found
