@@ -1,5 +1,6 @@
 """One body's compliance at its flanks: unit loads on one sector, the ring closed by Fourier.
 
+A body meshed as a whole takes the plain way (`whole_body`): all flanks loaded one after the other.
 A body of z equal sectors needs the mesh of one. Its stiffness is factorised once; on the right
 stand the pressure modes of the flank and the columns of the cut faces. With the forces G that the
 loads carry to the cuts and the condensed stiffness S of the cuts, the ring closes sector harmonic
@@ -13,15 +14,16 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
-from flankload.elasticity import degrees_of, stiffness
+from flankload.bodies.body import WholeMesh
+from flankload.elasticity import degrees_of, factored, stiffness
 from flankload.near_field import (
     logarithm_strength,
     mode_loads,
     mode_norms,
     projected_logarithm,
 )
+from flankload.whole_body import whole_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,9 +33,6 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body, SectorMesh
 
-#: Right-hand sides solved at once: half the time of all together (cache).
-BLOCK = 16
-
 
 @dataclass(frozen=True)
 class BodyCompliance:
@@ -41,16 +40,19 @@ class BodyCompliance:
 
     Attributes
     ----------
-    smooth : (z, p, p) array
+    smooth : (z, p, p) array, or (f * f, p, p) array where `flanks` names f teeth
         smooth[t] maps the pressure modes of tooth 0 to displacements out of the material on tooth
-        t, as mode coefficients, without the logarithm; mm²/N.
+        t, as mode coefficients, without the logarithm; mm²/N. By pairs of flanks smooth[i * f + j]
+        maps the modes of flank j to the displacements of flank i.
     kernel : float
         Strength c0 of the logarithm, mm²/N; 0 for a rigid body.
     mode_range_mm : (float, float)
         Arc lengths of the flank curve between which the modes live.
+    flanks : tuple of int
+        Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
     asymmetry : float
-        Largest difference of smooth[t] and smooth[-t] transposed before both were averaged,
-        relative.
+        Largest relative difference of a response and its transposed counterpart before both were
+        averaged.
     degrees_of_freedom, fe_factorisations, unit_loads_normal : int
     bytes : int
     seconds : dict of str to float
@@ -60,6 +62,7 @@ class BodyCompliance:
     smooth: NDArray[np.float64]
     kernel: float
     mode_range_mm: tuple[float, float]
+    flanks: tuple[int, ...] = ()
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
     fe_factorisations: int = 0
@@ -71,6 +74,29 @@ class BodyCompliance:
     def is_rigid(self) -> bool:
         """Whether the body does not yield at all."""
         return self.kernel == 0.0
+
+    def block_of(
+        self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
+    ) -> NDArray[np.int64]:
+        """Where in `smooth` the response of teeth to loads on teeth stands.
+
+        Parameters
+        ----------
+        displaced, loaded : arrays that broadcast
+            Teeth of the body, from 0.
+        teeth : int
+            Number of teeth of the body.
+
+        Returns
+        -------
+        array
+        """
+        if self.is_rigid:
+            return np.zeros_like(displaced - loaded)
+        if not self.flanks:
+            return (displaced - loaded) % teeth
+        place = np.searchsorted(self.flanks, np.arange(teeth))
+        return place[displaced] * len(self.flanks) + place[loaded]
 
     def fewer_modes(self) -> BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal."""
@@ -131,17 +157,27 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
 
     mesh = body.mesh
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    loads = mode_loads(mesh, body.mode_range_mm, n_modes)
-    lap("assembly")
-    sector, free = condense(matrix, loads, mesh, lap)
-    response = close_ring(sector, mesh.teeth)
+    flanks: tuple[int, ...] = ()
+    if isinstance(mesh, WholeMesh):
+        lap("assembly")
+        flanks = tuple(flank.tooth for flank in mesh.flanks)
+        response, free = whole_response(matrix, mesh, body.mode_range_mm, n_modes, lap)
+        own = np.arange(len(flanks)) * (len(flanks) + 1)
+        across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
+    else:
+        loads = mode_loads(mesh, body.mode_range_mm, n_modes)
+        lap("assembly")
+        sector, free = condense(matrix, loads, mesh, lap)
+        response = close_ring(sector, mesh.teeth)
+        own = np.zeros(1, dtype=np.int64)
+        across = -np.arange(mesh.teeth) % mesh.teeth
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
-    response[0] += strength * projected_logarithm(n_modes, high - low)
+    response[own] += strength * projected_logarithm(n_modes, high - low)
     norms = mode_norms(body.mode_range_mm, n_modes)
     response /= norms[:, None] * norms[None, :]
-    # smooth[-t] is smooth[t] transposed (Betti); the halves of rounding are shared
-    mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
+    # the response the other way is the transposed one (Betti); the halves of rounding are shared
+    mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     lap("ring")
     seconds["wall"] = perf_counter() - wall
@@ -149,10 +185,11 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
         smooth=0.5 * (response + mirrored),
         kernel=strength,
         mode_range_mm=body.mode_range_mm,
+        flanks=flanks,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
         fe_factorisations=1,
-        unit_loads_normal=n_modes,
+        unit_loads_normal=n_modes * max(1, len(flanks)),
         bytes=response.nbytes + matrix.data.nbytes + matrix.indices.nbytes,
         seconds=seconds,
     )
@@ -190,19 +227,10 @@ def condense(
     inner[held] = False
     inside = np.flatnonzero(inner)
     rows = matrix[inside]
-    factor = splu(
-        rows[:, inside].tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    solve = factored(rows[:, inside].tocsc())
     tell("factorisation")
     coupling = rows[:, cut].toarray()
-    right = np.hstack([loads[inside], coupling])
-    solved = np.empty_like(right)
-    for first in range(0, right.shape[1], BLOCK):
-        block = slice(first, first + BLOCK)
-        solved[:, block] = factor.solve(right[:, block])
+    solved = solve(np.hstack([loads[inside], coupling]))
     p = loads.shape[1]
     at_cut = matrix[cut][:, cut].toarray()
     tell("solution")

@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse.linalg import splu
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Material
@@ -19,6 +22,8 @@ if TYPE_CHECKING:
 #: Gauss points exact to this degree: quadratic elements on curved edges need no more (measured:
 #: degree 6 changes the compliance of a gear by 1e-9).
 INTEGRATION_DEGREE = 4
+#: Right-hand sides solved at once: half the time of all together (cache).
+BLOCK = 16
 
 
 def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
@@ -104,3 +109,32 @@ def _block_stiffness(
 def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Degrees of freedom of nodes, x and y alternating."""
     return (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
+
+
+def factored(matrix: csc_matrix) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Factorise a symmetric positive definite matrix once.
+
+    Parameters
+    ----------
+    matrix : csc_matrix, (n, n)
+
+    Returns
+    -------
+    callable
+        Right-hand sides (n, k) to solutions (n, k).
+    """
+    factor = splu(
+        matrix,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+
+    def solve(right: NDArray[np.float64]) -> NDArray[np.float64]:
+        solved = np.empty_like(right)
+        for first in range(0, right.shape[1], BLOCK):
+            block = slice(first, first + BLOCK)
+            solved[:, block] = factor.solve(right[:, block])
+        return solved
+
+    return solve

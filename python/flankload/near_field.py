@@ -16,7 +16,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.body import Material, SectorMesh
+    from flankload.bodies.body import Material, MeshedFlank, SectorMesh
 
 
 def logarithm_strength(material: Material, plane: str) -> float:
@@ -64,7 +64,7 @@ def mode_norms(mode_range_mm: tuple[float, float], n_modes: int) -> NDArray[np.f
 
 
 def mode_loads(
-    mesh: SectorMesh, mode_range_mm: tuple[float, float], n_modes: int
+    mesh: SectorMesh | MeshedFlank, mode_range_mm: tuple[float, float], n_modes: int
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of the pressure modes along the normal out of the material.
 
@@ -73,7 +73,7 @@ def mode_loads(
 
     Parameters
     ----------
-    mesh : SectorMesh
+    mesh : SectorMesh or MeshedFlank
     mode_range_mm : (float, float)
     n_modes : int
 

@@ -114,13 +114,15 @@ def pair_bodies(
         ),
         _turn_to_pitch_point(body_2, mesh.pitch_radius_2_mm if mesh else None, pi),
     )
-    sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad)
+    sites = _with_flanks(_sites(mesh, body_1.teeth, body_2.teeth, position_rad), body_1, body_2)
     # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
     # on body 1; on body 2 at a smaller one, or a greater one where it turns the same way.
     teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
     angles = (
-        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, sites),
-        -sense * 2 * pi * sites / body_2.teeth + _pitch_turns(body_2, sites),
+        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, sites) + _own_turns(body_1, teeth[0]),
+        -sense * 2 * pi * sites / body_2.teeth
+        + _pitch_turns(body_2, sites)
+        + _own_turns(body_2, teeth[1]),
     )
     return Pairing(
         center_distance_mm=center_distance_mm,
@@ -159,6 +161,30 @@ def _sites(
         first += spare // 2
         last -= spare - spare // 2
     return np.arange(first, last + 1)
+
+
+def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArray[np.int64]:
+    """Sites at which both bodies have a flank."""
+    there = np.ones(sites.size, dtype=bool)
+    for body, teeth in (
+        (body_1, sites % body_1.teeth),
+        (body_2, -body_2.outward * sites % body_2.teeth),
+    ):
+        if body.named_teeth:
+            there &= np.isin(teeth, body.named_teeth)
+    if not there.any():
+        raise SceneError(
+            key="positions",
+            expected="positions at which teeth stand in mesh that have a flank in the files",
+            found="teeth without a flank at all of them",
+        )
+    return sites[there]
+
+
+def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turns (S,) of flanks that do not stand at equal shares of the body."""
+    turns = body.flank_turns_rad
+    return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
 
 
 def _pitch_turns(body: Body, sites: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -171,4 +171,4 @@ def _modes_of(body: Body, wanted: int) -> int:
     """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
     if body.mesh is None:
         return 0
-    return max(2, min(wanted, len(body.mesh.flank_edges) // 2 + 1))
+    return max(2, min(wanted, body.mesh.flank_elements // 2 + 1))

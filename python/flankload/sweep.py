@@ -152,10 +152,9 @@ def _core_arguments(
     arguments: list[tuple[NDArray[Any] | float, ...]] = []
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
         teeth = pairing.site_teeth[z]
-        offset = (teeth[:, None] - teeth[None, :]) % body.teeth
+        block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
         if compliance.is_rigid:
             smooth = np.zeros((1, 1, 1), order="F")
-            offset = np.zeros_like(offset)
         else:
             smooth = np.asfortranarray(compliance.smooth.transpose(1, 2, 0) / face_width_mm)
         curve = body.curve
@@ -169,7 +168,7 @@ def _core_arguments(
                 np.asarray(compliance.mode_range_mm, dtype=float),
                 compliance.kernel / face_width_mm,
                 smooth,
-                np.asfortranarray(offset + 1, dtype=np.intc),
+                np.asfortranarray(block + 1, dtype=np.intc),
             )
         )
     return arguments

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.bodies.body import Body, Material, SectorMesh
+from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
     from flankload.scene import Gear, MeshBody, Ring
 
-__all__ = ["Body", "Material", "SectorMesh", "build_body"]
+__all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
 def build_body(

@@ -58,10 +58,78 @@ class SectorMesh:
     right_nodes: NDArray[np.int64]
     teeth: int
 
+    @property
+    def flank_elements(self) -> int:
+        """Elements along the flank."""
+        return len(self.flank_edges)
+
+
+@dataclass(frozen=True)
+class MeshedFlank:
+    """One flank of a whole body; together with the nodes what pressure modes need.
+
+    Attributes
+    ----------
+    tooth : int
+        Its place on the body: tooth k stands k pitches counter-clockwise of tooth 0.
+    nodes : (N, 2) array
+        Of the whole body, mm.
+    flank_edges : (m, 3) array
+        First, last and middle node of the edges that carry pressure modes, by ascending arc length.
+    flank_arc_length : (N,) array
+        Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
+    """
+
+    tooth: int
+    nodes: NDArray[np.float64]
+    flank_edges: NDArray[np.int64]
+    flank_arc_length: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WholeMesh:
+    """Quadratic finite elements of a whole body with many flanks.
+
+    Attributes
+    ----------
+    nodes, cells, fixed_nodes
+        As in `SectorMesh`.
+    flanks : tuple of MeshedFlank
+        By ascending tooth, that of tooth 0 first.
+    """
+
+    nodes: NDArray[np.float64]
+    cells: tuple[tuple[str, NDArray[np.int64]], ...]
+    fixed_nodes: NDArray[np.int64]
+    flanks: tuple[MeshedFlank, ...]
+
+    @property
+    def flank_elements(self) -> int:
+        """Elements along the flank that has fewest."""
+        return min(len(flank.flank_edges) for flank in self.flanks)
+
+
+@dataclass(frozen=True)
+class FlankNodes:
+    """How a flank curve through nodes follows from them.
+
+    Attributes
+    ----------
+    count : int
+    spacing_mm : float
+        Largest distance of neighbours.
+    deviation_mm : float
+        Estimated distance of the curve from the true profile; infinite where that cannot be told.
+    """
+
+    count: int
+    spacing_mm: float
+    deviation_mm: float
+
 
 @dataclass(frozen=True)
 class Body:
-    """A body of equal sectors: its curve, its sites and what its compliance is made from.
+    """A body of equal teeth: its curve, its sites and what its compliance is made from.
 
     The axis is the origin. The working flank of tooth 0 is `curve`; tooth k is tooth 0 turned by k
     pitches, counter-clockwise. From root to tip the radius grows, or falls where the teeth stand
@@ -76,7 +144,7 @@ class Body:
     teeth : int
     material : Material
     rigid : bool
-    mesh : SectorMesh or None
+    mesh : SectorMesh, WholeMesh or None
         None for a rigid body.
     mode_range_mm : (float, float)
         Arc lengths between which pressure modes live.
@@ -95,6 +163,12 @@ class Body:
         Radius at which the body is held: its bore, or the outside of a ring; for pictures.
     notes : tuple of str
         What a user must know of the body.
+    flank_turns_rad : tuple of float
+        Empty, or by how much each tooth's flank stands counter-clockwise of its equal share.
+    named_teeth : tuple of int
+        Empty where every tooth has its flank; else those that have one, ascending.
+    flank_nodes : FlankNodes or None
+        Where the curve goes through nodes.
     """
 
     kind: str
@@ -102,7 +176,7 @@ class Body:
     teeth: int
     material: Material
     rigid: bool
-    mesh: SectorMesh | None
+    mesh: SectorMesh | WholeMesh | None
     mode_range_mm: tuple[float, float]
     reference_radius_mm: float
     involute: Involute | None
@@ -111,6 +185,9 @@ class Body:
     outline: NDArray[np.float64]
     bore_radius_mm: float
     notes: tuple[str, ...] = ()
+    flank_turns_rad: tuple[float, ...] = ()
+    named_teeth: tuple[int, ...] = ()
+    flank_nodes: FlankNodes | None = None
 
     @property
     def outward(self) -> int:

@@ -131,10 +131,10 @@ def _warnings(
             "tip radius or chamfer cures it"
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        modes = compliances[z].unit_loads_normal
-        if body.mesh is not None and 2 * (modes - 1) > len(body.mesh.flank_edges):
+        modes = compliances[z].smooth.shape[1]
+        if body.mesh is not None and 2 * (modes - 1) > body.mesh.flank_elements:
             yield (
-                f"{modes} pressure modes on the {len(body.mesh.flank_edges)} flank elements of "
+                f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
                 f"body_{z + 1}: more than half as many degrees as elements make the result worse"
             )
         low = body.mode_range_mm[0]
