@@ -18,6 +18,8 @@ EDGES = {
 }
 #: Corners of linear elements and of those whose nodes are completed.
 CORNERS = {"triangle": 3, "quad": 4}
+#: Points lie on a circle to this part of its radius.
+ROUND = 1e-6
 #: Order of the nodes of an element that was numbered clockwise.
 REVERSED = {"triangle6": [0, 2, 1, 5, 4, 3], "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
@@ -105,6 +107,54 @@ def jacobians(
     (E, g) array
         mm² (reference element [0, 1]² or its triangle); negative where an element is inverted.
     """
+    along_x, along_y = _tangents(nodes, kind, data)
+    return along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
+
+
+def scaled_jacobians(
+    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Least sine of the angle between the element's own directions, scaled to its best shape.
+
+    Parameters
+    ----------
+    nodes : (N, 2) array
+    kind : {"triangle6", "quad9"}
+    data : (E, k) array
+        Counter-clockwise.
+
+    Returns
+    -------
+    (E,) array
+        1 for a rectangle and an equilateral triangle, 0 where the element collapses.
+    """
+    along_x, along_y = _tangents(nodes, kind, data)
+    area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
+    lengths = [np.linalg.norm(along, axis=-1) for along in (along_x, along_y)]
+    if kind == "triangle6":
+        # the angle at each corner counts: the third side lies between the other two
+        lengths.append(np.linalg.norm(along_x - along_y, axis=-1))
+        lengths = [np.sort(np.stack(lengths), axis=0)[k] for k in (1, 2)]
+        area = area * 2 / np.sqrt(3.0)
+    product = np.maximum(lengths[0] * lengths[1], np.finfo(float).tiny)
+    return np.asarray((area / product).min(axis=1))
+
+
+def aspect_ratios(
+    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Longest edge over shortest edge of elements, corner to corner: (E,)."""
+    corners = data[:, : 3 if kind.startswith("triangle") else 4]
+    steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
+    lengths = np.linalg.norm(steps, axis=2)
+    least = np.maximum(lengths.min(axis=1), np.finfo(float).tiny)
+    return np.asarray(lengths.max(axis=1) / least)
+
+
+def _tangents(
+    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Derivatives of the place by both reference coordinates at the places of `jacobians`."""
     if kind == "quad9":
         x, y = (axis.ravel() for axis in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]))
         lx, ly = (
@@ -123,9 +173,7 @@ def jacobians(
         by_x = np.stack([1 - 4 * z, 4 * x - 1, zero, 4 * (z - x), 4 * y, -4 * y], 1)
         by_y = np.stack([1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
     place = nodes[data]
-    along_x = np.einsum("gk,ekd->egd", by_x, place)
-    along_y = np.einsum("gk,ekd->egd", by_y, place)
-    return along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
+    return np.einsum("gk,ekd->egd", by_x, place), np.einsum("gk,ekd->egd", by_y, place)
 
 
 def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -153,3 +201,30 @@ def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
         if run:
             runs.append(np.array(run))
     return runs
+
+
+def circle_through(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:
+    """Circle on which points lie.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+
+    Returns
+    -------
+    centre (2,) and radius, or None
+        None where the points are fewer than 4, lie on no circle (to `ROUND` of its radius), or on
+        one that is larger than where they stand.
+    """
+    if len(points) < 4:
+        return None
+    scale = float(np.abs(points).max()) or 1.0
+    x, y = (points / scale).T
+    table = np.column_stack([x, y, np.ones_like(x)])
+    (a, b, c), *_ = np.linalg.lstsq(table, -(x**2 + y**2), rcond=None)
+    centre = np.array([-0.5 * a, -0.5 * b])
+    radius = float(np.sqrt(max(float(centre @ centre) - c, 0.0)))
+    away = np.hypot(x - centre[0], y - centre[1])
+    if not 0.0 < radius < 2.0 or np.abs(away - radius).max() > ROUND * radius:
+        return None
+    return centre * scale, radius * scale

@@ -12,8 +12,9 @@ import pytest
 
 import flankload as fl
 from flankload.assembly import build_bodies
+from flankload.bodies.body_file import write_body
 from flankload.errors import MeshError, SceneError
-from flankload.mesh_io import read_mesh, write_sector
+from flankload.mesh_io import read_mesh
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "examples" / "scenes"
@@ -73,7 +74,7 @@ def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result
 def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str) -> None:
     body = build_bodies(fl.read_scene(SCENES / "external_gear.toml")).body_1
     path = tmp_path / f"sector{suffix}"
-    write_sector(path, body.mesh)
+    write_body(path, body.mesh)
     back = read_mesh(path)
     np.testing.assert_array_equal(back.nodes, body.mesh.nodes)
     assert [kind for kind, _ in back.cells] == ["quad9"]
@@ -223,11 +224,11 @@ def test_solid_elements_are_refused(tmp_path: Path) -> None:
     error = refused(mesh_scene(path))
     assert error.key == "body_1.file"
     assert "plane elements" in error.expected
-    assert error.found == "tetra"
+    assert error.found == "1 tetra"
 
 
 def test_profile_that_does_not_fit_says_by_how_much() -> None:
-    profile = {"module_mm": 4.5, "profile_shift": 0.5, "tip_diameter_mm": 85.0}
+    profile = {"module_mm": 4.5, "profile_shift": 0.5, "tip_diameter_mm": 82.46}
     error = refused(mesh_scene(profile=profile))
     assert error.key == "body_1.profile"
     assert "mm beside it" in error.found

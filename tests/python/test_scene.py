@@ -531,10 +531,34 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "the unknown key 'bore_diameter_mm'",
         ),
         (
-            {"body_1": {**MESH, "flank_sets": ["A"]}},
-            "body_1.flank_sets",
-            "no such key, since this version does not simulate meshes of a whole body",
-            "['A']",
+            {"body_1": {**MESH, "flank_sets": ["A", "B"], "cut_sets": ["L", "R"]}},
+            "body_1.cut_sets",
+            "nothing beside body_1.flank_sets: those are of a whole body",
+            "['L', 'R']",
+        ),
+        (
+            {"body_1": {**MESH, "flank_sets": ["A", "B"], "flank_set": "C"}},
+            "body_1.flank_set",
+            "nothing beside body_1.flank_sets: those are of a whole body",
+            "'C'",
+        ),
+        (
+            {"body_1": {**MESH, "flank_sets": ["A", "B", "A"]}},
+            "body_1.flank_sets[2]",
+            "each set once",
+            "'A'",
+        ),
+        (
+            {"body_1": {**MESH, "teeth": 3, "flank_sets": ["A", "B", "C", "D"]}},
+            "body_1.teeth",
+            "at least 4, as many as in body_1.flank_sets",
+            "3",
+        ),
+        (
+            {"body_1": {k: v for k, v in MESH.items() if k != "teeth"}},
+            "body_1.teeth",
+            "an integer >= 3, since there is no body_1.flank_sets to count",
+            "nothing",
         ),
         (
             {"body_2": {**RING, "root_diameter_mm": 260}},

@@ -111,7 +111,9 @@ def _parser() -> argparse.ArgumentParser:
     mesh_parser.add_argument(
         "-o", dest="folder", metavar="DIR", type=Path, required=True, help="folder"
     )
-    mesh_parser.add_argument("--format", choices=("msh", "vtu"), default="msh", help="default: msh")
+    mesh_parser.add_argument(
+        "--format", choices=("msh", "vtu", "inp"), default="msh", help="default: msh"
+    )
     mesh_parser.set_defaults(command=mesh)
 
     check_parser = commands.add_parser(

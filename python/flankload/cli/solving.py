@@ -147,7 +147,8 @@ def mesh(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     from flankload.assembly import build_bodies
-    from flankload.mesh_io import write_sector
+    from flankload.bodies import WholeMesh
+    from flankload.bodies.body_file import write_body
 
     pair = build_bodies(scene)
     folder.mkdir(parents=True, exist_ok=True)
@@ -159,8 +160,11 @@ def mesh(arguments: Namespace) -> None:
             print(f"{name}: rigid, so it has no mesh")
             continue
         path = folder / f"{name}.{arguments.format}"
-        write_sector(path, body.mesh, turn_rad=turn)
-        print(f"{path}: {len(body.mesh.nodes)} nodes, one of {body.teeth} sectors")
+        write_body(path, body.mesh, turn_rad=turn)
+        part = f"one of {body.teeth} sectors"
+        if isinstance(body.mesh, WholeMesh):
+            part = f"the whole body with {len(body.mesh.flanks)} flanks"
+        print(f"{path}: {len(body.mesh.nodes)} nodes, {part}")
 
 
 def schema(_: Namespace) -> None:

@@ -16,6 +16,7 @@ from typing import Any
 
 from flankload.errors import SceneError
 from flankload.scene.form import json_schema, read_table, shown
+from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
     Accuracy,
     EffectsAsked,
@@ -206,10 +207,13 @@ def _refuse(key: str, expected: str, found: object) -> None:
 
 
 def _check_body(body: Gear | Ring | MeshBody, given: Mapping[str, Any], key: str) -> None:
-    if body.pitch_errors_um and len(body.pitch_errors_um) != body.teeth:
+    if isinstance(body, MeshBody):
+        check_sets(body, given, key)
+    teeth = body.number_of_teeth
+    if body.pitch_errors_um and len(body.pitch_errors_um) != teeth:
         _refuse(
             f"{key}.pitch_errors_um",
-            f"one entry per tooth: {body.teeth}, as in {key}.teeth",
+            f"one entry per tooth: {teeth}, as in {key}.teeth",
             f"{len(body.pitch_errors_um)} entries",
         )
     _check_pitch_errors(body, key)
@@ -233,8 +237,6 @@ def _check_body(body: Gear | Ring | MeshBody, given: Mapping[str, Any], key: str
         _check_geometry(body, given, key)
         _check_ring(body, key)
         return
-    if body.cut_sets[0] == body.cut_sets[1]:
-        _refuse(f"{key}.cut_sets", "two different names", list(body.cut_sets))
     if body.profile is None:
         if body.reference_radius_mm is None:
             _refuse(
@@ -244,10 +246,10 @@ def _check_body(body: Gear | Ring | MeshBody, given: Mapping[str, Any], key: str
             )
         return
     _check_geometry(body.profile, given["profile"], f"{key}.profile")
-    if body.profile.teeth not in (None, body.teeth):
+    if body.profile.teeth not in (None, teeth):
         _refuse(
             f"{key}.profile.teeth",
-            f"{body.teeth} as in {key}.teeth, or nothing",
+            f"{teeth} as in {key}.teeth, or nothing",
             body.profile.teeth,
         )
 
@@ -272,7 +274,7 @@ def _check_pitch_errors(body: Gear | Ring | MeshBody, key: str) -> None:
         base_pitch = pi * profile.module_mm * cos(radians(profile.pressure_angle_deg))
     else:
         assert isinstance(body, MeshBody)
-        base_pitch = 2 * pi * (body.reference_radius_mm or 0.0) / body.teeth
+        base_pitch = 2 * pi * (body.reference_radius_mm or 0.0) / body.number_of_teeth
     for i, error in enumerate(body.pitch_errors_um):
         if base_pitch and abs(error) > LARGEST_PITCH_ERROR * 1000 * base_pitch:
             _refuse(

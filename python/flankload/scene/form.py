@@ -42,7 +42,6 @@ NOT_YET = {
         "hand": "helical gears",
         "axial_offset_mm": "axially displaced bodies",
         "face_width_mm": "bodies of different face widths",
-        "flank_sets": "meshes of a whole body",
     },
 }
 

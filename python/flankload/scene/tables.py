@@ -101,6 +101,11 @@ class Gear(Geometry, frozen=True, kw_only=True, tag_field="kind", tag="gear"):
         """Kind of the body, as the scene file names it."""
         return "gear"
 
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
 
 class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"):
     """An internal spur gear, held at the outside of its rim."""
@@ -146,11 +151,25 @@ class Profile(Geometry, frozen=True, kw_only=True):
 
 
 class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
-    """One sector of a body as a mesh file."""
+    """A body as a mesh file: one sector with its cut faces, or the whole body with many flanks."""
 
     file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
-    teeth: Annotated[Teeth, about("-", "number of equal sectors of the body")]
+    teeth: Annotated[
+        Teeth | None,
+        about(
+            "-",
+            "number of equal sectors of the body; a whole body: absent = as many as flank_sets",
+        ),
+    ] = None
     flank_set: Annotated[Text, about("", "set of the working flank's edges or nodes")] = "FLANK"
+    flank_sets: Annotated[
+        Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
+        about(
+            "",
+            "a whole body: sets of its working flanks, that of pair 0 first; no flank_set and no "
+            "cut_sets then",
+        ),
+    ] = None
     fixed_set: Annotated[Text, about("", "set that is held (the bore)")] = "BORE"
     cut_sets: Annotated[tuple[Text, Text], about("", "sets of the sector's two cut faces")] = (
         "CUT_LEFT",
@@ -168,6 +187,9 @@ class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
         Profile | None,
         about("", "the exact profile, where it is known; else the curve goes through the nodes"),
     ] = None
+    one_material: Annotated[
+        bool, about("", "true: groups of elements in the file are one material all the same")
+    ] = False
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -177,6 +199,11 @@ class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
     def kind(self) -> str:
         """Kind of the body, as the scene file names it."""
         return "mesh"
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth as given, or as many as there are flanks."""
+        return self.teeth or len(self.flank_sets or ())
 
 
 class Pair(Table, frozen=True, kw_only=True):

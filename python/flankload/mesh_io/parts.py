@@ -1,0 +1,116 @@
+"""What a mesh file holds: as its reader found it, and as the rooms behind want it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.int64]
+
+#: Plane elements that can be read; linear ones are raised to quadratic by the body.
+PLANE_CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")
+#: Cells that carry names only.
+LOWER_CELLS = ("vertex", "line", "line3")
+
+
+class BadFile(Exception):  # noqa: N818 - becomes a MeshError where file and key are known
+    """What was expected at a place of a file, and what stands there."""
+
+    def __init__(self, expected: str, found: str) -> None:
+        super().__init__(expected, found)
+        self.expected = expected
+        self.found = found
+
+
+@dataclass
+class FileMesh:
+    """A mesh file as its reader found it; filled while it reads.
+
+    Attributes
+    ----------
+    points : (N, 2) or (N, 3) array
+    blocks : list of (kind, (E, k) array)
+        Every element, in meshio's names and node order.
+    sets : dict of str to list of arrays
+        Nodes of each named set, in any order, also repeated.
+    materials : dict of str to int
+        Plane elements of each material, or of each group that may stand for one.
+    elastic : (float, float) or None
+        Young's modulus and Poisson's ratio, where the file has them once.
+    notes : list of str
+    """
+
+    points: NDArray[np.float64]
+    blocks: list[tuple[str, Numbers]] = field(default_factory=list)
+    sets: dict[str, list[Numbers]] = field(default_factory=dict)
+    materials: dict[str, int] = field(default_factory=dict)
+    elastic: tuple[float, float] | None = None
+    notes: list[str] = field(default_factory=list)
+
+    def add_to_set(self, name: str, nodes: Numbers) -> None:
+        """Put nodes into a named set."""
+        self.sets.setdefault(name, []).append(np.asarray(nodes, dtype=np.int64).ravel())
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """A plane mesh as its file has it.
+
+    Attributes
+    ----------
+    file : Path
+    nodes : (N, 2) array
+        mm. Nodes that no element uses are dropped.
+    cells : ((kind, (E, k) array), ...)
+        Element blocks in meshio's names and node order.
+    sets : dict of str to array
+        Nodes of each named set, ascending.
+    materials : dict of str to int
+        Elements of each material, or of each group that may stand for one.
+    elastic : (float, float) or None
+        Young's modulus and Poisson's ratio, where the file has them once.
+    notes : tuple of str
+        What a user must know of how the file was read.
+    """
+
+    file: Path
+    nodes: NDArray[np.float64]
+    cells: tuple[tuple[str, Numbers], ...]
+    sets: Mapping[str, Numbers]
+    materials: Mapping[str, int] = field(default_factory=dict)
+    elastic: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()
+
+    def set_name(self, wanted: str) -> str | None:
+        """Name of a set as the file spells it: exactly, else without regard to case."""
+        if wanted in self.sets:
+            return wanted
+        alike = [name for name in self.sets if name.casefold() == wanted.casefold()]
+        return alike[0] if len(alike) == 1 else None
+
+
+def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
+    """Sizes of element groups that may stand for materials: those that share no element.
+
+    Parameters
+    ----------
+    groups : mapping of str to array
+        Elements of each group.
+    count : int
+        Number of elements.
+
+    Returns
+    -------
+    dict of str to int
+        Empty where a group holds all elements, or where groups overlap.
+    """
+    members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
+    whole = any(elements.size == count for elements in members.values())
+    every = np.concatenate(list(members.values())) if members else np.empty(0, dtype=np.int64)
+    if whole or np.unique(every).size < every.size:
+        return {}
+    return {name: int(elements.size) for name, elements in members.items()}
