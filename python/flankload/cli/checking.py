@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterable
@@ -70,32 +72,57 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         )
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
-    if body.mesh is not None:
-        cells = sum(len(data) for _, data in body.mesh.cells)
-        size = f"{len(body.mesh.nodes)} nodes, {cells} elements"
-        rows.append(("mesh of a sector", f"{size}, {len(body.mesh.flank_edges)} along the flank"))
-    else:
-        rows.append(("mesh of a sector", "none: rigid"))
+    if body.mesh is None:
+        return [*rows, ("mesh", "none: rigid")]
+    return [*rows, *_rows_of_mesh(body)]
+
+
+def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
+    from flankload.bodies import WholeMesh
+    from flankload.mesh_report import quality_rows
+
+    mesh = body.mesh
+    assert mesh is not None
+    low, high = (float(np.hypot(*body.curve.point([s])[0])) for s in body.mode_range_mm)
+    whole = isinstance(mesh, WholeMesh)
+    kinds = ", ".join(f"{len(data)} {kind}" for kind, data in mesh.cells)
+    rows = [
+        ("mesh of the whole body" if whole else "mesh of a sector",
+         f"{len(mesh.nodes)} nodes, {kinds}"),
+        *quality_rows(mesh.nodes, mesh.cells),
+        ("held", f"{mesh.fixed_nodes.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
+        ("flank", f"{mesh.flank_elements} elements, radii {low:.4f} to {high:.4f} mm"),
+    ]  # fmt: skip
+    if isinstance(mesh, WholeMesh):
+        rows.append(("flanks", f"{len(mesh.flanks)}"))
+    if body.flank_nodes is not None:
+        nodes = body.flank_nodes
+        rows.append(("flank nodes", f"{nodes.count}, up to {nodes.spacing_mm:.3g} mm apart"))
     return rows
 
 
 def _check_mesh(path: Path) -> None:
+    from flankload.errors import MeshError
+    from flankload.mesh_defects import find_defects
     from flankload.mesh_io import read_mesh
+    from flankload.mesh_report import hints, mesh_rows, set_rows
 
     mesh = read_mesh(path)
-    print(f"{path}: a plane mesh")
-    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
-    _print_rows(
-        "mesh",
-        [
-            ("nodes", f"{len(mesh.nodes)}"),
-            *((kind, f"{len(data)} elements") for kind, data in mesh.cells),
-            ("x", f"{low[0]:g} to {high[0]:g} mm"),
-            ("y", f"{low[1]:g} to {high[1]:g} mm"),
-        ],
-    )
-    rows = [(name, f"{len(nodes)} nodes") for name, nodes in sorted(mesh.sets.items())]
-    _print_rows("sets", rows or [("none", "a scene needs flank, fixed and cut sets")])
+    defects = list(find_defects(mesh))
+    print(f"{path}: a plane mesh" + (" with defects" if defects else ""))
+    _print_rows("mesh", mesh_rows(mesh))
+    _print_rows("sets", set_rows(mesh) or [("none", "a scene needs flank and fixed sets")])
+    remarks = [*mesh.notes, *hints(mesh)]
+    if remarks:
+        print()
+    for remark in remarks:
+        print(f"note: {remark}")
+    if not defects:
+        return
+    print("\nwrong")
+    for defect in defects:
+        print(f"  expected {defect.expected}, found {defect.found}")
+    raise MeshError(file=path, key="", expected=defects[0].expected, found=defects[0].found)
 
 
 def _print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
