@@ -10,6 +10,7 @@ import numpy as np
 from flankload.bodies import Body, build_body
 from flankload.effects import Effects, effects_of
 from flankload.errors import SceneError
+from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.resolution import Resolution, choose_resolution
 
@@ -97,9 +98,11 @@ def build_bodies(scene: Scene) -> BodyPair:
         if error.file is not None or scene.file is None:
             raise
         raise error.with_file(scene.file) from None
+    uneven = effects.pitch_errors or any((*body_1.flank_turns_rad, *body_2.flank_turns_rad))
     notes = (
         *(f"body_1: {note}" for note in body_1.notes),
         *(f"body_2: {note}" for note in body_2.notes),
+        *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
         *pairing.warnings,
     )
     return BodyPair(
@@ -109,7 +112,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         resolution=resolution,
         effects=effects,
         position_rad=position_rad,
-        closed=even and position_rad.size > 1 and not effects.pitch_errors,
+        closed=even and position_rad.size > 1 and not uneven,
         notes=notes,
     )
 

@@ -1,0 +1,101 @@
+"""Flank nodes against the width of the contact: how far a curve through nodes can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flankload.bodies import Body
+
+#: Where on the flank its curvature is taken, in parts of its length: off its ends.
+MIDDLE_PARTS = np.linspace(0.3, 0.7, 9)
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """Contact of two flanks at mid-height under one force.
+
+    Attributes
+    ----------
+    half_width_mm : float
+    flattening_mm : float
+        How far the unloaded flanks stand apart at the ends of the contact.
+    """
+
+    half_width_mm: float
+    flattening_mm: float
+
+
+def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzContact | None:
+    """Hertz' contact of both flanks where they are neither root nor tip.
+
+    Parameters
+    ----------
+    body_1, body_2 : Body
+    force_N_per_mm : float
+        Force over face width.
+
+    Returns
+    -------
+    HertzContact or None
+        None without force, or where the flanks do not curve away from each other.
+    """
+    curvature = sum(_middle_curvature(body) for body in (body_1, body_2))
+    yielding = sum(
+        (1 - body.material.poisson_ratio**2) / body.material.young_modulus_MPa
+        for body in (body_1, body_2)
+        if not body.rigid
+    )
+    if curvature <= 0.0 or force_N_per_mm <= 0.0 or yielding == 0.0:
+        return None
+    half_width = sqrt(4 * force_N_per_mm * yielding / (pi * curvature))
+    return HertzContact(half_width, 0.5 * half_width**2 * curvature)
+
+
+def spacing_notes(
+    bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
+) -> Iterator[str]:
+    """Say of each curve through nodes how their spacing stands to the contact.
+
+    Parameters
+    ----------
+    bodies : two Body
+    torques_Nm : tuple of float
+        On body 1; the smallest that loads makes the narrowest contact.
+    face_width_mm : float
+
+    Yields
+    ------
+    str
+    """
+    loads = [torque for torque in torques_Nm if torque > 0]
+    if not loads or not any(body.flank_nodes for body in bodies):
+        return
+    force = 1000 * min(loads) / bodies[0].reference_radius_mm / face_width_mm
+    contact = hertz_contact(*bodies, force)
+    if contact is None:
+        return
+    where = f"with {min(loads):g} N m on one flank"
+    for name, body in zip(("body_1", "body_2"), bodies, strict=True):
+        nodes = body.flank_nodes
+        if nodes is None:
+            continue
+        note = (
+            f"{name}: flank nodes up to {nodes.spacing_mm:.3g} mm apart, "
+            f"{nodes.spacing_mm / contact.half_width_mm:.2g} Hertz half-widths "
+            f"({contact.half_width_mm:.3g} mm {where})"
+        )
+        if np.isfinite(nodes.deviation_mm):
+            part = nodes.deviation_mm / contact.flattening_mm
+            note += f"; the curve deviates by about {100 * part:.2g} % of the flattening there"
+        yield note
+
+
+def _middle_curvature(body: Body) -> float:
+    low, high = body.mode_range_mm
+    return float(np.median(body.curve.curvature(low + (high - low) * MIDDLE_PARTS)))
