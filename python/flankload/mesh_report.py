@@ -186,7 +186,11 @@ def _sectors(raw: RawMesh) -> dict[tuple[str, str], int]:
     """Pairs of sets that are one another turned about the origin, and how many make a turn."""
     found: dict[tuple[str, str], int] = {}
     lines = {}
+    known = set()
     for name, members in sorted(raw.sets.items()):
+        if members.tobytes() in known:
+            continue
+        known.add(members.tobytes())
         radii = np.hypot(*raw.nodes[members].T)
         order = np.argsort(radii)
         radii, places = radii[order], raw.nodes[members[order]]
