@@ -1,4 +1,4 @@
-"""Meshes for tests: the FZG pair's sectors turned into whole bodies, and a mesher of another kind."""
+"""Meshes for tests: whole bodies from the FZG pair's sectors, and a mesher of another kind."""
 
 from __future__ import annotations
 

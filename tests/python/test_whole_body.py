@@ -1,4 +1,4 @@
-"""Bodies meshed as a whole: the numbers of their sector, in every format, and where flanks stand."""
+"""Bodies meshed as a whole: the numbers of their sector in every format; where flanks stand."""
 
 from __future__ import annotations
 
