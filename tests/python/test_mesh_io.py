@@ -212,7 +212,7 @@ def test_second_material_and_constants_are_seen(tmp_path: Path) -> None:
         ("*HEADING", "1, 2, 3\n*HEADING",
          "a readable mesh file", "'1, 2, 3' before any *KEYWORD"),
         ("6, 2.0, 1.0", "6, 2.0, 1.0, 0.5", "all nodes in one plane z = const", "z from 0 to 0.5"),
-        ("6, 2.0, 1.0", "6, 2.0, nan", "finite coordinates", "nan"),
+        ("6, 2.0, 1.0", "6, 2.0, nan", "coordinates up to 1e+09 mm", "nan"),
     ],
 )  # fmt: skip
 def test_what_would_be_read_wrong_is_refused_by_its_line(

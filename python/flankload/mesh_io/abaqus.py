@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.mesh_io.abaqus_lines import Keyword, keywords
+from flankload.mesh_io.abaqus_lines import Keyword, Row, keywords
 from flankload.mesh_io.parts import PLANE_CELLS, BadFile, FileMesh
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ PLANE_OF = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
 LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
 #: Corners of the edges S1, S2, … of plane elements; the middle node of edge k is node corners + k.
 EDGE_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4}
+#: Generated sets that are longer are taken for garbage.
+LONGEST_RANGE = 10**7
 #: Keywords that would add nodes or elements.
 REFUSED = {
     "INCLUDE": "a whole mesh in one file",
@@ -119,7 +121,7 @@ class _Reader:
         numbers = []
         for row in keyword.data:
             values = keyword.numbers(row)
-            number = int(values[0])
+            (number,) = keyword.integers(Row(row.line, row.words[:1]))
             x, y, z = (*values[1:4], 0.0, 0.0, 0.0)[:3]
             if self.nodes.setdefault(number, (x, y, z)) != (x, y, z):
                 raise row.refused(f"node {number} once", "twice, at different places")
@@ -132,7 +134,7 @@ class _Reader:
         kind, size = self._kind(written)
         numbers = []
         for row in keyword.whole_rows(1 + size):
-            values = [int(value) for value in keyword.numbers(row)]
+            values = keyword.integers(row)
             if len(values) != 1 + size:
                 raise row.refused(f"{size} nodes of an element {written}", f"{len(values) - 1}")
             element = (kind, tuple(values[1:]))
@@ -169,9 +171,11 @@ class _Reader:
         members = sets.setdefault(self._name(keyword, option) or "", [])
         for row in keyword.data:
             if "GENERATE" in keyword.options:
-                values = [int(value) for value in keyword.numbers(row)]
+                values = keyword.integers(row)
                 if len(values) not in (2, 3) or (len(values) == 3 and values[2] <= 0):
                     raise row.refused("first, last and step", row.text)
+                if values[1] - values[0] > LONGEST_RANGE:
+                    raise row.refused("numbers that the file has", row.text)
                 members.extend(range(values[0], values[1] + 1, values[2] if values[2:] else 1))
                 continue
             for word in filter(None, row.words):

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 
 from flankload.mesh_io.parts import BadFile
 
+#: Numbers of nodes and elements beyond it are taken for garbage.
+LARGEST_NUMBER = 10**9
+
 
 @dataclass
 class Row:
@@ -69,6 +72,13 @@ class Keyword:
             return [float(word.upper().replace("D", "E") or 0) for word in row.words]
         except ValueError:
             raise row.refused(f"numbers after *{self.name}", row.text) from None
+
+    def integers(self, row: Row) -> list[int]:
+        """Words of a row as whole numbers."""
+        values = self.numbers(row)
+        if any(not value.is_integer() or abs(value) > LARGEST_NUMBER for value in values):
+            raise row.refused(f"whole numbers after *{self.name}", row.text)
+        return [int(value) for value in values]
 
     def whole_rows(self, size: int) -> Iterator[Row]:
         """Rows of `size` words each: short ones are continued by those that follow."""

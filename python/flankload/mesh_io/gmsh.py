@@ -6,6 +6,7 @@ is called by its dimension and number ("line 2").
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +38,8 @@ ELEMENTS = {
 }
 DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
-#: Node numbers beyond it are taken for garbage.
-LARGEST_NUMBER = 10**8
+#: A line of $PhysicalNames.
+NAME = re.compile(r'([0-3])\s+(\d{1,9})\s+"(.*)"')
 
 INT, SIZE, REAL = "i4", "u8", "f8"
 
@@ -154,7 +155,8 @@ class _Reader:
         self._stream = stream
         self._names: dict[tuple[int, int], str] = {}
         self._groups_of: dict[tuple[int, int], list[int]] = {}
-        self._place_of = np.empty(0, dtype=np.int64)
+        #: numbers of the nodes, ascending, and their places
+        self._tags = self._order = np.empty(0, dtype=np.int64)
         self._points = np.empty((0, 3))
         #: (kind, nodes (E, k), groups as (dimension, number)) of elements, in the file's numbers
         self._found: list[tuple[str, Numbers, list[tuple[int, int]]]] = []
@@ -201,8 +203,10 @@ class _Reader:
 
     def _read_names(self, lines: list[str]) -> None:
         for line in lines[1:]:
-            dimension, number, name = line.split(maxsplit=2)
-            self._names[int(dimension), int(number)] = name.strip().strip('"')
+            parts = NAME.fullmatch(line.strip())
+            if parts is None:
+                raise BadFile('dimension, number and "name" in $PhysicalNames', f"{line[:40]!r}")
+            self._names[int(parts[1]), int(parts[2])] = parts[3]
 
     def _group_name(self, group: tuple[int, int]) -> str:
         dimension, number = group
@@ -230,7 +234,8 @@ class _Reader:
             tags.append(take.take(SIZE, count).astype(np.int64))
             width = 3 + (dimension if parametric else 0)
             points.append(take.take(REAL, width * count).reshape(count, width)[:, :3])
-        self._keep_nodes(np.concatenate(tags), np.vstack(points))
+        if tags:
+            self._keep_nodes(np.concatenate(tags), np.vstack(points))
 
     def _read_elements(self) -> None:
         take = self._stream
@@ -250,6 +255,8 @@ class _Reader:
         if take.text:
             count = take.one(INT)
             table = take.take(REAL, 4 * count).reshape(count, 4)
+            if not (np.abs(table[:, 0]) < 2**53).all():
+                raise BadFile("node numbers", "a number that is none")
             self._keep_nodes(table[:, 0].astype(np.int64), table[:, 1:])
             return
         count = take.count_line()
@@ -281,20 +288,16 @@ class _Reader:
 
     # --- what both have in common -----------------------------------------------------------------
     def _keep_nodes(self, tags: Numbers, points: Any) -> None:
-        if not len(tags):
-            return
-        if tags.min() < 0 or tags.max() > LARGEST_NUMBER:
-            raise BadFile("node numbers from 1", f"{tags.min()} to {tags.max()}")
-        self._place_of = np.full(int(tags.max()) + 1, -1)
-        self._place_of[np.asarray(tags, dtype=np.int64)] = np.arange(len(tags))
+        order = np.argsort(tags, kind="stable")
+        self._tags, self._order = np.asarray(tags, dtype=np.int64)[order], order
         self._points = np.array(points, dtype=float)
 
     def _places(self, tags: Numbers) -> Numbers:
-        known = (tags >= 0) & (tags < self._place_of.size)
-        places = np.where(known, self._place_of[np.where(known, tags, 0)], -1)
-        if (places < 0).any():
-            raise BadFile("elements on nodes that the file has", f"node {tags[places < 0][0]}")
-        return np.asarray(places, dtype=np.int64)
+        at = np.searchsorted(self._tags, tags)
+        at[at == self._tags.size] = 0
+        if (strange := self._tags[at] != tags).any():
+            raise BadFile("elements on nodes that the file has", f"node {tags[strange][0]}")
+        return np.asarray(self._order[at], dtype=np.int64)
 
     def _file_mesh(self) -> FileMesh:
         mesh = FileMesh(self._points)

@@ -15,6 +15,9 @@ from flankload.mesh_io.parts import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh,
 #: Nodes may stand this far out of the plane, relative to the size of the mesh.
 PLANE_TOLERANCE = 1e-9
 
+#: Coordinates beyond it are garbage.
+LARGEST_MM = 1e9
+
 READERS = {".msh": read_gmsh, ".inp": read_abaqus}
 
 
@@ -52,6 +55,10 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     try:
         found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)
         _check(found_mesh)
+    except (ValueError, LookupError, OverflowError) as error:
+        # a damaged file: numbers that do not fit together
+        reason = f"numbers that do not fit together ({' '.join(str(error).split())[:80]})"
+        raise MeshError(file=path, key=key, expected="a readable mesh file", found=reason) from None
     except BadFile as error:
         raise MeshError(file=path, key=key, expected=error.expected, found=error.found) from None
     except OSError as error:
@@ -73,8 +80,9 @@ def _check(mesh: FileMesh) -> None:
             "plane elements (" + ", ".join(PLANE_CELLS) + ")",
             found or ", ".join(sorted(kinds)) or "no elements",
         )
-    if not np.isfinite(mesh.points).all():
-        raise BadFile("finite coordinates", f"{mesh.points[~np.isfinite(mesh.points)][0]}")
+    strange_places = ~(np.abs(mesh.points) <= LARGEST_MM)
+    if strange_places.any():
+        raise BadFile(f"coordinates up to {LARGEST_MM:g} mm", f"{mesh.points[strange_places][0]:g}")
     used = np.unique(np.concatenate([d.ravel() for kind, d in mesh.blocks if kind in PLANE_CELLS]))
     points = mesh.points[used]
     size = float(np.ptp(points, axis=0).max())
