@@ -15,8 +15,8 @@ from flankload.errors import MeshError
 from flankload.plane_mesh import (
     CORNERS,
     EDGES,
-    REVERSED,
     boundary_edges,
+    counter_clockwise,
     jacobians,
     raise_to_quadratic,
 )
@@ -99,7 +99,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
     for defect in find_defects(raw, one_material=one_material):
         raise MeshError(file=raw.file, key=key, expected=defect.expected, found=defect.found)
     nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
-    cells, turned = _counter_clockwise(nodes, cells)
+    cells, turned = counter_clockwise(nodes, cells)
     linear = any(kind in CORNERS for kind, _ in raw.cells)
     notes = list(raw.notes)
     if linear:
@@ -134,7 +134,7 @@ def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect
     inverted = _inverted(nodes, cells)
     checks.append(inverted)
     if inverted is None:
-        cells, _ = _counter_clockwise(nodes, cells)
+        cells, _ = counter_clockwise(nodes, cells)
         checks += [_folded(nodes, cells), _loose_parts(cells)]
     if not one_material:
         checks.append(_materials(raw))
@@ -237,19 +237,6 @@ def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
     return Defect(
         "elements with a positive Jacobian", f"{count} inverted of {total}, the first {where}"
     )
-
-
-def _counter_clockwise(nodes: Floats, cells: Cells) -> tuple[Cells, int]:
-    """Elements numbered counter-clockwise, and how many were not."""
-    done = []
-    turned = 0
-    for kind, data in cells:
-        clockwise = (jacobians(nodes, kind, data) < 0).all(axis=1)
-        data = data.copy()
-        data[clockwise] = data[clockwise][:, REVERSED[kind]]
-        turned += int(clockwise.sum())
-        done.append((kind, data))
-    return tuple(done), turned
 
 
 def _folded(nodes: Floats, cells: Cells) -> Defect | None:

@@ -111,6 +111,32 @@ def jacobians(
     return along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
 
 
+def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, int]:
+    """Number elements counter-clockwise.
+
+    Parameters
+    ----------
+    nodes : (N, 2) array
+    cells : ((kind, (E, k) array), ...)
+        Quadratic elements.
+
+    Returns
+    -------
+    cells : ((kind, (E, k) array), ...)
+    turned : int
+        How many were numbered clockwise.
+    """
+    done = []
+    turned = 0
+    for kind, data in cells:
+        clockwise = (jacobians(nodes, kind, data) < 0).all(axis=1)
+        data = data.copy()
+        data[clockwise] = data[clockwise][:, REVERSED[kind]]
+        turned += int(clockwise.sum())
+        done.append((kind, data))
+    return tuple(done), turned
+
+
 def scaled_jacobians(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> NDArray[np.float64]:

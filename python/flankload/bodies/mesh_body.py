@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
-from flankload.bodies.mesh_flank import faces_clockwise, fit_flank, flank_edges
+from flankload.bodies.mesh_curve import fit_flank
+from flankload.bodies.mesh_flank import faces_clockwise, flank_edges
 from flankload.bodies.mesh_sector import sector_of
 from flankload.bodies.mesh_source import MeshSource, check_axis, read_source
 from flankload.bodies.mesh_whole import whole_of

@@ -13,7 +13,7 @@ from flankload.plane_mesh import boundary_edges, chain
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.mesh_flank import FlankFit
+    from flankload.bodies.mesh_curve import FlankFit
     from flankload.bodies.mesh_source import MeshSource
     from flankload.plane_mesh import Cells
     from flankload.scene import MeshBody
@@ -69,11 +69,11 @@ def sector_of(
                 "nodes that belong to both",
             )
     arc_length = np.full(len(nodes), np.nan)
-    arc_length[in_order(flank)] = fit.s
+    arc_length[in_order(fit.edges)] = fit.s
     mesh = SectorMesh(
         nodes=nodes,
         cells=cells,
-        flank_edges=flank,
+        flank_edges=fit.edges,
         flank_arc_length=arc_length,
         fixed_nodes=fixed,
         left_nodes=left,

@@ -11,18 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import MeshedFlank, WholeMesh
-from flankload.bodies.mesh_flank import (
-    faces_clockwise,
-    fitted_turn,
-    in_order,
-    middles_are_straight,
-)
+from flankload.bodies.mesh_curve import carrying_edges, fitted_turn
+from flankload.bodies.mesh_flank import faces_clockwise, in_order, middles_are_straight
 from flankload.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.mesh_flank import FlankFit
+    from flankload.bodies.mesh_curve import FlankFit
     from flankload.bodies.mesh_source import MeshSource
     from flankload.plane_mesh import Cells
     from flankload.scene import MeshBody
@@ -30,8 +26,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Flanks are of one shape to this part of the body's radius, and five times what the curve through
-#: the nodes deviates.
+#: Flanks are of one shape to this part of the body's radius, and five times what the curve
+#: through the nodes, or the profile from them, deviates.
 SHAPE_TOLERANCE = 2e-5
 #: They end at the same places to this part of their length.
 END_TOLERANCE = 1e-4
@@ -81,11 +77,13 @@ def whole_of(
     teeth = spec.number_of_teeth
     names = spec.flank_sets or ()
     pitch = 2 * np.pi / teeth
-    radius = float(np.hypot(*nodes.T).max())
     turns = np.zeros(teeth)
     meshed: dict[int, MeshedFlank] = {}
-    for k, (name, edges) in enumerate(zip(names, flanks, strict=True)):
-        turn, s = _stand(source, nodes, edges, fit, k, name, radius)
+    first = nodes[in_order(flanks[0])]
+    for k, (name, flank) in enumerate(zip(names, flanks, strict=True)):
+        turn, edges, s = 0.0, fit.edges, fit.s
+        if k > 0:
+            turn, edges, s = _stand(source, nodes, flank, first, fit, k, name)
         tooth = round(turn / pitch) % teeth
         beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
         if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
@@ -124,25 +122,26 @@ def _stand(
     source: MeshSource,
     nodes: Floats,
     edges: Numbers,
+    first: Floats,
     fit: FlankFit,
     k: int,
     name: str,
-    radius: float,
-) -> tuple[float, Floats]:
-    """Turn of a flank from that of tooth 0, and the arc lengths of its nodes."""
-    if k == 0:
-        return 0.0, fit.s
+) -> tuple[float, Numbers, Floats]:
+    """Turn of a flank from that of tooth 0, its edges that carry, the arc lengths of their nodes.
+
+    `first` holds the nodes of tooth 0's flank.
+    """
     key = f"flank_sets[{k}]"
-    ends = fit.curve.point(np.array([fit.s[0], fit.s[-1]]))
-    if faces_clockwise(nodes, edges, inwards=bool(np.hypot(*ends[0]) > np.hypot(*ends[1]))):
+    inwards = bool(np.hypot(*first[0]) > np.hypot(*first[-1]))
+    if faces_clockwise(nodes, edges, inwards=inwards):
         source.refuse(key, "flanks that all face the same way", f"{name!r} facing the other way")
     points = nodes[in_order(edges)]
-    there, here = points[0] + points[-1], ends[0] + ends[1]
+    there, here = points[[0, -1]].sum(axis=0), first[[0, -1]].sum(axis=0)
     start = float(np.arctan2(there[1], there[0]) - np.arctan2(here[1], here[0]))
     straight = middles_are_straight(nodes, edges)
     turn, _, worst = fitted_turn(fit.curve, points[::2] if straight else points, start)
-    s, _ = fit.curve.rotated(turn).arc_length_of(points)
-    deviation = fit.nodes.deviation_mm if fit.nodes is not None else 0.0
+    deviation = fit.nodes.deviation_mm if fit.nodes is not None else fit.misfit_mm
+    radius = float(np.hypot(*nodes.T).max())
     allowed = SHAPE_TOLERANCE * radius + 5 * (deviation if np.isfinite(deviation) else 0.0)
     if worst > allowed:
         source.refuse(
@@ -150,6 +149,8 @@ def _stand(
             f"flanks of one shape (to {allowed:.2g} mm)",
             f"{name!r}, up to {worst:.3g} mm beside the first one turned onto it",
         )
+    span = (float(fit.s[0]), float(fit.s[-1]))
+    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, nodes, edges)
     beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
     if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
         source.refuse(
@@ -157,7 +158,7 @@ def _stand(
             "flanks that end at the same places",
             f"{name!r}, which ends {beside:.3g} mm beside the first one",
         )
-    return turn % (2 * np.pi), s
+    return turn % (2 * np.pi), edges, s
 
 
 def _outline(nodes: Floats, cells: Cells, flank: Numbers, pitch: float) -> Floats:
