@@ -9,6 +9,7 @@ import meshio
 import numpy as np
 import pytest
 from mesh_files import PINION, WHEEL
+from tolerances import SOLVER
 
 from flankload.cli import main
 
@@ -77,6 +78,10 @@ def add(mesh: meshio.Mesh, kind: str, data: np.ndarray, tag: int = 1) -> None:
     mesh.cells.append(meshio.CellBlock(kind, data))
     for marks in mesh.cell_data.values():
         marks.append(np.full(len(data), tag))
+
+
+def unchanged(mesh: meshio.Mesh) -> None:
+    """As it is."""
 
 
 # --- the defects ----------------------------------------------------------------------------------
@@ -251,9 +256,6 @@ def test_elements_numbered_clockwise_are_turned_round(
         data = quadrilaterals(mesh)
         data[part] = data[part][:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
 
-    def unchanged(mesh: meshio.Mesh) -> None:
-        """As it is."""
-
     expected = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
     path = pinion(clockwise, tmp_path)
     found = fl.solve(fl.read_scene(scene_with(path)))
@@ -272,9 +274,6 @@ def test_flank_edges_in_any_order_and_direction_are_one_line(
         flank = np.flatnonzero(mesh.cell_data["gmsh:physical"][1] == mesh.field_data["FLANK"][0])
         lines[flank] = lines[np.random.default_rng(1).permutation(flank)]
         lines[::2] = lines[::2][:, [1, 0, 2]]
-
-    def unchanged(mesh: meshio.Mesh) -> None:
-        """As it is."""
 
     expected = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
     found = fl.solve(fl.read_scene(scene_with(pinion(shuffled, tmp_path))))
@@ -390,9 +389,6 @@ def test_straight_sided_quadratic_elements_take_their_corners(tmp_path: Path) ->
                 first, last, middle = block.data.T
                 mesh.points[middle] = 0.5 * (mesh.points[first] + mesh.points[last])
 
-    def unchanged(mesh: meshio.Mesh) -> None:
-        """As it is."""
-
     exact = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
     found = fl.solve(fl.read_scene(scene_with(pinion(straighten, tmp_path))))
     assert any("its corner nodes alone" in note for note in found.warnings)
@@ -405,9 +401,6 @@ def test_straight_sided_quadratic_elements_take_their_corners(tmp_path: Path) ->
 def test_case_of_a_set_does_not_matter_where_one_fits(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def unchanged(mesh: meshio.Mesh) -> None:
-        """As it is."""
-
     path = pinion(unchanged, tmp_path)
     assert run(capsys, "check", scene_with(path, 'flank_set = "Flank"'))[0] == 0
 
@@ -438,9 +431,6 @@ def test_material_in_the_file_that_differs_is_noted(
     import flankload as fl
     from flankload.assembly import build_bodies
 
-    def unchanged(mesh: meshio.Mesh) -> None:
-        """As it is."""
-
     body = build_bodies(fl.read_scene(scene_with(pinion(unchanged, tmp_path)))).body_1
     path = tmp_path / "soft.inp"
     write_body(path, body.mesh)
@@ -450,3 +440,30 @@ def test_material_in_the_file_that_differs_is_noted(
     assert code == 0
     assert "the file's own material (E = 70000, nu = 0.33) is not used" in out
     assert "E = 70000, nu = 0.33; not used" in run(capsys, "check", path)[1]
+
+
+def test_flank_set_that_takes_in_the_fillet_is_cut_to_the_profile(tmp_path: Path) -> None:
+    """With the profile given, modes live between fillet and tip, whatever the set holds beyond."""
+    import flankload as fl
+    from flankload.assembly import build_bodies
+    from flankload.mesh_io import read_mesh
+    from flankload.plane_mesh import boundary_edges
+
+    profile = "[body_1.profile]\nmodule_mm = 4.5\nprofile_shift = 0.182\ntip_diameter_mm = 82.46\n"
+
+    plain = pinion(unchanged, tmp_path)
+
+    def with_fillet(mesh: meshio.Mesh) -> None:
+        raw = read_mesh(PINION)
+        edges = boundary_edges(raw.cells)
+        curve = build_bodies(fl.read_scene(scene_with(plain, profile))).body_1.curve
+        _, away = curve.arc_length_of(raw.nodes[edges.ravel()])
+        on_profile = edges[(away.reshape(edges.shape) < 1e-6).all(axis=1)]
+        assert len(on_profile) > 11
+        # the example's file has no nodes that no element uses: its numbers are the mesh's
+        assert len(raw.nodes) == len(mesh.points)
+        add(mesh, "line3", on_profile, tag=int(mesh.field_data["FLANK"][0]))
+
+    expected = fl.solve(fl.read_scene(scene_with(plain, profile)))
+    found = fl.solve(fl.read_scene(scene_with(pinion(with_fillet, tmp_path), profile)))
+    np.testing.assert_allclose(found.rotation_rad, expected.rotation_rad, rtol=SOLVER, atol=0)

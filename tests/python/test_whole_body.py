@@ -24,6 +24,7 @@ import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.bodies import WholeMesh
 from flankload.bodies.body_file import write_body
+from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.mesh_io import read_mesh, write_mesh
 from flankload.plane_mesh import boundary_edges
@@ -227,6 +228,43 @@ def test_other_mesher_is_within_what_its_deviation_says(tmp_path: Path) -> None:
     smooth = ~(found.corner_contact.any(axis=1) | exact.corner_contact.any(axis=1))
     apart = np.abs(found.rotation_rad - exact.rotation_rad)[smooth].max() * RADIUS["body_1"]
     assert apart < 2 * sum(deviations)
+
+
+@pytest.mark.parametrize("suffix", ["msh", "vtu", "inp"])
+def test_command_mesh_writes_a_whole_body_that_reads_as_itself(
+    suffix: str, folder: Path, tmp_path: Path, by_nodes: fl.Result,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    scene = tmp_path / "pair.toml"
+    names = ", ".join(f'"FLANK_{k}"' for k in range(16))
+    scene.write_text(
+        f"""[body_1]
+kind = "mesh"
+file = "{folder / "pinion_whole.msh"}"
+flank_sets = [{names}]
+reference_radius_mm = {RADIUS["body_1"]}
+[body_2]
+kind = "mesh"
+file = "{WHEEL}"
+teeth = 24
+reference_radius_mm = {RADIUS["body_2"]}
+[pair]
+center_distance_mm = 91.5
+face_width_mm = 14
+[load]
+torque_Nm = 302
+""",
+        encoding="utf-8",
+    )
+    assert main(["mesh", str(scene), "-o", str(tmp_path / "out"), "--format", suffix]) == 0
+    assert "nodes, the whole body with 16 flanks\n" in capsys.readouterr().out
+    found = fl.solve(
+        scene_of(
+            whole("body_1", tmp_path / "out" / f"body_1.{suffix}"),
+            sector("body_2", tmp_path / "out" / f"body_2.{suffix}"),
+        )
+    )
+    assert_same(found, by_nodes)
 
 
 # --- what is refused ------------------------------------------------------------------------------
