@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
-from flankload.elasticity import degrees_of, factored, stiffness
+from flankload.elasticity import condensed, degrees_of, stiffness
 from flankload.near_field import (
     logarithm_strength,
     mode_loads,
@@ -122,11 +122,14 @@ class CondensedSector:
         Forces that the loads send to the cuts; first the left cut, then the right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
+    factorisations : int
+        How many it took.
     """
 
     local: NDArray[np.float64]
     carried: NDArray[np.float64]
     stiffness: NDArray[np.float64]
+    factorisations: int = 1
 
 
 def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
@@ -158,6 +161,7 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
     mesh = body.mesh
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
+    factorisations = 1
     if isinstance(mesh, WholeMesh):
         lap("assembly")
         flanks = tuple(flank.tooth for flank in mesh.flanks)
@@ -168,6 +172,7 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
         loads = mode_loads(mesh, body.mode_range_mm, n_modes)
         lap("assembly")
         sector, free = condense(matrix, loads, mesh, lap)
+        factorisations = sector.factorisations
         response = close_ring(sector, mesh.teeth)
         own = np.zeros(1, dtype=np.int64)
         across = -np.arange(mesh.teeth) % mesh.teeth
@@ -188,7 +193,7 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
         flanks=flanks,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
-        fe_factorisations=1,
+        fe_factorisations=factorisations,
         unit_loads_normal=n_modes * max(1, len(flanks)),
         bytes=response.nbytes + matrix.data.nbytes + matrix.indices.nbytes,
         seconds=seconds,
@@ -201,7 +206,7 @@ def condense(
     mesh: SectorMesh,
     lap: Callable[[str], None] | None = None,
 ) -> tuple[CondensedSector, int]:
-    """Condense a sector to its loads and cuts with one sparse factorisation.
+    """Condense a sector to its loads and cuts.
 
     Parameters
     ----------
@@ -226,19 +231,16 @@ def condense(
     inner[cut] = False
     inner[held] = False
     inside = np.flatnonzero(inner)
-    rows = matrix[inside]
-    solve = factored(rows[:, inside].tocsc())
+    solve, complement, factorisations = condensed(matrix, inside, cut)
     tell("factorisation")
-    coupling = rows[:, cut].toarray()
-    solved = solve(np.hstack([loads[inside], coupling]))
-    p = loads.shape[1]
-    at_cut = matrix[cut][:, cut].toarray()
-    tell("solution")
+    solved = solve(loads[inside])
     sector = CondensedSector(
-        local=loads[inside].T @ solved[:, :p],
-        carried=loads[cut] - coupling.T @ solved[:, :p],
-        stiffness=at_cut - coupling.T @ solved[:, p:],
+        local=loads[inside].T @ solved,
+        carried=loads[cut] - matrix[cut][:, inside] @ solved,
+        stiffness=complement,
+        factorisations=factorisations,
     )
+    tell("solution")
     return sector, inside.size + cut.size // 2
 
 

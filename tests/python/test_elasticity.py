@@ -8,7 +8,8 @@ from plane_sectors import STEEL, ring_sector
 from scipy.sparse.linalg import spsolve
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload.elasticity import degrees_of, stiffness
+from flankload import elasticity
+from flankload.elasticity import condensed, degrees_of, stiffness
 from flankload.plane_mesh import boundary_edges
 
 SECTOR, _ = ring_sector(7)
@@ -124,3 +125,25 @@ def test_pressurised_thick_ring_agrees_with_lame() -> None:
     factor = (1 + ratio) / modulus * inner**2 / (outer**2 - inner**2)
     lame = factor * ((1 - 2 * ratio) * radius + outer**2 / radius)
     np.testing.assert_allclose(radial, lame, rtol=2e-4)
+
+
+@pytest.mark.parametrize("many", [0, 10**6], ids=["by factors", "by solutions"])
+def test_condensed_is_the_dense_schur_complement(
+    many: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(elasticity, "MANY_KEPT", many)
+    mesh = SECTOR
+    matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    kept = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
+    held = degrees_of(mesh.fixed_nodes)
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([kept, held]))
+    solve, complement, factorisations = condensed(matrix, inner, kept)
+    assert factorisations == (2 if many == 0 else 1)
+    dense = matrix.toarray()
+    own, across = dense[np.ix_(inner, inner)], dense[np.ix_(inner, kept)]
+    wanted = dense[np.ix_(kept, kept)] - across.T @ np.linalg.solve(own, across)
+    np.testing.assert_allclose(
+        complement, wanted, rtol=0, atol=100 * ROUND_OFF * np.abs(wanted).max()
+    )
+    right = np.random.default_rng(5).normal(size=(inner.size, 3))
+    np.testing.assert_allclose(own @ solve(right), right, rtol=0, atol=SOLVER)
