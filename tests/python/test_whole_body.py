@@ -151,6 +151,29 @@ def test_few_flanks_of_a_whole_body_suffice_where_they_carry(
     found = fl.solve(scene_of(body, sector("body_2", WHEEL)))
     assert_same(found, by_nodes)
     assert any("5 of 16 teeth have a flank" in warning for warning in found.warnings)
+    assert not any("name their flanks" in warning for warning in found.warnings)
+
+
+def test_flank_that_carries_alone_because_others_are_not_named_is_said(folder: Path) -> None:
+    body = whole("body_1", folder / "pinion_whole.msh", flank_sets=["FLANK_0"], teeth=16)
+    found = fl.solve(scene_of(body, sector("body_2", WHEEL)))
+    (warning,) = [w for w in found.warnings if "name their flanks" in w]
+    assert warning.startswith("pairs 0 carry beside teeth of body_1 that have no flank in its file")
+
+
+def test_mirrored_whole_body_gives_the_mirrored_result(tmp_path: Path, by_nodes: fl.Result) -> None:
+    """Mirrored coordinates alone: all elements come clockwise, all flanks face the other way."""
+    mirror = np.array([1.0, -1.0])
+    nodes, cells, sets = whole_of(read_mesh(PINION), 16)
+    write_mesh(tmp_path / "whole.inp", nodes * mirror, cells, sets)
+    raw = read_mesh(WHEEL)
+    own = {name: edges_of(raw, name) for name in raw.sets if name != "BODY"}
+    write_mesh(tmp_path / "sector.inp", raw.nodes * mirror, raw.cells, own)
+    found = fl.solve(
+        scene_of(whole("body_1", tmp_path / "whole.inp"), sector("body_2", tmp_path / "sector.inp"))
+    )
+    assert sum("mirror image" in warning for warning in found.warnings) == 2
+    assert_same(found, by_nodes)
 
 
 def test_flank_beside_its_share_is_a_pitch_deviation(tmp_path: Path) -> None:

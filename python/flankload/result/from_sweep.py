@@ -137,6 +137,12 @@ def _warnings(
                 f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
                 f"body_{z + 1}: more than half as many degrees as elements make the result worse"
             )
+        alone = _beside_unnamed(pair, found) if body.named_teeth else []
+        if alone:
+            yield (
+                f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
+                "no flank in its file and may carry, too: name their flanks"
+            )
         low = body.mode_range_mm[0]
         places = found.pair_table[..., z]
         below = (places < low - 1e-9) & (found.pair_table[..., 7] > 0)
@@ -146,6 +152,13 @@ def _warnings(
                 f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
                 "smooth compliance of its lower end is taken there"
             )
+
+
+def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
+    """Pairs that carry although a neighbour of theirs is not looked at."""
+    sites = pair.pairing.sites
+    carrying = sites[(found.site_force_N > 0).any(axis=0)]
+    return [int(j) for j in carrying if not np.isin([j - 1, j + 1], sites).all()]
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:
