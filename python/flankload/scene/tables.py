@@ -139,6 +139,11 @@ class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"
         """Kind of the body, as the scene file names it."""
         return "ring"
 
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
 
 class Profile(Geometry, frozen=True, kw_only=True):
     """The exact profile of a body that comes as a mesh: the geometry keys of a gear."""
