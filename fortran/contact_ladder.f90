@@ -40,7 +40,7 @@ module flankload_contact_ladder
     integer, parameter :: few_pairs = 60
     !> From here on a coarser problem saves more than it costs, with one motion and with several:
     !> blocks from a cold start then soon lose the pairs that hold all motions.
-    integer, parameter :: many_pairs = 800
+    integer, parameter :: many_pairs = 500
     integer, parameter :: many_with_motions = 100
 
 contains

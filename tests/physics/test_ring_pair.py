@@ -12,7 +12,7 @@ from plain_elements import FILE, solve_plainly
 
 import flankload as fl
 from flankload.assembly import build_bodies
-from flankload.mesh_io import write_mesh
+from flankload.bodies.body_file import write_body
 
 REFERENCE = json.loads(FILE.read_text(encoding="utf-8"))
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "internal_gear.toml"
@@ -136,7 +136,7 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
         ("body_1", pair.body_1, pair.turn_1),
         ("body_2", pair.body_2, pair.turn_2),
     ):
-        write_mesh(tmp_path / f"{key}.msh", body.mesh, turn_rad=turn)
+        write_body(tmp_path / f"{key}.msh", body.mesh, turn_rad=turn)
         given[key] = {"kind": "mesh", "file": str(tmp_path / f"{key}.msh"), "teeth": body.teeth}
         given[key]["reference_radius_mm"] = body.reference_radius_mm
     found = fl.solve(fl.Scene.from_dict(given))
