@@ -26,7 +26,7 @@ module flankload_block_loop
     integer, parameter :: patience = 5
     !> A coarser problem has so many pairs at least; beyond it is guessed from one coarser still.
     integer, parameter :: least_coarse = 8
-    integer, parameter :: many_coarse = 800
+    integer, parameter :: many_coarse = 500
 
 contains
 
