@@ -93,7 +93,7 @@ contains
             result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
         else
-            result%unique = is_unique(problem, compliance, [(i, i=1, problem%n)])
+            result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance))
         end if
         if (.not. result%unique) then
             result%status = 3
@@ -165,6 +165,36 @@ contains
         ! LAPACK takes a NaN on its diagonal for a positive number.
         unique = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
     end function is_unique
+
+    !> Pairs that may carry in any state at all: the others prove nothing and need no proof.
+    !>
+    !> Without negative influences and levers no motion goes further than each pair p lets it,
+    !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
+    pure function possible_pairs(problem, compliance) result(pairs)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        integer, allocatable :: pairs(:)
+
+        real(wp), parameter :: slack = 1.0e-9_wp
+        integer :: i, k
+        real(wp) :: furthest
+        real(wp), allocatable :: most(:), ways(:)
+
+        pairs = [(i, i=1, problem%n)]
+        if (problem%n_motions /= 1) return
+        if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
+        allocate (most(problem%n), source=0.0_wp)
+        do k = 1, problem%n
+            if (.not. all(compliance(:, k) >= 0.0_wp)) return
+            most = max(most, compliance(:, k)*(problem%row_scale(k)/problem%load_rows(k, 1)))
+        end do
+        ways = problem%normal_gaps/problem%motions(:, 1)
+        most = problem%row_scale*most*problem%loads(1)/problem%motions(:, 1)
+        furthest = minval(ways + most) + slack*(maxval(abs(ways)) + maxval(most))
+        pairs = pack(pairs, ways <= furthest)
+    end function possible_pairs
 
     !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz demand of a positive
     !> definite K: what the loop has read of K, held against what the caller knows of it.

@@ -308,7 +308,7 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
     assert "transmission error 0.1 %" in text
     assert "2 FE factorisations, 10 unit loads" in text
     assert "backlash" in text
-    assert "1 (status 1)" in text
+    assert "sums are right: positions 1\n" in text
 
 
 def test_table_without_load_and_estimate() -> None:

@@ -14,6 +14,12 @@ if TYPE_CHECKING:
 
 #: What stands behind a pressure that a sharp corner carries.
 CORNER_MARK = "*"
+#: What the contact solver certifies of a position, beyond "solved" (0).
+STATUS_WORDS = {
+    1: "solved; how neighbouring pairs share their force is uncertain, sums are right",
+    2: "solved; a pair has neither force nor gap",
+    3: "solved; that no other state exists is not proven",
+}
 
 
 def text_of(result: Result) -> str:
@@ -99,11 +105,11 @@ def _footer(result: Result) -> Iterator[str]:
     if result.estimate is not None:
         yield _labelled("estimated error", _estimate(result.estimate))
     yield _labelled("cost", _cost(result.cost))
-    bad = np.flatnonzero(result.status != 0)
-    if bad.size:
-        listed = ", ".join(f"{p} (status {result.status[p]})" for p in bad[:8])
-        listed += ", ..." if bad.size > 8 else ""
-        yield _labelled("not quite solved", f"positions {listed}")
+    for status, words in STATUS_WORDS.items():
+        positions = np.flatnonzero(result.status == status)
+        if positions.size:
+            listed = ", ".join(map(str, positions[:8])) + (", ..." if positions.size > 8 else "")
+            yield _labelled(f"status {status}", f"{words}: positions {listed}")
     for warning in result.warnings:
         yield _labelled("warning", warning)
 
