@@ -108,11 +108,13 @@ def pair_bodies(
     mesh = None
     if body_1.involute is not None and body_2.involute is not None:
         mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings)
+    # the pitch point follows from the ratio, also where the mate stands by its file
+    circles = abs(body_1.teeth + sense * body_2.teeth) or 1
     turns = (
         _turn_to_pitch_point(
-            body_1, mesh.pitch_radius_1_mm if mesh else None, 0.0 if sense > 0 else pi
+            body_1, center_distance_mm * body_1.teeth / circles, 0.0 if sense > 0 else pi
         ),
-        _turn_to_pitch_point(body_2, mesh.pitch_radius_2_mm if mesh else None, pi),
+        _turn_to_pitch_point(body_2, center_distance_mm * body_2.teeth / circles, pi),
     )
     sites = _with_flanks(_sites(mesh, body_1.teeth, body_2.teeth, position_rad), body_1, body_2)
     # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
@@ -138,9 +140,9 @@ def pair_bodies(
     )
 
 
-def _turn_to_pitch_point(body: Body, pitch_radius: float | None, direction: float) -> float:
+def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> float:
     """Turn that brings tooth 0's flank to the pitch point; 0 where the file stands as it is."""
-    if not body.flank_angle_known or pitch_radius is None or body.involute is None:
+    if not body.flank_angle_known or body.involute is None:
         return 0.0
     return direction - body.involute.polar_angle_at(pitch_radius)
 
