@@ -70,6 +70,19 @@ def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result
     assert largest < 3 * sum(deviations)
 
 
+def test_rigid_mesh_needs_nothing_but_its_flank() -> None:
+    """Sets of rim and cuts may be missing; where they are not, the answer is the same."""
+    missing = {"fixed_set": "NO_RIM", "cut_sets": ["NO_LEFT", "NO_RIGHT"]}
+    found = fl.solve(mesh_scene(rigid=True, **missing))
+    expected = fl.solve(mesh_scene(rigid=True))
+    assert found.cost["fe_factorisations"] == 1
+    assert found.cost["fe_degrees_of_freedom"][0] == 0
+    np.testing.assert_array_equal(found.rotation_rad, expected.rotation_rad)
+    np.testing.assert_array_equal(found.site_force_N, expected.site_force_N)
+    with pytest.raises(MeshError, match="NO_RIM"):
+        fl.solve(mesh_scene(**missing))
+
+
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
 def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str) -> None:
     body = build_bodies(fl.read_scene(SCENES / "external_gear.toml")).body_1

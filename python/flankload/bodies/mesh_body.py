@@ -15,10 +15,11 @@ import numpy as np
 
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 from flankload.bodies.mesh_curve import fit_flank
-from flankload.bodies.mesh_flank import faces_clockwise, flank_edges
+from flankload.bodies.mesh_flank import faces_clockwise, flank_edges, in_order
 from flankload.bodies.mesh_sector import sector_of
 from flankload.bodies.mesh_source import MeshSource, check_axis, read_source
 from flankload.bodies.mesh_whole import whole_of
+from flankload.bodies.sketch import sketched_tooth
 from flankload.errors import SceneError
 from flankload.plane_mesh import REVERSED
 
@@ -62,22 +63,26 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         names = [(f"flank_sets[{k}]", name) for k, name in enumerate(spec.flank_sets)]
     flanks = [flank_edges(source, where, name) for where, name in names]
     notes = list(source.body.notes)
-    # what is held outside its flank is a ring
-    held = source.nodes_of("fixed_set", spec.fixed_set)
-    inwards = bool(
-        held.size and np.hypot(*nodes[held].T).min() > np.hypot(*nodes[flanks[0][:, 0]].T).max()
-    )
+    bare = _is_bare(source, spec)
+    radii = np.hypot(*nodes.T)
+    inwards = _is_ring(source, spec, radii, radii[flanks[0][:, 0]], bare=bare)
     if faces_clockwise(nodes, flanks[0], inwards=inwards):
         nodes = nodes * np.array([1.0, -1.0])
         cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells)
         flanks = [flank[::-1][:, [1, 0, 2]] for flank in flanks]
         notes.append("the flank faces clockwise: the body is taken in its mirror image")
-    fixed = _fixed_nodes(source, spec, dict(zip((name for _, name in names), flanks, strict=True)))
+    fixed = np.empty(0, dtype=np.int64)
+    if not bare:
+        fixed = _fixed_nodes(
+            source, spec, dict(zip((name for _, name in names), flanks, strict=True))
+        )
     fit = fit_flank(source, spec, names[0][0], nodes, flanks[0])
     turns: tuple[float, ...] = ()
     named: tuple[int, ...] = ()
-    mesh: SectorMesh | WholeMesh
-    if spec.flank_sets is None:
+    mesh: SectorMesh | WholeMesh | None = None
+    if bare:
+        outline = sketched_tooth(nodes[in_order(fit.edges)], spec.number_of_teeth)
+    elif spec.flank_sets is None:
         mesh, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
     else:
         mesh, outline, turns, more = whole_of(source, spec, nodes, cells, flanks, fixed, fit)
@@ -107,12 +112,38 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         flank_angle_known=fit.involute is not None,
         pitch_errors_um=tuple(spec.pitch_errors_um),
         outline=outline,
-        bore_radius_mm=float(np.hypot(*nodes[fixed].T).mean()),
+        bore_radius_mm=float(_rim(radii, inwards) if bare else radii[fixed].mean()),
         notes=(*notes, *fit.notes),
         flank_turns_rad=turns,
         named_teeth=named,
         flank_nodes=fit.nodes,
     )
+
+
+def _is_bare(source: MeshSource, spec: MeshBody) -> bool:
+    """A rigid body needs a flank and nothing else: sets of rim and cuts may be missing."""
+    others = (spec.fixed_set, *spec.cut_sets)
+    missing = any(source.raw.set_name(name) is None for name in others)
+    return spec.rigid and spec.flank_sets is None and missing
+
+
+def _is_ring(
+    source: MeshSource,
+    spec: MeshBody,
+    radii: NDArray[np.float64],
+    flank: NDArray[np.float64],
+    *,
+    bare: bool,
+) -> bool:
+    """Held outside its flank; where it is not said what is held, most of it lies outside."""
+    if bare:
+        return bool(radii.max() - flank.max() > flank.min() - radii.min())
+    held = radii[source.nodes_of("fixed_set", spec.fixed_set)]
+    return bool(held.size and held.min() > flank.max())
+
+
+def _rim(radii: NDArray[np.float64], inwards: bool) -> float:
+    return float(radii.max() if inwards else radii.min())
 
 
 def _fixed_nodes(
