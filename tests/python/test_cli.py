@@ -104,7 +104,7 @@ def test_run_solves_and_writes_everything(
     assert tree["cost"]["fe_factorisations"] == 2
     rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
     assert [float(row["transmission_error_um"]) for row in rows] == tree["transmission_error_um"]
-    assert len(os.listdir(tmp_path / "out")) == 4
+    assert len(os.listdir(tmp_path / "out")) == 5
 
 
 def test_installed_command_prints_no_progress_into_a_pipe(scene: Path) -> None:

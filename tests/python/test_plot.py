@@ -8,14 +8,18 @@ import numpy as np
 import pytest
 from made_up_result import made_up_result
 from matplotlib.axes import Axes
+from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload import plot
+from flankload.bodies.involute import Involute
+from flankload.bodies.profile_deviation import ProfileDeviation, deviation_at
 from flankload.plot import (
     plot_all,
     plot_load_sharing,
     plot_loaded_pair,
     plot_peak_pressure,
+    plot_profile_deviation,
     plot_transmission_error,
 )
 from flankload.result import Result
@@ -265,3 +269,70 @@ def test_ring_is_drawn_around_its_pinion() -> None:
     assert low < pinion_tip < high < 0
     labels = {text.get_text(): text.get_position()[0] for text in axes.texts}
     assert labels["body 2 ↺"] < labels["body 1 ↺"]
+
+
+# --- profile diagram ------------------------------------------------------------------------------
+def profile(name: str = "relief") -> ProfileDeviation:
+    return ProfileDeviation(
+        roll_length_mm=np.array([5.0, 15.0, 20.0]),
+        deviation_um=np.array([0.0, 0.0, -12.0]),
+        base_radius_mm=34.0,
+        marks=(("form", 4.0), (name, 15.0), ("tip", 20.0)),
+    )
+
+
+def with_profiles(*profiles: ProfileDeviation | None) -> Result:
+    result = made_up_result()
+    drawing = replace(result.drawing, profiles=profiles, active_roll_mm=((6.0, 20.0), None))
+    return replace(result, drawing=drawing)
+
+
+def test_profile_diagram_is_one_of_the_pictures_where_an_involute_is_known(tmp_path: Path) -> None:
+    paths = plot_all(with_profiles(profile(), None), tmp_path / "one")
+    assert sorted(path.name for path in paths) == sorted([*NAMES, "profile_deviation.png"])
+    paths = plot_all(with_profiles(None, None), tmp_path / "none")
+    assert sorted(path.name for path in paths) == NAMES
+
+
+def test_profile_diagram_shows_the_deviation_and_names_its_marks() -> None:
+    figure = plot_profile_deviation(with_profiles(profile(), profile("tip chamfer")))
+    one, two = figure.axes
+    line = max(one.lines, key=lambda line: len(np.asarray(line.get_xdata())))
+    np.testing.assert_array_equal(line.get_xdata(), [5.0, 15.0, 20.0])
+    np.testing.assert_array_equal(line.get_ydata(), [0.0, 0.0, -12.0])
+    assert f"form ⌀ {2 * np.hypot(34, 4):.2f}" in words(one)
+    assert f"relief ⌀ {2 * np.hypot(34, 15):.2f}" in words(one)
+    assert f"tip chamfer ⌀ {2 * np.hypot(34, 15):.2f}" in words(two)
+    assert "active profile" in words(one)
+    assert "active profile" not in words(two)
+    assert one.get_ylim() == two.get_ylim()
+    assert one.get_ylim()[0] < -12
+
+
+def test_profile_diagram_of_one_body_has_one_panel() -> None:
+    (axes,) = plot_profile_deviation(with_profiles(None, profile())).axes
+    assert "body 2" in words(axes)
+
+
+def test_pure_involute_is_not_magnified_to_its_rounding() -> None:
+    noise = replace(profile(), deviation_um=np.array([0.0, 1e-7, -1e-7]))
+    low, high = plot_profile_deviation(with_profiles(noise, None)).axes[0].get_ylim()
+    assert high - low > 5.0
+
+
+def test_deviation_counts_along_the_normal_of_the_involute() -> None:
+    """A string unwound from the base circle, cut short by 0.03 mm, in a body that is turned."""
+    involute = Involute(34.0, 36.0, 31.0, 34.5, 41.0, base_half_angle_rad=0.11, turn_rad=3.0)
+    roll = np.linspace(0.1, 0.6, 7)
+    angle = 3.0 + 0.11 - roll
+    length = 34.0 * roll - 0.03
+    places = np.stack(
+        [
+            34.0 * np.cos(angle) - length * np.sin(angle),
+            34.0 * np.sin(angle) + length * np.cos(angle),
+        ],
+        axis=1,
+    )
+    roll_length, deviation = deviation_at(involute, places)
+    np.testing.assert_allclose(roll_length, 34.0 * roll, rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(deviation, -0.03, rtol=0, atol=34.0 * ROUND_OFF)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from flankload.plot.curves import plot_load_sharing, plot_peak_pressure, plot_transmission_error
 from flankload.plot.loaded_pair import plot_loaded_pair
+from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.style import png_of
 from flankload.result import write_atomically
 
@@ -26,12 +27,13 @@ __all__ = [
     "plot_load_sharing",
     "plot_loaded_pair",
     "plot_peak_pressure",
+    "plot_profile_deviation",
     "plot_transmission_error",
 ]
 
 
 def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
-    """Write the four pictures of a result, all or none.
+    """Write the pictures of a result, all or none.
 
     Parameters
     ----------
@@ -42,7 +44,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png.
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; and
+        profile_deviation.png where a body has an involute.
 
     Raises
     ------
@@ -55,6 +58,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         "peak_pressure.png": plot_peak_pressure,
         "loaded_pair.png": plot_loaded_pair,
     }
+    if any(profile is not None for profile in result.drawing.profiles):
+        pictures["profile_deviation.png"] = plot_profile_deviation
     # Every picture is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from math import sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.profile_deviation import profile_deviation
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result, make_result
 
@@ -13,7 +15,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from flankload.assembly import BodyPair
+    from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.compliance import BodyCompliance
+    from flankload.gear_mesh import Mesh
     from flankload.pairing import Pairing
     from flankload.sweep import Sweep
 
@@ -163,6 +167,7 @@ def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
 
 def _drawing(pair: BodyPair) -> PairDrawing:
     turn_1, turn_2 = pair.pairing.turns(pair.position_rad)
+    profiles = (profile_deviation(pair.body_1), profile_deviation(pair.body_2))
     return PairDrawing(
         outline_1=pair.body_1.outline,
         outline_2=pair.body_2.outline,
@@ -173,4 +178,25 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         angle_2=turn_2,
         bore_radius_1_mm=pair.body_1.bore_radius_mm,
         bore_radius_2_mm=pair.body_2.bore_radius_mm,
+        profiles=profiles,
+        active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
     )
+
+
+def _active_roll_mm(
+    mesh: Mesh | None,
+    ratio: float,
+    profiles: tuple[ProfileDeviation | None, ProfileDeviation | None],
+) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """Roll lengths between which the flanks meet: each ends at its tip or tip rounding."""
+    if mesh is None:
+        return None, None
+    # both base circles touch the line of action; what grows on body 1 falls on body 2, or grows
+    # where body 2 stands around it
+    sense = 1 if ratio > 0 else -1
+    whole = mesh.pitch_radius_2_mm + sense * mesh.pitch_radius_1_mm
+    whole *= sin(mesh.pressure_angle_rad)
+    one, two = (profile.roll_length_mm for profile in profiles if profile is not None)
+    end_1, end_2 = float(one[-1]), float(two[-1 if sense > 0 else 0])
+    active_2 = sorted((end_2, whole - sense * end_1))
+    return (sense * (whole - end_2), end_1), (active_2[0], active_2[1])

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from flankload.bodies.profile_deviation import ProfileDeviation
 
 Floats = NDArray[np.float64]
 
@@ -71,6 +74,10 @@ class PairDrawing:
         Turn of both body frames at each position, rad.
     bore_radius_1_mm, bore_radius_2_mm : float or None
         Where the bodies are held.
+    profiles : two ProfileDeviation or None
+        Of the bodies' flanks, where an involute is known.
+    active_roll_mm : two (float, float) or None
+        Roll lengths between which the flanks meet, by geometry without load, mm.
     """
 
     outline_1: Floats
@@ -82,6 +89,8 @@ class PairDrawing:
     angle_2: Floats
     bore_radius_1_mm: float | None = None
     bore_radius_2_mm: float | None = None
+    profiles: tuple[ProfileDeviation | None, ProfileDeviation | None] = (None, None)
+    active_roll_mm: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
 
     @property
     def is_around(self) -> bool:

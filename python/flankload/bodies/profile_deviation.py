@@ -1,0 +1,107 @@
+"""How far a flank lies from its involute, over the roll length: what a profile diagram shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.bodies.involute import Involute
+
+    Floats = NDArray[np.float64]
+
+#: Places in each interval of the curve.
+PLACES = 8
+
+#: What begins at an interval of the curve, by its label.
+MARKS = {"relief": "relief", "tip_radius": "tip rounding", "tip_chamfer": "tip chamfer"}
+
+
+@dataclass(frozen=True)
+class ProfileDeviation:
+    """Deviation of a flank from its involute.
+
+    Attributes
+    ----------
+    roll_length_mm : (m,) array
+        Length of the involute's normal from the base circle, ascending (from root to tip, in a ring
+        from tip to root).
+    deviation_um : (m,) array
+        Along that normal; negative where metal is missing.
+    base_radius_mm : float
+    marks : tuple of (str, float)
+        Where something begins or ends, with its roll length, mm: form circle, relief, tip rounding
+        or chamfer, tip circle.
+    """
+
+    roll_length_mm: Floats
+    deviation_um: Floats
+    base_radius_mm: float
+    marks: tuple[tuple[str, float], ...]
+
+
+def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
+    """Roll length and deviation of places near an involute.
+
+    A place of the involute is r_b e_r(a) + r_b t e_theta(a) with a = th0 - t; whatever lies on its
+    normal has another length on the same e_theta(a).
+
+    Parameters
+    ----------
+    involute : Involute
+    places : (m, 2) array
+        In the frame of the body, not inside the base circle, mm.
+
+    Returns
+    -------
+    roll_length, deviation : (m,) arrays
+        r_b t and how far material stands beyond it, mm.
+    """
+    base = involute.base_radius_mm
+    reach = np.sqrt(np.maximum(np.sum(places**2, axis=1) - base**2, 0.0))
+    polar = np.arctan2(places[:, 1], places[:, 0]) - involute.turn_rad
+    polar = (polar + np.pi) % (2 * np.pi) - np.pi
+    roll_length = base * (involute.base_half_angle_rad - polar + np.arctan(reach / base))
+    # the material of a ring lies on the other side of its involute
+    return roll_length, involute.outward * (reach - roll_length)
+
+
+def profile_deviation(body: Body) -> ProfileDeviation | None:
+    """Deviation of a body's flank between fillet and tip rounding.
+
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    ProfileDeviation or None
+        None where no involute is known.
+    """
+    involute, curve = body.involute, body.curve
+    if involute is None:
+        return None
+    low, high = body.mode_range_mm
+    breaks = np.unique(np.clip(curve.breaks, low, high))
+    parts = np.arange(PLACES) / PLACES
+    s = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * parts).ravel(), breaks[-1])
+    roll_length, deviation = deviation_at(involute, curve.point(s))
+    marks = [("form", _roll_length(involute, involute.form_radius_mm))]
+    for k in range(1, len(curve.labels)):
+        if curve.labels[k] != curve.labels[k - 1] and curve.labels[k] in MARKS:
+            place = curve.point(curve.breaks[k : k + 1])
+            marks.append((MARKS[curve.labels[k]], float(deviation_at(involute, place)[0][0])))
+    marks.append(("tip", _roll_length(involute, involute.tip_radius_mm)))
+    order = slice(None, None, involute.outward)
+    return ProfileDeviation(
+        roll_length[order], 1000.0 * deviation[order], involute.base_radius_mm, tuple(marks)
+    )
+
+
+def _roll_length(involute: Involute, radius: float) -> float:
+    return involute.base_radius_mm * involute.roll_at(radius)
