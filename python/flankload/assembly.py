@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies import Body, build_body
+from flankload.bodies.profile_deviation import profile_deviation
 from flankload.effects import Effects, effects_of
 from flankload.errors import SceneError
 from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.resolution import Resolution, choose_resolution
+
+#: Flanks in files that stay within this of their involute are not modified.
+LEAST_DEVIATION_UM = 1e-3
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -98,6 +102,14 @@ def build_bodies(scene: Scene) -> BodyPair:
         if error.file is not None or scene.file is None:
             raise
         raise error.with_file(scene.file) from None
+    # a compliance file may bring pitch errors and modified flanks along
+    errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
+    effects = replace(
+        effects,
+        pitch_errors=any(errors),
+        flank_modifications=effects.flank_modifications
+        or any(_is_modified_file(body) for body in (body_1, body_2)),
+    )
     uneven = effects.pitch_errors or any((*body_1.flank_turns_rad, *body_2.flank_turns_rad))
     notes = (
         *(f"body_1: {note}" for note in body_1.notes),
@@ -114,6 +126,14 @@ def build_bodies(scene: Scene) -> BodyPair:
         position_rad=position_rad,
         closed=even and position_rad.size > 1 and not uneven,
         notes=notes,
+    )
+
+
+def _is_modified_file(body: Body) -> bool:
+    """Whether the flank in a compliance file departs from its involute."""
+    profile = profile_deviation(body) if body.kind == "compliance" else None
+    return profile is not None and (
+        len(profile.marks) > 2 or float(np.abs(profile.deviation_um).max()) > LEAST_DEVIATION_UM
     )
 
 

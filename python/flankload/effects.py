@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flankload.scene import Gear, MeshBody, Ring, Scene
+from flankload.scene import ComplianceBody, Gear, MeshBody, Ring, Scene
 
 
 @dataclass(frozen=True)
@@ -14,11 +14,11 @@ class Effects:
     Attributes
     ----------
     elastic_body_1, elastic_body_2 : bool
-        The body yields: finite elements are solved for it, once. Not where it is rigid, and not
-        where no torque loads it.
+        The body yields: finite elements are solved for it, once, unless its compliance comes from
+        a file. Not where it is rigid, and not where no torque loads it.
     flank_modifications : bool
         A profile departs from the involute below its tip circle (relief, crowning, tip radius or
-        chamfer).
+        chamfer), by the keys of the scene.
     pitch_errors : bool
         Teeth stand beside their place; the period of the result is then one of many.
     several_torques : bool
@@ -57,7 +57,9 @@ def effects_of(scene: Scene) -> Effects:
     )
 
 
-def _is_modified(body: Gear | Ring | MeshBody) -> bool:
+def _is_modified(body: Gear | Ring | MeshBody | ComplianceBody) -> bool:
+    if isinstance(body, ComplianceBody):
+        return False
     profile = body.profile if isinstance(body, MeshBody) else body
     return profile is not None and any(
         (

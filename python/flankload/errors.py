@@ -52,6 +52,10 @@ class MeshError(SceneError):
     """A mesh file that cannot be read or does not make a body."""
 
 
+class ComplianceFileError(SceneError):
+    """A compliance file that cannot be read or does not make a body."""
+
+
 class ContactError(FlankloadError):
     """A contact problem without an answer.
 

@@ -10,6 +10,8 @@ from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.errors import SceneError
 from flankload.estimate import estimate_errors
+from flankload.given_compliance import given_compliance
+from flankload.resolution import choose_resolution
 from flankload.result import Result
 from flankload.result.from_sweep import result_of
 from flankload.sweep import sweep
@@ -124,7 +126,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
 def _compliances(
     scene: Scene, pair: BodyPair, clock: _Clock, total: int
 ) -> tuple[BodyCompliance, BodyCompliance]:
-    """One finite-element job for each body that yields, none for the others."""
+    """One finite-element job for each body that yields and does not bring its compliance along."""
     found = []
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
     for z, body in enumerate((pair.body_1, pair.body_2)):
@@ -132,9 +134,29 @@ def _compliances(
             found.append(no_compliance(body))
             continue
         with clock.stage(f"compliance body {z + 1}", 1 + z, total):
-            modes = scene.accuracy.modes or _modes_of(body, pair.resolution.modes)
-            found.append(flank_compliance(body, n_modes=modes, plane=scene.accuracy.plane))
+            found.append(compliance_of(body, scene))
     return found[0], found[1]
+
+
+def compliance_of(body: Body, scene: Scene) -> BodyCompliance:
+    """Compliance of one body: from its elements, or as it brings it along.
+
+    Parameters
+    ----------
+    body : Body
+        That yields.
+    scene : Scene
+        Decides on plane and pressure modes.
+
+    Returns
+    -------
+    BodyCompliance
+    """
+    asked, plane = scene.accuracy.modes, scene.accuracy.plane
+    default = choose_resolution(scene).modes
+    if body.given is not None:
+        return given_compliance(body, modes=asked, default_modes=default, plane=plane)
+    return flank_compliance(body, n_modes=asked or _modes_of(body, default), plane=plane)
 
 
 def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:

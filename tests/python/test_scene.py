@@ -35,6 +35,9 @@ RING = {
 
 ABSENT = object()
 
+#: What two rigid bodies are told.
+UNDETERMINED = "where neither body yields, nothing says how the flanks share the torque"
+
 
 def changed(**changes: Any) -> dict[str, Any]:
     """The valid scene with keys (dots written as two underscores) set, or taken away if ABSENT."""
@@ -241,7 +244,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": ABSENT},
             "body_1.kind",
-            "'gear' or 'mesh'",
+            "'gear' or 'mesh' or 'compliance'",
             "nothing",
         ),
         (
@@ -272,13 +275,13 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": "ring"},
             "body_1.kind",
-            "'gear' or 'mesh'",
+            "'gear' or 'mesh' or 'compliance'",
             "'ring'",
         ),
         (
             {"body_1__kind": ["gear"]},
             "body_1.kind",
-            "'gear' or 'mesh'",
+            "'gear' or 'mesh' or 'compliance'",
             "['gear']",
         ),
         (
@@ -448,7 +451,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__rigid": True, "body_2__rigid": True},
             "body_2.rigid",
-            "false, since body_1.rigid is true and one of the two must yield",
+            f"false, since body_1.rigid is true: {UNDETERMINED}",
             "true",
         ),
         (

@@ -24,11 +24,14 @@ import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.bodies import WholeMesh
 from flankload.bodies.body_file import write_body
+from flankload.bodies.modal_file import modal_arrays
 from flankload.cli import main
-from flankload.errors import SceneError
+from flankload.errors import ComplianceFileError, SceneError
 from flankload.mesh_io import read_mesh, write_mesh
+from flankload.named_arrays import npz_of
 from flankload.plane_mesh import boundary_edges
-from flankload.scene.tables import Positions
+from flankload.scene.tables import ComplianceBody, Positions
+from flankload.solve import compliance_of
 
 #: Another mesher's nodes, a curve through them: wanted of the rotation.
 OTHER_MESHER = 3e-3
@@ -342,3 +345,29 @@ def test_coast_flank_among_the_flanks_is_refused(tmp_path: Path) -> None:
     error = refusal(whole("body_1", tmp_path / "coast.msh"))
     assert error.key == "body_1.flank_sets[3]"
     assert error.found == "'FLANK_3' facing the other way"
+
+
+@pytest.mark.parametrize("named", [16, 5], ids=["all flanks", "five flanks"])
+def test_whole_body_comes_back_from_its_compliance_file(
+    named: int, folder: Path, tmp_path: Path
+) -> None:
+    """Bit by bit, flank by flank; without elements."""
+    names = [f"FLANK_{k}" for k in (0, 1, 2, 14, 15)] if named == 5 else None
+    keys = {} if names is None else {"flank_sets": names, "teeth": 16}
+    pinion = {**whole("body_1", folder / "pinion_whole.msh"), **keys}
+    scene = scene_of(pinion, sector("body_2", WHEEL))
+    body = build_bodies(scene).body_1
+    found = compliance_of(body, scene)
+    path = tmp_path / "body_1.npz"
+    path.write_bytes(npz_of(modal_arrays(body, found, plane="strain")))
+    from_file = dataclasses.replace(scene, body_1=ComplianceBody(file=str(path)))
+    again, expected = fl.solve(from_file), fl.solve(scene)
+    assert again.cost["fe_factorisations"] == 1
+    np.testing.assert_array_equal(again.rotation_rad, expected.rotation_rad)
+    np.testing.assert_array_equal(again.site_force_N, expected.site_force_N)
+    spoilt = {"smooth": found.smooth[:-1], "flanks": np.array([0, 3, 2])}
+    for name, value in spoilt.items():
+        arrays = {**modal_arrays(body, found, plane="strain"), name: value}
+        path.write_bytes(npz_of(arrays))
+        with pytest.raises(ComplianceFileError, match=f"{name}: expected"):
+            fl.solve(from_file)

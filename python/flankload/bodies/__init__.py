@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import Gear, MeshBody, Ring
+    from flankload.scene import ComplianceBody, Gear, MeshBody, Ring
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
 def build_body(
-    spec: Gear | Ring | MeshBody,
+    spec: Gear | Ring | MeshBody | ComplianceBody,
     key: str,
     *,
     folder: Path,
@@ -25,11 +25,11 @@ def build_body(
 
     Parameters
     ----------
-    spec : Gear, Ring or MeshBody
+    spec : Gear, Ring, MeshBody or ComplianceBody
     key : str
         Key of the table in the scene, for messages.
     folder : Path
-        Folder that mesh files are relative to.
+        Folder that the files of bodies are relative to.
     flank_element_mm : float or None
         Largest length of a finite element along the flank of a parametric body.
     flank_element_parts : float
@@ -42,10 +42,15 @@ def build_body(
     Raises
     ------
     SceneError
-        If the body cannot be made; names the key. MeshError where a mesh file is at fault.
+        If the body cannot be made; names the key. MeshError or ComplianceFileError where a
+        file is at fault.
     """
-    from flankload.scene import Gear, MeshBody
+    from flankload.scene import ComplianceBody, Gear, MeshBody
 
+    if isinstance(spec, ComplianceBody):
+        from flankload.bodies.compliance_body import build_compliance_body
+
+        return build_compliance_body(spec, key, folder=folder)
     if isinstance(spec, MeshBody):
         from flankload.bodies.mesh_body import build_mesh_body
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from flankload.bodies.given import GivenCompliance
     from flankload.bodies.involute import Involute
     from flankload.flank_curve import FlankCurve
 
@@ -138,14 +139,14 @@ class Body:
     Attributes
     ----------
     kind : str
-        "gear", "ring" or "mesh".
+        "gear", "ring", "mesh" or "compliance".
     curve : FlankCurve
         From root to tip.
     teeth : int
     material : Material
     rigid : bool
     mesh : SectorMesh, WholeMesh or None
-        None for a rigid body.
+        None for a rigid body, and for one that brings its compliance along.
     mode_range_mm : (float, float)
         Arc lengths between which pressure modes live.
     reference_radius_mm : float
@@ -169,6 +170,8 @@ class Body:
         Empty where every tooth has its flank; else those that have one, ascending.
     flank_nodes : FlankNodes or None
         Where the curve goes through nodes.
+    given : ModalCompliance, NodalCompliance or None
+        The compliance, where it comes with the body.
     """
 
     kind: str
@@ -188,6 +191,7 @@ class Body:
     flank_turns_rad: tuple[float, ...] = ()
     named_teeth: tuple[int, ...] = ()
     flank_nodes: FlankNodes | None = None
+    given: GivenCompliance | None = None
 
     @property
     def outward(self) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from flankload.cli.checking import check
+from flankload.cli.compliance import compliance
 from flankload.cli.solving import mesh, run, schema
 from flankload.errors import FlankloadError, SceneError
 
@@ -115,6 +116,15 @@ def _parser() -> argparse.ArgumentParser:
         "--format", choices=("msh", "vtu", "inp"), default="msh", help="default: msh"
     )
     mesh_parser.set_defaults(command=mesh)
+
+    compliance_parser = commands.add_parser(
+        "compliance", help="write the flanks and their compliance, to be used again"
+    )
+    compliance_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    compliance_parser.add_argument(
+        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="folder"
+    )
+    compliance_parser.set_defaults(command=compliance)
 
     check_parser = commands.add_parser(
         "check", help="say what was understood of a scene or a mesh file"

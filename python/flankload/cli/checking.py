@@ -29,8 +29,12 @@ def _check_scene(path: Path) -> None:
     from flankload.assembly import build_bodies
     from flankload.effects import effects_of
     from flankload.gear_mesh import describe_mesh
+    from flankload.solve import compliance_of
 
     pair = build_bodies(scene)
+    for body in (pair.body_1, pair.body_2):
+        if body.given is not None:
+            compliance_of(body, scene)  # costs next to nothing and finds what is wrong
     print(f"{scene.name}: a valid scene")
     for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2)):
         _print_rows(f"{name}: {body.kind}", _rows_of_body(body))
@@ -72,6 +76,8 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         )
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
+    if body.given is not None:
+        return [*rows, ("compliance", body.given.description)]
     if body.mesh is None:
         return [*rows, ("mesh", "none: rigid")]
     return [*rows, *_rows_of_mesh(body)]

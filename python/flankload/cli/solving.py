@@ -55,10 +55,10 @@ def _check_outputs(arguments: Namespace) -> None:
             continue
         _check_file(key, Path(path))
     if arguments.plot is not None:
-        _check_folder("--plot", arguments.plot)
+        check_folder("--plot", arguments.plot)
 
 
-def _check_folder(key: str, folder: Path) -> None:
+def check_folder(key: str, folder: Path) -> None:
     """It is there or can be made."""
     there = next(part for part in (folder, *folder.parents) if part.exists())
     if not there.is_dir():
@@ -142,7 +142,7 @@ class _Progress:
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies as they stand at position zero."""
     folder: Path = arguments.folder
-    _check_folder("-o", folder)
+    check_folder("-o", folder)
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
@@ -157,7 +157,8 @@ def mesh(arguments: Namespace) -> None:
         ("body_2", pair.body_2, pair.turn_2),
     ):
         if body.mesh is None:
-            print(f"{name}: rigid, so it has no mesh")
+            why = "its compliance comes from a file" if body.given is not None else "rigid"
+            print(f"{name}: {why}, so it has no mesh")
             continue
         path = folder / f"{name}.{arguments.format}"
         write_body(path, body.mesh, turn_rad=turn)

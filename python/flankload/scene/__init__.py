@@ -19,6 +19,7 @@ from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
     Accuracy,
+    ComplianceBody,
     EffectsAsked,
     Gear,
     InvoluteKeys,
@@ -31,7 +32,17 @@ from flankload.scene.tables import (
     SceneFile,
 )
 
-__all__ = ["Gear", "Load", "MeshBody", "Profile", "Ring", "Scene", "read_scene", "scene_schema"]
+__all__ = [
+    "ComplianceBody",
+    "Gear",
+    "Load",
+    "MeshBody",
+    "Profile",
+    "Ring",
+    "Scene",
+    "read_scene",
+    "scene_schema",
+]
 
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
@@ -46,9 +57,9 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1 : Gear or MeshBody
+    body_1 : Gear, MeshBody or ComplianceBody
         Free to turn; carries the torque.
-    body_2 : Gear, Ring or MeshBody
+    body_2 : Gear, Ring, MeshBody or ComplianceBody
     pair : Pair
         Centre distance and face width, mm.
     load : Load
@@ -61,8 +72,8 @@ class Scene:
     """
 
     name: str
-    body_1: Gear | MeshBody
-    body_2: Gear | Ring | MeshBody
+    body_1: Gear | MeshBody | ComplianceBody
+    body_2: Gear | Ring | MeshBody | ComplianceBody
     pair: Pair
     load: Load
     positions: Positions
@@ -72,7 +83,7 @@ class Scene:
 
     @property
     def folder(self) -> Path:
-        """Folder that mesh files are relative to."""
+        """Folder that the files of bodies are relative to."""
         return self.file.parent if self.file is not None else Path()
 
     @property
@@ -206,7 +217,11 @@ def _refuse(key: str, expected: str, found: object) -> None:
     )
 
 
-def _check_body(body: Gear | Ring | MeshBody, given: Mapping[str, Any], key: str) -> None:
+def _check_body(
+    body: Gear | Ring | MeshBody | ComplianceBody, given: Mapping[str, Any], key: str
+) -> None:
+    if isinstance(body, ComplianceBody):
+        return  # teeth and all else stand in its file
     if isinstance(body, MeshBody):
         check_sets(body, given, key)
     teeth = body.number_of_teeth
@@ -323,9 +338,12 @@ def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
             "nothing beside positions.count: one of the two",
             asked.positions.angles_deg,
         )
-    if asked.body_1.rigid and asked.body_2.rigid:
+    torque = asked.load.torque_Nm
+    loaded = any(torque) if isinstance(torque, tuple) else torque > 0
+    if loaded and asked.body_1.rigid and asked.body_2.rigid:
         _refuse(
             "body_2.rigid",
-            "false, since body_1.rigid is true and one of the two must yield",
+            "false, since body_1.rigid is true: where neither body yields, nothing says how the "
+            "flanks share the torque",
             True,
         )

@@ -211,10 +211,33 @@ class MeshBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="mesh"):
         return self.teeth or len(self.flank_sets or ())
 
 
+class ComplianceBody(Table, frozen=True, kw_only=True, tag_field="kind", tag="compliance"):
+    """A body whose flank and compliance come from a file, computed before, here or elsewhere."""
+
+    file: Annotated[
+        Text,
+        about("", "compliance file (.npz, .csv); relative to the folder of the scene file"),
+    ]
+    rigid: Rigid = False
+    pitch_errors_um: Annotated[PitchErrors, about("um", "absent = those of the file")] = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "compliance"
+
+
 class Pair(Table, frozen=True, kw_only=True):
     """How the bodies stand to each other."""
 
-    center_distance_mm: Annotated[Length, about("mm", "distance of the two axes")]
+    center_distance_mm: Annotated[
+        Length,
+        about(
+            "mm",
+            "distance of the two axes as they stand: a centre-distance error is part of it, while "
+            "teeth and flanks stay what they are",
+        ),
+    ]
     face_width_mm: Annotated[Length, about("mm", "width over which the flanks touch")]
 
 
@@ -280,8 +303,12 @@ class SceneFile(Table, frozen=True, kw_only=True):
     """A whole scene file."""
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
-    body_1: Annotated[Gear | MeshBody, about("", "free to turn, carries the torque")]
-    body_2: Annotated[Gear | Ring | MeshBody, about("", "stands at its kinematic angle")]
+    body_1: Annotated[
+        Gear | MeshBody | ComplianceBody, about("", "free to turn, carries the torque")
+    ]
+    body_2: Annotated[
+        Gear | Ring | MeshBody | ComplianceBody, about("", "stands at its kinematic angle")
+    ]
     pair: Pair
     load: Load
     positions: Positions = Positions()

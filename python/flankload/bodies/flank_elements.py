@@ -1,0 +1,56 @@
+"""Line elements along a flank: what nodal loads and nodal displacements mean between the nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+GAUSS_POINTS = 8
+
+
+def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Floats]:
+    """Gauss points of all elements, and the shape functions there.
+
+    Parameters
+    ----------
+    nodes : (n,) array
+        Arc lengths of the nodes, ascending, mm.
+    quadratic : bool
+        Every second node is the middle of an element (n odd).
+
+    Returns
+    -------
+    places, weights : (g,) arrays
+        Arc lengths and weights of an integral over them, mm.
+    shapes : (g, n) array
+        Value of each node's shape function.
+    """
+    points, weights = leggauss(GAUSS_POINTS)
+    if quadratic:
+        local = np.stack([points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2], 1)
+        slope = np.stack([points - 0.5, -2 * points, points + 0.5], 1)
+    else:
+        local = np.stack([(1 - points) / 2, (1 + points) / 2], 1)
+        slope = np.broadcast_to([-0.5, 0.5], local.shape)
+    order = local.shape[1] - 1
+    first = np.arange(0, nodes.size - 1, order)
+    members = first[:, None] + np.arange(order + 1)  # (m, order + 1)
+    places = nodes[members] @ local.T  # (m, g)
+    lengths = nodes[members] @ slope.T * weights
+    shapes = np.zeros((first.size, GAUSS_POINTS, nodes.size))
+    for element, row in enumerate(members):
+        shapes[element][:, row] = local
+    return places.ravel(), lengths.ravel(), shapes.reshape(-1, nodes.size)
+
+
+def mass_matrix(nodes: Floats, *, quadratic: bool) -> Floats:
+    """Integrals (n, n) of products of shape functions, mm: nodal pressures to nodal forces."""
+    _, weights, shapes = gauss_places(nodes, quadratic=quadratic)
+    return np.asarray(shapes.T @ (weights[:, None] * shapes))

@@ -1,0 +1,44 @@
+"""The command compliance: both bodies of a scene as files that need no elements any more."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.cli.solving import check_folder
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def compliance(arguments: Namespace) -> None:
+    """Write body_1.npz and body_2.npz; all is computed before the first is written."""
+    folder: Path = arguments.folder
+    check_folder("-o", folder)
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.assembly import build_bodies
+    from flankload.bodies.modal_file import modal_arrays
+    from flankload.named_arrays import npz_of
+    from flankload.result import write_atomically
+    from flankload.solve import compliance_of
+
+    pair = build_bodies(scene)
+    files: dict[str, bytes] = {}
+    said = []
+    for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2)):
+        if body.rigid:
+            said.append(f"{name}: rigid, so it has no compliance")
+            continue
+        found = compliance_of(body, scene)
+        arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
+        files[f"{name}.npz"] = npz_of(arrays)
+        said.append(
+            f"{folder / name}.npz: {body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
+            f"plane {scene.accuracy.plane}"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, content in files.items():
+        write_atomically(folder / file, content)
+    print("\n".join(said))

@@ -1,0 +1,245 @@
+"""Files of named arrays: .npz, and .csv of one table; the only room that opens them.
+
+Nothing in a file is ever executed: pickled arrays are refused. What comes out are plain arrays by
+name; whether they make sense is for who asks for them, with `NamedArrays` to say what is wrong.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.errors import ComplianceFileError
+
+#: Columns of a table in front of the matrix: which tooth is displaced, and the place.
+LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
+
+
+@dataclass(frozen=True)
+class NamedArrays:
+    """Arrays of one file, asked for by name.
+
+    Attributes
+    ----------
+    file : Path
+    arrays : mapping of str to array
+    """
+
+    file: Path
+    arrays: Mapping[str, NDArray[Any]]
+
+    def refuse(self, name: str, expected: str, found: object) -> NoReturn:
+        """Raise: an array is not what it should be."""
+        raise ComplianceFileError(file=self.file, key=name, expected=expected, found=found)
+
+    def check_names(self, *known: str) -> None:
+        """Refuse arrays that nobody asks for: a misspelt one would go unnoticed."""
+        for name in self.arrays:
+            if name not in known:
+                self.refuse(
+                    name, "an array of this format (" + ", ".join(known) + ")", "an unknown name"
+                )
+
+    def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
+        """An array of finite numbers; None in the shape stands for any length."""
+        values = self._array(name, "numbers")
+        wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
+        if values.dtype.kind not in "fiu":
+            self.refuse(name, "real numbers", f"values of type {values.dtype}")
+        fits = values.ndim == len(shape) and all(
+            n in (None, m) for n, m in zip(shape, values.shape, strict=True)
+        )
+        if not fits:
+            self.refuse(name, f"an array of shape {wanted}", f"shape {values.shape}")
+        result = values.astype(np.float64)
+        strange = np.argwhere(~np.isfinite(result))
+        if strange.size:
+            place = f"[{', '.join(map(str, strange[0]))}]" if result.ndim else ""
+            self.refuse(f"{name}{place}", "finite numbers", f"{result[tuple(strange[0])]}")
+        return result
+
+    def number(self, name: str, *, above: float | None = None, least: float | None = None) -> float:
+        """A single number in a range."""
+        value = float(self.numbers(name))
+        if above is not None and value <= above:
+            self.refuse(name, f"a number > {above:g}", f"{value:g}")
+        if least is not None and value < least:
+            self.refuse(name, f"a number >= {least:g}", f"{value:g}")
+        return value
+
+    def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
+        """An array of whole numbers."""
+        values = self.numbers(name, *shape)
+        if (values != np.round(values)).any():
+            self.refuse(name, "whole numbers", f"{values[values != np.round(values)][0]:g}")
+        return values.astype(np.int64)
+
+    def integer(self, name: str, *, least: int, most: int) -> int:
+        """A single whole number in a range."""
+        value = int(self.integers(name))
+        if not least <= value <= most:
+            self.refuse(name, f"an integer from {least} to {most}", value)
+        return value
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """A list of words."""
+        values = self._array(name, "text")
+        if values.ndim != 1 or (values.dtype.kind != "U" and values.size):
+            self.refuse(name, "a list of texts", f"shape {values.shape} of type {values.dtype}")
+        return tuple(str(value) for value in values)
+
+    def text(self, name: str, *choices: str) -> str:
+        """A single word, one of the choices where there are any."""
+        values = self._array(name, "text")
+        value = str(values)
+        if values.ndim or values.dtype.kind != "U" or (choices and value not in choices):
+            expected = " or ".join(f"'{choice}'" for choice in choices) or "a text"
+            self.refuse(name, expected, f"'{value[:60]}'" if values.ndim == 0 else "an array")
+        return value
+
+    def _array(self, name: str, what: str) -> NDArray[Any]:
+        if name not in self.arrays:
+            self.refuse(name, what, "nothing: the file has " + ", ".join(self.arrays))
+        return self.arrays[name]
+
+
+def read_arrays(path: str | Path, key: str) -> NamedArrays:
+    """Read a file of named arrays.
+
+    Parameters
+    ----------
+    path : path
+        .npz, or .csv (a table of places and a matrix, with names and values in comments).
+    key : str
+        The scene's key that names the file, for messages.
+
+    Returns
+    -------
+    NamedArrays
+
+    Raises
+    ------
+    ComplianceFileError
+        If the file is missing, unreadable, pickled, or its rows are ragged.
+    """
+    path = Path(path)
+    if not path.is_file():
+        found = "a folder" if path.is_dir() else "no such file"
+        raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
+    suffix = path.suffix.lower()
+    if suffix not in (".npz", ".csv"):
+        raise ComplianceFileError(
+            file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
+        )
+    return NamedArrays(path, _read_npz(path, key) if suffix == ".npz" else _read_csv(path, key))
+
+
+def npz_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Content of a .npz file; the same arrays give the same bytes."""
+    out = io.BytesIO()
+    np.savez_compressed(out, allow_pickle=False, **arrays)
+    return out.getvalue()
+
+
+def _read_npz(path: Path, key: str) -> dict[str, NDArray[Any]]:
+    name = key
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            archive = np.load(io.BytesIO(path.read_bytes()), allow_pickle=False)
+            if isinstance(archive, np.ndarray):
+                raise ValueError("a single array")
+            arrays = {}
+            with archive:
+                for name in archive.files:
+                    arrays[name] = np.asarray(archive[name])
+        return arrays
+    except Exception as error:  # whatever zip files and headers can be made to raise
+        reason = " ".join(str(error).split()) or type(error).__name__
+        pickled = "pickle" in reason or "Object arrays" in reason
+        found = "pickled objects, which are never loaded" if pickled else reason[:120]
+        raise ComplianceFileError(
+            file=path, key=name, expected="a .npz file of plain arrays", found=found
+        ) from None
+
+
+def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:
+    """Comments `# name = value`, then rows: offset, x, y and a row of the matrix."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError):
+        raise ComplianceFileError(
+            file=path, key=key, expected="a table as text in UTF-8", found="other bytes"
+        ) from None
+    arrays: dict[str, NDArray[Any]] = {}
+    rows: list[tuple[int, list[str]]] = []
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        if text.startswith("#"):
+            name, equals, value = (part.strip() for part in text[1:].partition("="))
+            if equals:
+                arrays[name] = _value_of(value)
+        elif text:
+            rows.append((number, [cell.strip() for cell in text.split(",")]))
+    if rows and rows[0][1][0] == LEADING_COLUMNS[0]:
+        del rows[0]
+    return arrays | _tables_of(path, rows)
+
+
+def _value_of(text: str) -> NDArray[Any]:
+    try:
+        return np.array(float(text))
+    except ValueError:
+        return np.array(text)
+
+
+def _tables_of(path: Path, rows: list[tuple[int, list[str]]]) -> dict[str, NDArray[Any]]:
+    """Offsets (k,), points (n, 2) and compliance (k, n, n) of the rows of a table."""
+
+    def refuse(number: int, expected: str, found: str) -> NoReturn:
+        raise ComplianceFileError(
+            file=path, key=f"line {number}", expected=expected, found=found
+        ) from None
+
+    if not rows:
+        refuse(1, "rows of " + ", ".join(LEADING_COLUMNS) + ", c_1, c_2, …", "no rows")
+    width = len(rows[0][1])
+    values = np.empty((len(rows), width))
+    for k, (number, cells) in enumerate(rows):
+        if len(cells) != width:
+            refuse(number, f"{width} columns as in line {rows[0][0]}", f"{len(cells)}")
+        for j, cell in enumerate(cells):
+            try:
+                values[k, j] = float(cell)
+            except ValueError:
+                refuse(number, f"a number in column {j + 1}", f"'{cell[:40]}'")
+    lead = len(LEADING_COLUMNS)
+    points = width - lead
+    if points < 1 or len(rows) % points:
+        refuse(
+            rows[-1][0],
+            f"{points} rows for each offset, as many as the matrix has columns (behind "
+            + ", ".join(LEADING_COLUMNS)
+            + ")",
+            f"{len(rows)} rows",
+        )
+    blocks = values.reshape(-1, points, width)
+    for k, block in enumerate(blocks):
+        for i, row in enumerate(block):
+            number = rows[k * points + i][0]
+            if row[0] != block[0, 0]:
+                refuse(number, f"offset {block[0, 0]:g}, {points} rows each", f"{row[0]:g}")
+            if (row[1:lead] != blocks[0, i, 1:lead]).any():
+                refuse(number, f"the place of line {rows[i][0]}", f"{row[1]:g}, {row[2]:g}")
+    return {
+        "offsets": blocks[:, 0, 0],
+        "points": blocks[0, :, 1:lead],
+        "compliance": blocks[:, :, lead:],
+    }
