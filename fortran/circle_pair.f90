@@ -119,8 +119,8 @@ contains
         pair%gap_angle = angle_between(pair%point_1, pair%point_2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)
         rise_2 = dot_product(pair%point_2, pair%tangent_2)
-        found = abs(rise_2) > 0.0_wp
-        if (.not. found) return
+        ! a rounding that ends on the tip circle lies along it there
+        rise_2 = sign(max(abs(rise_2), epsilon(rise_2)*pair%radius), rise_2)
         ! polar angle over arc length: cross/r², radius over arc length: dot/r
         pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2

@@ -6,7 +6,7 @@ module flankload_compliance_field
     private
 
     public :: compliance_type
-    public :: mode_values, strip_kernel
+    public :: mode_values, strip_kernel, mean_strip_kernel
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
@@ -64,6 +64,41 @@ contains
         left = distance - 0.5_wp*cell
         displacement = -kernel*((x_log_x(right) - x_log_x(left))/cell - 1.0_wp)
     end function strip_kernel
+
+    !> The same, on average over another strip [mm/N]: symmetric in both, whatever their widths.
+    elemental function mean_strip_kernel(distance, cell, other, kernel) result(displacement)
+        !> Distance of both centres along the flank [mm]
+        real(wp), intent(in) :: distance
+        !> Widths of the strips [mm]
+        real(wp), intent(in) :: cell
+        real(wp), intent(in) :: other
+        !> Strength of the logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        real(wp) :: displacement
+
+        !> From so many widths on one strip of equal second moment stands for both, to 1e-6: the
+        !> closed form would lose its digits.
+        real(wp), parameter :: far = 8.0_wp
+
+        if (abs(distance) > far*max(cell, other)) then
+            displacement = strip_kernel(distance, sqrt(cell**2 + other**2), kernel)
+            return
+        end if
+        displacement = -kernel/(cell*other)*( &
+            & twice_integrated(distance + 0.5_wp*(cell + other)) &
+            & - twice_integrated(distance + 0.5_wp*(cell - other)) &
+            & - twice_integrated(distance - 0.5_wp*(cell - other)) &
+            & + twice_integrated(distance - 0.5_wp*(cell + other)))
+    end function mean_strip_kernel
+
+    !> Second integral of ln|x|.
+    elemental function twice_integrated(x) result(value)
+        !> Argument
+        real(wp), intent(in) :: x
+        real(wp) :: value
+
+        value = 0.5_wp*x*x_log_x(x) - 0.75_wp*x**2
+    end function twice_integrated
 
     !> x ln|x|, 0 at 0.
     elemental function x_log_x(x) result(value)

@@ -12,14 +12,18 @@ module flankload_contact_pairs
     public :: pairs_type, grid_type
     public :: zone_reach, wanted_grid, part_neighbours, lay_cells, append_pairs, reserve_pairs
 
-    !> The cells of one zone: equal widths along flank 1.
+    !> The cells of one zone: equal widths along flank 1, or finer towards the ends of even gap.
     type :: grid_type
         !> Number of cells
         integer :: n = 0
-        !> Width of a cell on flank 1 [mm]
+        !> Width of a cell on flank 1 [mm], the least where they differ
         real(wp) :: cell = 0.0_wp
         !> Centre of the first cell on flank 1 [mm]
         real(wp) :: first = 0.0_wp
+        !> Ends of the cells [mm] where their widths differ, shape (n + 1)
+        real(wp), allocatable :: ends(:)
+        !> Largest of these widths [mm], about
+        real(wp) :: largest = 0.0_wp
         !> Places between which the cells shall lie on flank 1 [mm]
         real(wp) :: low = 0.0_wp, high = 0.0_wp
         !> True where the grid stops in the open: a force there asks for a wider grid. False where
@@ -42,6 +46,15 @@ module flankload_contact_pairs
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
+
+    !> Where the gap is even, the pressure has its peaks at the ends. Cells in the middle are this
+    !> part of the even half over the strips; towards the ends they get finer by at most this ratio.
+    real(wp), parameter :: middle_part = 2.5_wp, growth_ratio = 1.6_wp
+    !> The finest are this part of how far beyond an end a contact might reach, over the strips (a
+    !> punch with rounded edges digs in over a tenth of that), or of the middle at a sharp end.
+    real(wp), parameter :: finest_part = 0.3_wp, sharp_part = 0.02_wp
+    !> A sharper edge than this, against the cells in the middle, is as good as a corner.
+    real(wp), parameter :: least_part = 1.0e-3_wp
 
 contains
 
@@ -80,7 +93,13 @@ contains
                 & side == 1)
             inner = 0.0_wp
             outer = room
-            x = min(room, sqrt(2.0_wp*growth/max(zone%curvature, least_curvature)))
+            x = sqrt(2.0_wp*growth/max(zone%curvature, least_curvature))
+            if (is_level(zone)) then
+                inner = merge(zone%nearest%s_1 - zone%level_low, &
+                    & zone%level_high - zone%nearest%s_1, side == 1)
+                x = inner + 0.01_wp*x
+            end if
+            x = min(room, x)
             x_old = 0.0_wp
             part_old = 0.0_wp
             pair = zone%nearest
@@ -93,7 +112,7 @@ contains
                     x = 0.5_wp*(inner + outer)
                     cycle
                 end if
-                part = (pair%gap_angle - zone%nearest%gap_angle)*zone%lever/growth
+                part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
                 if (part < 1.0_wp) then
                     if (x >= room) exit
                     inner = x
@@ -132,6 +151,10 @@ contains
         real(wp), intent(in) :: corner_strips
         type(grid_type) :: grid
 
+        if (is_level(zone)) then
+            grid = level_grid(zone, reach, widths, strips)
+            return
+        end if
         grid%cell = max(minval(reach)/strips, maxval(reach)/max(strips, corner_strips))
         ! a few cells beyond a corner see whether it digs in
         grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
@@ -141,6 +164,46 @@ contains
         grid%low = max(grid%low, zone%s_1_low)
         grid%high = min(grid%high, zone%s_1_high)
     end function wanted_grid
+
+    !> True where the gap is even over a stretch.
+    elemental function is_level(zone) result(level)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        logical :: level
+
+        level = zone%level_high > zone%level_low
+    end function is_level
+
+    !> The grid of a zone with even gap: all of the stretch, and some cells beyond its ends.
+    pure function level_grid(zone, reach, widths, strips) result(grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> How far the contact reaches to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> How far the cells shall reach beyond the ends, in what the contact does, shape (2)
+        real(wp), intent(in) :: widths(2)
+        !> Cells on half of the stretch, about
+        real(wp), intent(in) :: strips
+        type(grid_type) :: grid
+
+        !> The cells end where a contact might; where a force at their end has widened them, this
+        !> part of the half further on for each such width.
+        real(wp), parameter :: first_width = 2.5_wp, longer = 0.3_wp
+        real(wp) :: half, beyond(2), finest(2)
+
+        half = 0.5_wp*(zone%level_high - zone%level_low)
+        grid%largest = middle_part*half/strips
+        beyond = reach - half
+        finest = merge(finest_part*beyond/strips, sharp_part*grid%largest, &
+            & beyond > least_part*grid%largest)
+        grid%cell = max(least_part*grid%largest, min(sharp_part*grid%largest, minval(finest)))
+        beyond = max(0.0_wp, beyond) + longer*half*(widths/first_width - 1.0_wp)
+        beyond = max(beyond, 3.0_wp*grid%cell)
+        grid%low = max(zone%level_low - beyond(1), zone%s_1_low)
+        grid%high = min(zone%level_high + beyond(2), zone%s_1_high)
+        grid%open_low = grid%low > zone%s_1_low
+        grid%open_high = grid%high < zone%s_1_high
+    end function level_grid
 
     !> Where the grids of two zones of a site would overlap, part them: no place has two cells.
     pure subroutine part_neighbours(zone, next, reach, next_reach, grid, next_grid)
@@ -178,6 +241,10 @@ contains
         real(wp) :: length, anchor
         integer :: n_low, n_high
 
+        if (is_level(zone)) then
+            call lay_graded_cells(zone, grid)
+            return
+        end if
         length = grid%high - grid%low
         if (grid%open_low .and. grid%open_high) then
             anchor = zone%nearest%s_1 - 0.5_wp*grid%cell
@@ -204,6 +271,51 @@ contains
         grid%first = grid%low + 0.5_wp*grid%cell
         if (grid%open_low) grid%first = grid%high - (grid%n - 0.5_wp)*grid%cell
     end subroutine lay_cells
+
+    !> Lay cells that are finest at both ends of even gap.
+    pure subroutine lay_graded_cells(zone, grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its grid; ends and least width of the cells are given
+        type(grid_type), intent(inout) :: grid
+
+        real(wp) :: middle, low, high
+        real(wp), allocatable :: inwards(:), outwards(:)
+
+        low = max(grid%low, min(grid%high, zone%level_low))
+        high = min(grid%high, max(grid%low, zone%level_high))
+        middle = 0.5_wp*(low + high)
+        ! lengths from the fine end of each of the four parts
+        inwards = graded(middle - low, grid%cell, grid%largest)
+        outwards = graded(low - grid%low, grid%cell, grid%largest)
+        grid%ends = [low - outwards(size(outwards):2:-1), low + inwards]
+        inwards = graded(high - middle, grid%cell, grid%largest)
+        outwards = graded(grid%high - high, grid%cell, grid%largest)
+        grid%ends = [grid%ends, high - inwards(size(inwards) - 1:1:-1), high + outwards(2:)]
+        grid%n = size(grid%ends) - 1
+    end subroutine lay_graded_cells
+
+    !> Ends of cells on [0, length] that grow from the first one; only 0 where there is no length.
+    pure function graded(length, first, largest) result(ends)
+        !> Length of the whole [mm]
+        real(wp), intent(in) :: length
+        !> Width of the first cell, and the largest width [mm], about
+        real(wp), intent(in) :: first
+        real(wp), intent(in) :: largest
+        real(wp), allocatable :: ends(:)
+
+        real(wp) :: width
+
+        ends = [0.0_wp]
+        width = first
+        ! less than half a cell is spread over the others
+        do while (ends(size(ends)) < length - 0.5_wp*width)
+            ends = [ends, ends(size(ends)) + width]
+            width = min(largest, growth_ratio*width)
+        end do
+        if (size(ends) == 1 .and. length > 0.01_wp*first) ends = [ends, length]
+        if (size(ends) > 1) ends = ends*(length/ends(size(ends)))
+    end function graded
 
     !> Make room for n pairs; the old ones are dropped.
     pure subroutine reserve_pairs(pairs, n)
@@ -243,7 +355,7 @@ contains
         logical, intent(out) :: found
 
         integer :: k, i
-        real(wp) :: s_1, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2), normal(2), weight
+        real(wp) :: s_1, cell, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2), normal(2), weight
         type(pair_type) :: pair
 
         s_2_range = [zone%s_2_low, zone%s_2_high]
@@ -252,6 +364,11 @@ contains
         found = .true.
         do k = 1, grid%n
             s_1 = grid%first + (k - 1)*grid%cell
+            cell = grid%cell
+            if (allocated(grid%ends)) then
+                s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
+                cell = grid%ends(k + 1) - grid%ends(k)
+            end if
             ! both flanks meet the circle through the neighbour's points: dr = (P.t) ds/r
             pair%s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
                 & /dot_product(pair%point_2, pair%tangent_2)
@@ -260,9 +377,12 @@ contains
             ! Out of body 1, by each flank; n = t turned by a right angle, so |P x n| = |P . t|
             own_1 = [-pair%tangent_1(2), pair%tangent_1(1)]
             own_2 = [pair%tangent_2(2), -pair%tangent_2(1)]
+            if (is_level(zone) .and. (s_1 < zone%level_low .or. s_1 > zone%level_high)) then
+                call take_steadier(own_1, own_2)
+            end if
             i = pairs%n + 1
-            pairs%cell_1(i) = grid%cell
-            pairs%cell_2(i) = grid%cell*abs(cross(pair%point_1, own_1)/cross(pair%point_2, own_2))
+            pairs%cell_1(i) = cell
+            pairs%cell_2(i) = cell*abs(cross(pair%point_1, own_1)/cross(pair%point_2, own_2))
             normal = (1.0_wp - weight)*own_2 + weight*own_1
             lever_2 = abs(cross(pair%point_2, normal))/norm2(normal)
             normal = (1.0_wp - weight)*own_1 + weight*own_2
@@ -281,6 +401,25 @@ contains
             pairs%point(:, i) = pair%point_1
             pairs%normal(:, i) = normal
         end do
+
+    contains
+
+        !> Beyond the ends of even gap one flank turns away, over an edge: the force stands normal
+        !> to the other one. All of the body's motion along a normal that turns with the edge would
+        !> make a kink where the edge begins.
+        pure subroutine take_steadier(normal_1, normal_2)
+            !> Normals of both flanks, out of body 1
+            real(wp), intent(inout) :: normal_1(2)
+            real(wp), intent(inout) :: normal_2(2)
+
+            if (abs(abs(cross(pair%point_1, normal_1)) - zone%lever) &
+                & > abs(abs(cross(pair%point_2, normal_2)) - zone%lever)) then
+                normal_1 = normal_2
+            else
+                normal_2 = normal_1
+            end if
+        end subroutine take_steadier
+
     end subroutine append_pairs
 
 end module flankload_contact_pairs

@@ -31,6 +31,10 @@ module flankload_contact_zones
         real(wp) :: s_1_low = 0.0_wp, s_1_high = 0.0_wp
         !> Arc lengths of flank 2 at those ends [mm]
         real(wp) :: s_2_low = 0.0_wp, s_2_high = 0.0_wp
+        !> The least gap angle [rad]; that of `nearest` but for the unevenness of even gap
+        real(wp) :: gap_angle = 0.0_wp
+        !> Arc lengths of flank 1 between which the gap is even [mm]; equal where it is nowhere even
+        real(wp) :: level_low = 0.0_wp, level_high = 0.0_wp
         !> Body whose sharp corner comes first on either side of the least gap, else 0, and its
         !> distance along flank 1 [mm]
         integer :: corner_low = 0, corner_high = 0
@@ -44,13 +48,24 @@ module flankload_contact_zones
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
     !> Two places of least gap this near to each other (part of the flank's length) are one.
     real(wp), parameter :: same_place = 1.0e-7_wp
+    !> Places of least gap are one where what stands between them is lower than this [mm along the
+    !> normal]: curves are known to 1e-9 mm, and the gap of conforming flanks is even but for that.
+    real(wp), parameter :: barrier = 5.0e-9_wp
+    !> Ends of even gap are found to this fraction of the flank's length.
+    real(wp), parameter :: edge_tolerance = 1.0e-6_wp
+    !> Only flanks flatter than this against each other [1/mm] conform; they do so until they turn
+    !> away as much as this, over an edge.
+    real(wp), parameter :: flat = 1.0e-4_wp, turning = 1.0e-2_wp
     !> A circle laid through a sample may miss it by some roundings.
     real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
 contains
 
     !> All places of least gap between two flanks.
-    pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, zones, n_zones, lost)
+    !>
+    !> Conforming flanks have one where the gap is even: in the middle of the stretch.
+    pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, closed_moment, zones, &
+            & n_zones, lost)
         !> Flank of body 1 and where it stands (its axis is O1)
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -59,6 +74,9 @@ contains
         type(frame_type), intent(in) :: frame_2
         !> Number of the site, noted in the zones
         integer, intent(in) :: site
+        !> Gap along the normal that the load closes anyway, times the lever [mm²]: conforming
+        !> flanks whose gap is even but for that are even
+        real(wp), intent(in) :: closed_moment
         !> Zones found are appended here; what does not fit is dropped (n_zones then passes the
         !> size)
         type(zone_type), intent(inout) :: zones(:)
@@ -67,7 +85,7 @@ contains
         !> True if a place of least gap could not be made exact; never passed over in silence
         logical, intent(out) :: lost
 
-        integer :: n, i, first, last
+        integer :: n, i, first, last, last_level
         real(wp), allocatable :: s_1(:), gap(:), radius_2(:)
         integer, allocatable :: segment(:), corner(:)
         type(zone_type) :: zone
@@ -87,7 +105,9 @@ contains
                 if (segment(last + 1) == 0) exit
                 last = last + 1
             end do
+            last_level = 0
             do i = first, last
+                if (i <= last_level) cycle
                 if (i > first) then
                     if (gap(i) > gap(i - 1)) cycle
                 end if
@@ -95,7 +115,7 @@ contains
                     if (gap(i) >= gap(i + 1)) cycle
                 end if
                 call refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-                    & radius_2, first, last, i, zone, found)
+                    & radius_2, first, last, i, closed_moment, zone, last_level, found)
                 lost = lost .or. .not. found
                 zone%site = site
                 if (n_zones > 0 .and. n_zones <= size(zones)) then
@@ -125,7 +145,7 @@ contains
 
     !> The exact least gap beside a sample that has less gap than its neighbours.
     pure subroutine refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-            & radius_2, first, last, i, zone, found)
+            & radius_2, first, last, i, closed_moment, zone, last_level, found)
         !> Flank of body 1 and where it stands
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -142,13 +162,18 @@ contains
         integer, intent(in) :: first
         integer, intent(in) :: last
         integer, intent(in) :: i
+        !> Gap along the normal that the load closes anyway, times the lever [mm²]
+        real(wp), intent(in) :: closed_moment
         !> The zone
         type(zone_type), intent(inout) :: zone
+        !> Last sample of a stretch of even gap, 0 where there is none
+        integer, intent(out) :: last_level
         !> False if no exact pair could be found
         logical, intent(out) :: found
 
         type(pair_type) :: pair
-        real(wp) :: delta, kappa_1, kappa_2, point(2), tangent(2), back_1, back_2
+        real(wp) :: delta, level(2)
+        integer :: start, lower
 
         delta = beside*curve_length(flank_1%curve)
         zone%s_1_low = s_1(first)
@@ -160,16 +185,23 @@ contains
         if (.not. found) return
         zone%s_2_high = pair%s_2
 
-        call walk_downhill(pair, zone%corner, found)
-        if (.not. found) return
+        last_level = 0
+        start = i
+        do
+            call walk_downhill(start, pair, zone%corner, found)
+            if (.not. found) return
+            zone%gap_angle = pair%gap_angle
+            if (.not. is_flat(pair)) exit
+            call level_out(pair, zone%corner, level, last_level, lower, found)
+            if (.not. found) return
+            if (lower == 0) exit
+            start = lower
+        end do
         zone%nearest = pair
+        zone%level_low = merge(level(1), pair%s_1, last_level > 0)
+        zone%level_high = merge(level(2), pair%s_1, last_level > 0)
         call note_corners(zone)
-        ! on a corner the curvature is that of the side towards the root
-        back_1 = merge(delta, 0.0_wp, abs(zone%corner) == 1)
-        back_2 = merge(delta, 0.0_wp, abs(zone%corner) == 2)
-        call placed_point(flank_1%curve, frame_1, pair%s_1 - back_1, point, tangent, kappa_1)
-        call placed_point(flank_2%curve, frame_2, pair%s_2 - back_2, point, tangent, kappa_2)
-        zone%curvature = kappa_1 + kappa_2
+        zone%curvature = sum_of_curvatures(pair, zone%corner)
         ! |P x n| = |P . t|: n is t turned by a right angle
         zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
         if (abs(zone%corner) == 1) zone%lever = abs(dot_product(pair%point_1, pair%tangent_2))
@@ -209,10 +241,166 @@ contains
             end do
         end subroutine exact_pair
 
-        !> From sample i to where the gap is least: a sample, or a place between two.
+        !> Sum of both curvatures at a pair; on a corner that of the side towards the root.
+        pure function sum_of_curvatures(at, at_corner) result(curvature)
+            !> The pair
+            type(pair_type), intent(in) :: at
+            !> Body whose corner it lies on
+            integer, intent(in) :: at_corner
+            real(wp) :: curvature
+
+            real(wp) :: kappa_1, kappa_2, point(2), tangent(2), back_1, back_2
+
+            back_1 = merge(delta, 0.0_wp, abs(at_corner) == 1)
+            back_2 = merge(delta, 0.0_wp, abs(at_corner) == 2)
+            call placed_point(flank_1%curve, frame_1, at%s_1 - back_1, point, tangent, kappa_1)
+            call placed_point(flank_2%curve, frame_2, at%s_2 - back_2, point, tangent, kappa_2)
+            curvature = kappa_1 + kappa_2
+        end function sum_of_curvatures
+
+        !> Whether the flanks conform on one side of a pair at least.
+        pure function is_flat(at) result(conforms)
+            !> The pair
+            type(pair_type), intent(in) :: at
+            logical :: conforms
+
+            type(pair_type) :: aside
+            integer :: side, k
+            logical :: met
+
+            conforms = .false.
+            do side = 1, 2
+                k = neighbour(at%s_1, side)
+                if (k < first .or. k > last) cycle
+                call exact_pair(0.5_wp*(at%s_1 + s_1(k)), segment(k), aside, met)
+                if (met) conforms = conforms .or. abs(sum_of_curvatures(aside, 0)) <= flat
+            end do
+        end function is_flat
+
+        !> The sample before (side 1) or behind (side 2) a place; not within rounding of it.
+        pure function neighbour(s, side) result(k)
+            !> The place [mm]
+            real(wp), intent(in) :: s
+            !> Which side
+            integer, intent(in) :: side
+            integer :: k
+
+            if (side == 1) then
+                k = first - 1 + count(s_1(first:last) < s - delta)
+            else
+                k = last + 1 - count(s_1(first:last) > s + delta)
+            end if
+        end function neighbour
+
+        !> Whether the flanks conform from a place on, away from a pair of least gap.
+        pure subroutine look_at(nearest, s, k, side, even, height, goes_on, is_found)
+            !> The pair
+            type(pair_type), intent(in) :: nearest
+            !> The place [mm] and a sample near it
+            real(wp), intent(in) :: s
+            integer, intent(in) :: k
+            !> 1: towards smaller arc length, 2: towards greater
+            integer, intent(in) :: side
+            !> How uneven the gap may be [rad]
+            real(wp), intent(in) :: even
+            !> Gap angle there less that of the pair [rad]
+            real(wp), intent(out) :: height
+            !> Whether they do
+            logical, intent(out) :: goes_on
+            !> False if an exact pair could not be found
+            logical, intent(out) :: is_found
+
+            type(pair_type) :: aside
+            real(wp) :: kappa_1, kappa_2, point(2), tangent(2), ahead
+
+            goes_on = .false.
+            height = 0.0_wp
+            call exact_pair(s, segment(k), aside, is_found)
+            if (.not. is_found) return
+            height = aside%gap_angle - nearest%gap_angle
+            if (height > even) return
+            ! the end of the stretch is an end, whatever the curve would do beyond
+            goes_on = k == merge(first, last, side == 1) .and. .not. abs(s - s_1(k)) > 0.0_wp
+            if (goes_on) return
+            ahead = merge(-delta, delta, side == 1)
+            call placed_point(flank_1%curve, frame_1, aside%s_1 + ahead, point, tangent, kappa_1)
+            ahead = ahead*dot_product(aside%point_1, aside%tangent_1) &
+                & /dot_product(aside%point_2, aside%tangent_2)
+            call placed_point(flank_2%curve, frame_2, aside%s_2 + ahead, point, tangent, kappa_2)
+            goes_on = abs(kappa_1 + kappa_2) <= turning
+        end subroutine look_at
+
+        !> To the middle of the stretch over which the gap is even, or on to where it is less.
+        pure subroutine level_out(nearest, at_corner, level, high, lower_sample, is_found)
+            !> A pair of least gap
+            type(pair_type), intent(inout) :: nearest
+            !> What the pair lies on
+            integer, intent(inout) :: at_corner
+            !> Ends of that stretch [mm]
+            real(wp), intent(out) :: level(2)
+            !> Its last sample, 0 if there is no such stretch
+            integer, intent(out) :: high
+            !> A sample with less gap that no barrier parts from the pair, 0 if there is none
+            integer, intent(out) :: lower_sample
+            !> False if an exact pair could not be found
+            logical, intent(out) :: is_found
+
+            integer :: k, side, here
+            real(wp) :: scale, even, height, lowest, beyond
+            logical :: goes_on
+
+            is_found = .true.
+            lower_sample = 0
+            lowest = -barrier
+            scale = abs(dot_product(nearest%point_1, nearest%tangent_1))
+            even = max(barrier, closed_moment/scale)
+            level = nearest%s_1
+            high = 0
+            do side = 1, 2
+                k = neighbour(nearest%s_1, side)
+                do while (k >= first .and. k <= last)
+                    call look_at(nearest, s_1(k), k, side, even/scale, height, goes_on, is_found)
+                    height = scale*height
+                    if (.not. is_found) return
+                    if (height < lowest) then
+                        lowest = height
+                        lower_sample = k
+                    end if
+                    if (.not. goes_on) exit
+                    level(side) = s_1(k)
+                    high = max(high, k)
+                    k = k + 2*side - 3
+                end do
+                if (k < first .or. k > last) cycle
+                ! where the flanks part, between two samples
+                beyond = s_1(k)
+                do while (abs(beyond - level(side)) > edge_tolerance*curve_length(flank_1%curve))
+                    call look_at(nearest, 0.5_wp*(level(side) + beyond), k, side, even/scale, &
+                        & height, goes_on, is_found)
+                    if (.not. is_found) return
+                    if (goes_on) then
+                        level(side) = 0.5_wp*(level(side) + beyond)
+                    else
+                        beyond = 0.5_wp*(level(side) + beyond)
+                    end if
+                end do
+            end do
+            if (high == 0 .or. lower_sample > 0) then
+                high = 0
+                return
+            end if
+            at_corner = 0
+            here = neighbour(0.5_wp*(level(1) + level(2)), 2)
+            call exact_pair(0.5_wp*(level(1) + level(2)), segment(min(here, last)), nearest, &
+                & is_found)
+        end subroutine level_out
+
+        !> From a sample to where the gap is least: a sample, or a place between two.
         !>
         !> The polyline of flank 2 may mislead by a sample or two; the exact slopes do not.
-        pure subroutine walk_downhill(nearest, at_corner, is_found)
+        pure subroutine walk_downhill(from, nearest, at_corner, is_found)
+            !> The sample
+            integer, intent(in) :: from
             !> The pair of least gap
             type(pair_type), intent(inout) :: nearest
             !> What the sample is if the pair lies on one
@@ -224,7 +412,7 @@ contains
             type(pair_type) :: near, far
 
             do side = -1, 1, 2
-                k = i
+                k = from
                 do
                     call exact_pair(s_1(k), segment(k), nearest, is_found)
                     if (.not. is_found) return
@@ -242,7 +430,7 @@ contains
                     end if
                     k = k + side
                 end do
-                if (k /= i) return
+                if (k /= from) return
             end do
         end subroutine walk_downhill
 

@@ -5,7 +5,8 @@
 !> 5).
 module flankload_influence_number
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel
+    use flankload_compliance_field, only: compliance_type, mode_values, mean_strip_kernel, &
+        & strip_kernel
     use flankload_contact_pairs, only: pairs_type
     implicit none
     private
@@ -68,6 +69,12 @@ contains
                 do j = load_first, load_last
                     matrix(j:load_last, j) = matrix(j:load_last, j) + strip(:load_last - j + 1)
                 end do
+            else if (is_graded(load_first, load_last)) then
+                do j = load_first, load_last
+                    matrix(j:load_last, j) = matrix(j:load_last, j) &
+                        & + mean_strip_kernel(s(j:load_last) - s(j), cell(j:load_last), cell(j), &
+                        & body%kernel)
+                end do
             else
                 do j = load_first, load_last
                     do i = j, load_last
@@ -111,6 +118,18 @@ contains
             even = all(abs(cell(from:to) - cell(from)) <= rounding*cell(from)) .and. &
                 & all(abs(s(from + 1:to) - s(from:to - 1) - cell(from)) <= rounding*maxval(abs(s)))
         end function is_even
+
+        !> True if widths differ so much that a mean width says nothing of two neighbours.
+        pure function is_graded(from, to) result(graded)
+            !> First and last pair
+            integer, intent(in) :: from
+            integer, intent(in) :: to
+            logical :: graded
+
+            real(wp), parameter :: largest_ratio = 10.0_wp
+
+            graded = maxval(cell(from:to)) > largest_ratio*minval(cell(from:to))
+        end function is_graded
 
     end subroutine add_recession
 

@@ -34,7 +34,7 @@ contains
     end function hertz_half_width
 
     !> Forces and rotation with one unknown for each place.
-    subroutine lumped_contact(smooth, gap_angles, levers, curvatures, kernel, torque, &
+    subroutine lumped_contact(smooth, gap_angles, levers, curvatures, widest, kernel, torque, &
             & least_half_width, forces, rotation, pivots, error)
         !> Smooth compliance of both bodies between the places [mm/N], shape (n, n)
         real(wp), intent(in) :: smooth(:, :)
@@ -42,6 +42,8 @@ contains
         real(wp), intent(in) :: gap_angles(:)
         real(wp), intent(in) :: levers(:)
         real(wp), intent(in) :: curvatures(:)
+        !> Half the length of flank on which the contact can grow [mm], shape (n)
+        real(wp), intent(in) :: widest(:)
         !> c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
         !> Torque on body 1 [N mm]
@@ -74,8 +76,8 @@ contains
         do pass = 1, n_passes
             matrix = smooth
             do i = 1, n
-                near = max(least_half_width, hertz_half_width(max(forces(i), least_part*full(i)), &
-                    & curvatures(i), kernel))
+                near = max(least_half_width, min(widest(i), &
+                    & hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), kernel)))
                 matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
             end do
             call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &

@@ -11,8 +11,8 @@ module flankload_position
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_influence_number, only: influence_matrix, smooth_compliance
-    use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
-        & solve_contact_problem
+    use flankload_contact_loop, only: contact_result, method_auto, method_single, &
+        & definite_matrix, symmetric_matrix, solve_contact_problem
     use flankload_lumped_hertz, only: lumped_contact
     implicit none
     private
@@ -68,12 +68,19 @@ module flankload_position
     integer, parameter :: code_too_many_zones = -12
     integer, parameter :: code_unsettled = -13
     integer, parameter :: code_circle_misses = -14
-    !> No real job needs more zones; more than that is refused, not cut off.
-    integer, parameter :: max_zones = 64
+    !> No real job needs more zones, in all or on each site where there are many sites; more than
+    !> that is refused, not cut off.
+    integer, parameter :: max_zones = 64, max_zones_per_site = 6
     !> Grids are widened by this factor when a force stands at their end …
     real(wp), parameter :: widening = 1.6_wp
     !> … at most so often; 1.6**12 half-widths cover any flank.
     integer, parameter :: max_passes = 14
+    !> From so many pairs on the ladder chooses the loop, and uniqueness rests on K being elastic:
+    !> to factor all of it would cost more than the state.
+    integer, parameter :: many_pairs = 200
+    !> Conforming flanks are even where their gap changes by less than this part of what closes
+    !> under an equal share of the load: then all of the stretch carries.
+    real(wp), parameter :: closed_part = 0.5_wp
     !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
     !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
     real(wp), parameter :: joining = 0.02_wp
@@ -103,7 +110,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: site, n_sites, n_zones, z, pass
-        type(zone_type) :: zones(max_zones)
+        type(zone_type), allocatable :: zones(:)
         type(frame_type), allocatable :: frames_1(:), frames_2(:)
         real(wp), allocatable :: estimate(:), gap(:), widths(:, :), smooth(:, :)
         real(wp) :: rotation, kernel
@@ -114,14 +121,16 @@ contains
         allocate (frames_1(n_sites), frames_2(n_sites))
         allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
         allocate (state%site_corner(n_sites), source=0)
+        allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
         n_zones = 0
+        kernel = body_1%compliance%kernel + body_2%compliance%kernel
         faces = sites_that_face(body_1, body_2, angle_1)
         do site = 1, n_sites
             frames_1(site) = new_frame(body_1%origin, angle_1 + body_1%site_angles(site))
             frames_2(site) = new_frame(body_2%origin, angle_2 + body_2%site_angles(site))
             if (.not. faces(site)) cycle
             call find_zones(body_1%flank, frames_1(site), body_2%flank, frames_2(site), site, &
-                & zones, n_zones, lost)
+                & closed_part*kernel*torque/n_sites, zones, n_zones, lost)
             if (lost) then
                 call fatal_error(error, code_circle_misses, &
                     & 'a place of least gap could not be made exact')
@@ -133,7 +142,7 @@ contains
                 & 'no circle about O1 cuts two facing flanks at this position')
             return
         end if
-        if (n_zones > max_zones) then
+        if (n_zones > size(zones)) then
             call fatal_error(error, code_too_many_zones, &
                 & 'more places of least gap than can be kept: profile too wavy')
             return
@@ -141,7 +150,7 @@ contains
         allocate (gap(n_zones))
         do z = 1, n_zones
             site = zones(z)%site
-            gap(z) = zones(z)%nearest%gap_angle &
+            gap(z) = zones(z)%gap_angle &
                 & - (body_1%deviations(site) + body_2%deviations(site))/zones(z)%lever
         end do
         if (torque <= 0.0_wp) then
@@ -149,12 +158,12 @@ contains
             return
         end if
 
-        kernel = body_1%compliance%kernel + body_2%compliance%kernel
         smooth = smooth_compliance(body_1%compliance, zones(:n_zones)%site, &
             & zones(:n_zones)%nearest%s_1) + smooth_compliance(body_2%compliance, &
             & zones(:n_zones)%site, zones(:n_zones)%nearest%s_2)
-        call lumped_contact(smooth, gap, zones(:n_zones)%lever, zones(:n_zones)%curvature, kernel, &
-            & torque, least_half_width, estimate, rotation, state%pivots, error)
+        call lumped_contact(smooth, gap, zones(:n_zones)%lever, zones(:n_zones)%curvature, &
+            & 0.5_wp*(zones(:n_zones)%s_1_high - zones(:n_zones)%s_1_low), kernel, torque, &
+            & least_half_width, estimate, rotation, state%pivots, error)
         if (allocated(error)) return
         allocate (widths(2, n_zones), source=settings%zone_half_widths)
         joins = estimate > 0.0_wp .or. gap < rotation + joining*(rotation - minval(gap))
@@ -294,7 +303,8 @@ contains
         load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
         warm = expected_pairs(state%pairs, zones, reach, estimate)
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
-            & load_rows, [torque], symmetric_matrix, method_single, warm, contact, error)
+            & load_rows, [torque], merge(definite_matrix, symmetric_matrix, n > many_pairs), &
+            & merge(method_auto, method_single, n > many_pairs), warm, contact, error)
         if (allocated(error)) return
         state%status = contact%status
         state%rotation = contact%motion(1)

@@ -92,10 +92,11 @@ def build_bodies(scene: Scene) -> BodyPair:
             for spec, key in ((scene.body_1, "body_1"), (scene.body_2, "body_2"))
         )
         position_rad, even = _positions(scene, 2 * np.pi / body_1.teeth)
+        position_rad, alike = _without_copies(scene, position_rad)
         pairing = pair_bodies(
             body_1,
             body_2,
-            center_distance_mm=scene.pair.center_distance_mm,
+            center_distance_mm=scene.pair.axes_apart_mm,
             position_rad=position_rad,
         )
     except SceneError as error:
@@ -116,6 +117,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         *(f"body_2: {note}" for note in body_2.notes),
         *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
         *pairing.warnings,
+        *alike,
     )
     return BodyPair(
         body_1=body_1,
@@ -143,3 +145,17 @@ def _positions(scene: Scene, period_rad: float) -> tuple[NDArray[np.float64], bo
     if wanted.angles_deg is not None:
         return np.radians(np.asarray(wanted.angles_deg, dtype=float)), False
     return period_rad * np.arange(wanted.count) / wanted.count, True
+
+
+def _without_copies(
+    scene: Scene, position_rad: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Concentric splines stand the same at every position: of a count the first one suffices."""
+    concentric = scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
+    if not concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
+        return position_rad, ()
+    note = (
+        f"on common axes all positions are alike: one is computed, not {position_rad.size} "
+        "(pair.center_offset_mm parts the axes)"
+    )
+    return position_rad[:1], (note,)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flankload.scene import ComplianceBody, Gear, MeshBody, Ring, Scene
+from flankload.scene import BodySpec, ComplianceBody, MeshBody, Scene
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def effects_of(scene: Scene) -> Effects:
     )
 
 
-def _is_modified(body: Gear | Ring | MeshBody | ComplianceBody) -> bool:
+def _is_modified(body: BodySpec) -> bool:
     if isinstance(body, ComplianceBody):
         return False
     profile = body.profile if isinstance(body, MeshBody) else body

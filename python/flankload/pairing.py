@@ -5,6 +5,9 @@ O2 = (centre distance, 0), the other way where its teeth stand outwards, the sam
 stand inwards. Pair 0 stands at the pitch point at position zero; pair j lies j pitches further
 along the path of contact (j > 0: further into recess). The pitch point lies between both axes, or,
 where body 1 turns inside body 2, beyond O1.
+
+On a spline every tooth is a site: pair j is tooth j, counted in the sense of the torque from tooth
+0, which stands on the line of centres at position zero, away from O1 on the side of O2.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ import numpy as np
 
 from flankload.errors import SceneError
 from flankload.gear_mesh import Mesh, gear_mesh
+from flankload.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,8 +53,10 @@ class Pairing:
     site_deviations_mm : two (S,) arrays
         Metal that touches early, along the base tangent.
     mesh : Mesh or None
-        Gear geometry of the pair; None where a body has no involute.
+        Gear geometry of the pair; None where a body has no involute, and for splines.
     warnings : tuple of str
+    fit : SplineFit or None
+        Geometry of a spline.
     """
 
     center_distance_mm: float
@@ -63,6 +69,12 @@ class Pairing:
     site_deviations_mm: tuple[NDArray[np.float64], NDArray[np.float64]]
     mesh: Mesh | None
     warnings: tuple[str, ...]
+    fit: SplineFit | None = None
+
+    @property
+    def whole_circle(self) -> bool:
+        """Whether every tooth is a site, so that the last pair stands beside pair 0."""
+        return self.fit is not None
 
     def turns(
         self, position_rad: NDArray[np.float64]
@@ -85,6 +97,7 @@ def pair_bodies(
     ----------
     body_1, body_2 : Body
     center_distance_mm : float
+        Of a spline: the offset of its axes.
     position_rad : (P,) array
         Positions that will be asked for; they decide how many sites are looked at.
 
@@ -97,6 +110,8 @@ def pair_bodies(
     SceneError
         If the flanks cannot mesh on this centre distance; says by how much.
     """
+    if body_1.kind == "spline_shaft":
+        return _pair_spline(body_1, body_2, center_distance_mm)
     if body_1.outward < 0:
         raise SceneError(
             key="body_1",
@@ -121,9 +136,10 @@ def pair_bodies(
     # on body 1; on body 2 at a smaller one, or a greater one where it turns the same way.
     teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
     angles = (
-        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, sites) + _own_turns(body_1, teeth[0]),
+        # the tooth after pair 0 meets as pair -1
+        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, -sites) + _own_turns(body_1, teeth[0]),
         -sense * 2 * pi * sites / body_2.teeth
-        + _pitch_turns(body_2, sites)
+        + _pitch_turns(body_2, -sites)
         + _own_turns(body_2, teeth[1]),
     )
     return Pairing(
@@ -137,6 +153,27 @@ def pair_bodies(
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
         mesh=mesh,
         warnings=tuple(warnings),
+    )
+
+
+def _pair_spline(shaft: Body, hub: Body, offset: float) -> Pairing:
+    """Every tooth of the shaft in its space of the hub."""
+    warnings: list[str] = []
+    fit = spline_fit(shaft, hub, offset, warnings)
+    sites = np.arange(shaft.teeth)
+    angles = 2 * pi * sites / shaft.teeth
+    return Pairing(
+        center_distance_mm=offset,
+        turns_at_zero_rad=(0.0, fit.turn_rad),
+        ratio=-1.0,
+        period_rad=2 * pi / shaft.teeth,
+        sites=sites,
+        site_teeth=(sites, sites),
+        site_angles_rad=(angles + _pitch_turns(shaft, sites), angles + _pitch_turns(hub, sites)),
+        site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
+        mesh=None,
+        warnings=tuple(warnings),
+        fit=fit,
     )
 
 
@@ -189,13 +226,13 @@ def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
 
 
-def _pitch_turns(body: Body, sites: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Turns (S,) of the flanks by pitch errors, rad; the tooth after pair 0 meets as pair -1.
+def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turns (S,) of the flanks by pitch errors, rad; `entries` says which error a site has.
 
     An error along the base tangent turns its flank about the axis: counter-clockwise where the
     metal touches early, clockwise where the material lies beyond the flank.
     """
     if not body.pitch_errors_um:
-        return np.zeros(sites.size)
-    errors_mm = np.asarray(body.pitch_errors_um)[-sites % body.teeth] / 1000.0
-    return body.outward * errors_mm / body.reference_radius_mm
+        return np.zeros(entries.size)
+    errors_mm = np.asarray(body.pitch_errors_um)[entries % body.teeth] / 1000.0
+    return body.outward * errors_mm / (body.base_radius_mm or body.reference_radius_mm)

@@ -180,7 +180,7 @@ def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
             file=scene.file,
             key="pair.center_distance_mm",
             expected="bodies whose flanks nearly touch (to a quarter pitch) as their files stand",
-            found=f"{scene.pair.center_distance_mm:g} mm, where they {apart} {abs(gap_mm):.3f} mm",
+            found=f"{scene.pair.axes_apart_mm:g} mm, where they {apart} {abs(gap_mm):.3f} mm",
         )
     note = (
         f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "

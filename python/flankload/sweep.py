@@ -33,7 +33,7 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -4: (InputError, "numbers that do not make a contact problem"),
     -5: (InputError, "no pair could carry the torque"),
     -11: (NoContactState, "no circle about O1 cuts two facing flanks: no flank can touch here"),
-    -12: (PivotLimit, "more than 64 places of least gap: the profiles are too wavy"),
+    -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
     -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
     -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
 }

@@ -8,6 +8,7 @@ program test_core
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
+    use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
     use flankload_bordered_solution, only: solve_bordered, invert_small
     implicit none
 
@@ -30,9 +31,36 @@ program test_core
     call test_small_inverse
     call test_three_pairs
     call test_no_numbers_after_failure
+    call test_mean_over_a_strip
     print '(a)', 'all passed'
 
 contains
+
+    !> The mean over a strip is that of many narrow parts of it, the same from both sides, and goes
+    !> over smoothly to what stands for it far away.
+    subroutine test_mean_over_a_strip
+        integer, parameter :: parts = 20000
+        real(wp), parameter :: widths(2) = [0.4_wp, 0.03_wp], kernel = 1.7_wp
+        real(wp), parameter :: places(4) = [0.0_wp, 0.1_wp, 0.215_wp, 1.3_wp]
+        real(wp) :: mean, found, near, far, edge
+        integer :: i, k
+
+        do k = 1, size(places)
+            mean = 0.0_wp
+            do i = 1, parts
+                mean = mean + strip_kernel(places(k) + widths(2)*((i - 0.5_wp)/parts - 0.5_wp), &
+                    & widths(1), kernel)/parts
+            end do
+            found = mean_strip_kernel(places(k), widths(1), widths(2), kernel)
+            call expect(abs(found - mean) <= 1.0e-6_wp*kernel, 'mean of a strip over another')
+            call expect(abs(found - mean_strip_kernel(-places(k), widths(2), widths(1), kernel)) &
+                & <= 1.0e-12_wp*kernel, 'mean of a strip from the other one')
+        end do
+        edge = 8.0_wp*maxval(widths)
+        near = mean_strip_kernel(edge, widths(1), widths(2), kernel)
+        far = mean_strip_kernel(edge*(1.0_wp + epsilon(1.0_wp)), widths(1), widths(2), kernel)
+        call expect(abs(near - far) <= 2.0e-6_wp*kernel, 'mean of a strip far away')
+    end subroutine test_mean_over_a_strip
 
     !> Stop where something does not hold.
     subroutine expect(holds, what)

@@ -195,7 +195,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"pair__x": 1},
             "pair.x",
-            "a known key (center_distance_mm, face_width_mm)",
+            "a known key (center_distance_mm, center_offset_mm, face_width_mm)",
             "the unknown key 'x'",
         ),
         (
@@ -244,7 +244,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": ABSENT},
             "body_1.kind",
-            "'gear' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'mesh' or 'compliance'",
             "nothing",
         ),
         (
@@ -275,13 +275,13 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": "ring"},
             "body_1.kind",
-            "'gear' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'mesh' or 'compliance'",
             "'ring'",
         ),
         (
             {"body_1__kind": ["gear"]},
             "body_1.kind",
-            "'gear' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'mesh' or 'compliance'",
             "['gear']",
         ),
         (

@@ -8,13 +8,17 @@ from typing import TYPE_CHECKING
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import ComplianceBody, Gear, MeshBody, Ring
+    from flankload.scene import BodySpec
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
+#: Flanks of splines are about half as high, in modules, as those of gears.
+SPLINE_PART = 0.45
+
+
 def build_body(
-    spec: Gear | Ring | MeshBody | ComplianceBody,
+    spec: BodySpec,
     key: str,
     *,
     folder: Path,
@@ -25,7 +29,7 @@ def build_body(
 
     Parameters
     ----------
-    spec : Gear, Ring, MeshBody or ComplianceBody
+    spec : Gear, Ring, SplineShaft, SplineHub, MeshBody or ComplianceBody
     key : str
         Key of the table in the scene, for messages.
     folder : Path
@@ -45,7 +49,7 @@ def build_body(
         If the body cannot be made; names the key. MeshError or ComplianceFileError where a
         file is at fault.
     """
-    from flankload.scene import ComplianceBody, Gear, MeshBody
+    from flankload.scene import ComplianceBody, Gear, MeshBody, Ring, SplineShaft
 
     if isinstance(spec, ComplianceBody):
         from flankload.bodies.compliance_body import build_compliance_body
@@ -57,10 +61,18 @@ def build_body(
         return build_mesh_body(spec, key, folder=folder)
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
+        if spec.kind in ("spline_shaft", "spline_hub"):
+            flank_element_mm *= SPLINE_PART
     if isinstance(spec, Gear):
         from flankload.bodies.gear import build_gear
 
         return build_gear(spec, key, flank_element_mm=flank_element_mm)
-    from flankload.bodies.ring import build_ring
+    if isinstance(spec, Ring):
+        from flankload.bodies.ring import build_ring
 
-    return build_ring(spec, key, flank_element_mm=flank_element_mm)
+        return build_ring(spec, key, flank_element_mm=flank_element_mm)
+    from flankload.bodies.spline import build_spline_hub, build_spline_shaft
+
+    if isinstance(spec, SplineShaft):
+        return build_spline_shaft(spec, key, flank_element_mm=flank_element_mm)
+    return build_spline_hub(spec, key, flank_element_mm=flank_element_mm)

@@ -139,7 +139,7 @@ class Body:
     Attributes
     ----------
     kind : str
-        "gear", "ring", "mesh" or "compliance".
+        "gear", "ring", "spline_shaft", "spline_hub", "mesh" or "compliance".
     curve : FlankCurve
         From root to tip.
     teeth : int
@@ -150,7 +150,8 @@ class Body:
     mode_range_mm : (float, float)
         Arc lengths between which pressure modes live.
     reference_radius_mm : float
-        Turns a rotation into a transmission error; gears: the base radius.
+        Turns a rotation into a transmission error; gears: the base radius;
+        splines: the pitch radius.
     involute : Involute or None
         Radii and angles of an involute flank; None where the profile is not known.
     flank_angle_known : bool

@@ -10,7 +10,7 @@ from flankload.bodies.sector_mesh import sector_mesh
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from flankload.scene import Gear
+    from flankload.scene import Gear, SplineShaft
 
 
 def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
@@ -34,6 +34,11 @@ def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
     SceneError
         If there is no such gear, or it cannot be meshed; names the key.
     """
+    return outward_body(spec, key, flank_element_mm=flank_element_mm)
+
+
+def outward_body(spec: Gear | SplineShaft, key: str, *, flank_element_mm: float) -> Body:
+    """Build a body whose teeth stand outwards, held at its bore; see `build_gear`."""
     profile = gear_profile(spec, key)
     bore_radius = 0.5 * spec.bore_diameter_mm
     if bore_radius >= profile.involute.root_radius_mm:
@@ -48,7 +53,7 @@ def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
             profile, bore_radius_mm=bore_radius, flank_element_mm=flank_element_mm, key=key
         )
     return Body(
-        kind="gear",
+        kind=spec.kind,
         curve=profile.curve,
         teeth=profile.teeth,
         material=Material(spec.young_modulus_MPa, spec.poisson_ratio),

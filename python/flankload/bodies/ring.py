@@ -10,7 +10,7 @@ from flankload.bodies.ring_mesh import ring_mesh
 from flankload.bodies.ring_profile import ring_profile
 
 if TYPE_CHECKING:
-    from flankload.scene import Ring
+    from flankload.scene import Ring, SplineHub
 
 
 def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
@@ -34,6 +34,11 @@ def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
     SceneError
         If there is no such ring, or it cannot be meshed; names the key.
     """
+    return inward_body(spec, key, flank_element_mm=flank_element_mm)
+
+
+def inward_body(spec: Ring | SplineHub, key: str, *, flank_element_mm: float) -> Body:
+    """Build a body whose teeth stand inwards, held at its rim; see `build_ring`."""
     profile = ring_profile(spec, key)
     outer_radius = 0.5 * spec.outer_diameter_mm
     mesh = None
@@ -42,7 +47,7 @@ def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
             profile, outer_radius_mm=outer_radius, flank_element_mm=flank_element_mm, key=key
         )
     return Body(
-        kind="ring",
+        kind=spec.kind,
         curve=profile.curve,
         teeth=profile.teeth,
         material=Material(spec.young_modulus_MPa, spec.poisson_ratio),

@@ -30,6 +30,7 @@ def _check_scene(path: Path) -> None:
     from flankload.effects import effects_of
     from flankload.gear_mesh import describe_mesh
     from flankload.solve import compliance_of
+    from flankload.spline_fit import describe_fit
 
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):
@@ -38,13 +39,14 @@ def _check_scene(path: Path) -> None:
     print(f"{scene.name}: a valid scene")
     for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2)):
         _print_rows(f"{name}: {body.kind}", _rows_of_body(body))
-    mesh = pair.pairing.mesh
+    mesh, fit = pair.pairing.mesh, pair.pairing.fit
     _print_rows(
         "pair",
         [
-            ("centre distance", f"{scene.pair.center_distance_mm:g} mm"),
+            ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
             ("face width", f"{scene.pair.face_width_mm:g} mm"),
             *(describe_mesh(mesh) if mesh is not None else ()),
+            *(describe_fit(fit) if fit is not None else ()),
         ],
     )
     asked = asdict(effects_of(scene))

@@ -13,6 +13,7 @@ from flankload.plot.curves import plot_load_sharing, plot_peak_pressure, plot_tr
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.style import png_of
+from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
 from flankload.result import write_atomically
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "plot_all",
+    "plot_flank_pressure",
+    "plot_load_per_tooth",
     "plot_load_sharing",
     "plot_loaded_pair",
     "plot_peak_pressure",
@@ -45,7 +48,9 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     -------
     tuple of Path
         transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; and
-        profile_deviation.png where a body has an involute.
+        profile_deviation.png where a body has an involute. Of bodies that touch all around
+        load_per_tooth.png, flank_pressure.png, loaded_pair.png, and with several positions
+        transmission_error.png.
 
     Raises
     ------
@@ -60,6 +65,14 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     }
     if any(profile is not None for profile in result.drawing.profiles):
         pictures["profile_deviation.png"] = plot_profile_deviation
+    if result.whole_circle:
+        pictures = {
+            "load_per_tooth.png": plot_load_per_tooth,
+            "flank_pressure.png": plot_flank_pressure,
+            "loaded_pair.png": plot_loaded_pair,
+        }
+        if result.position_rad.size > 1:
+            pictures["transmission_error.png"] = plot_transmission_error
     # Every picture is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)

@@ -12,6 +12,7 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
 from flankload.plot.style import (
+    COLOURS,
     GREY,
     STEEL,
     STYLE,
@@ -51,7 +52,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
         if result.site_force_N[p, s] > 0 and (table.site == site).any()
     ]
     with rc_context(STYLE):
-        figure = new_figure((7.2, 4.8))
+        figure = new_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
         figure.suptitle(
             f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
             x=0.01,
@@ -60,6 +61,12 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
             fontweight="bold",
         )
         figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+        if result.whole_circle:
+            axes = figure.add_subplot()
+            _draw_bodies(axes, result, p)
+            for s, site in carrying:
+                _draw_force_on_flank(axes, result, p, s, site)
+            return figure
         rows = max(1, len(carrying))
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.55, 1.0) if carrying else (1.0, 1e-3))
         axes = figure.add_subplot(grid[:, 0])
@@ -105,6 +112,9 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         if z == 1 and drawing.is_around:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # the other way round: the teeth are a hole
             shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+        elif z == 0 and result.whole_circle and rims[z]:
+            turn = np.linspace(0.0, -2 * np.pi, 361)
+            shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         axes.add_patch(
             PathPatch(
                 Path.make_compound_path(
@@ -115,6 +125,8 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
                 linewidth=0.9,
             )
         )
+        if result.whole_circle:
+            continue
         same_way = z == 0 or drawing.is_around
         at_left = (z == 0) != drawing.is_around
         axes.text(
@@ -131,6 +143,11 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
 def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of the picture: all contacts of the position and about a tooth around them."""
     drawing = result.drawing
+    if result.whole_circle:
+        rim = drawing.bore_radius_2_mm or float(np.hypot(*drawing.outline_2.T).max())
+        half = np.array([1.04, 1.04]) * rim
+        middle = np.array([drawing.center_distance_mm, 0.0])
+        return middle - half, middle + half
     tip_1 = float(np.max(np.hypot(*drawing.outline_1.T)))
     radii_2 = np.hypot(*drawing.outline_2.T)
     # the teeth meet between the axes, or, inside body 2, beyond the axis of body 1
@@ -154,6 +171,19 @@ def _rows_of_pair(result: Result, p: int, site: int) -> NDArray[np.int64]:
     table = result.pairs(p)
     rows = np.flatnonzero(table.site == site)
     return np.asarray(rows[np.argsort(table.arc_length_1_mm[rows], kind="stable")])
+
+
+def _draw_force_on_flank(axes: Axes, result: Result, p: int, s: int, site: int) -> None:
+    """The force as a bar that stands on the part of the flank that carries."""
+    table = result.pairs(p)
+    rows = _rows_of_pair(result, p, site)
+    rows = rows[table.force_N[rows] > 0]
+    place = np.column_stack([table.x_mm, table.y_mm])[rows]
+    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    low, high = axes.get_ylim()
+    height = 0.08 * (high - low) * result.site_force_N[p, s] / result.site_force_N[p].max()
+    bar = np.vstack([place, (place + normal * height)[::-1]])
+    axes.add_patch(Polygon(bar, closed=True, facecolor=COLOURS[1], edgecolor=COLOURS[1]))
 
 
 def _draw_pressure_on_flank(axes: Axes, result: Result, p: int, s: int, site: int) -> None:

@@ -25,6 +25,7 @@ ALONG_POSITIONS = {
     "stiffness_tangent_Nm_per_rad": "N m/rad",
     "stiffness_secant_N_per_um": "N/um",
     "stiffness_tangent_N_per_um": "N/um",
+    "loaded_pairs": "1",
     "status": "1",
 }
 
@@ -114,7 +115,15 @@ def results_to_json(results: Result | Sequence[Result], path: str | Path | None 
 
 
 def _tree(result: Result) -> dict[str, Any]:
-    keys = ["name", *SINGLE_NUMBERS, "closed", "sites", *ALONG_POSITIONS, *OVER_SITES]
+    keys = [
+        "name",
+        *SINGLE_NUMBERS,
+        "closed",
+        "whole_circle",
+        "sites",
+        *ALONG_POSITIONS,
+        *OVER_SITES,
+    ]
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
     tree["pairs"] = [table.columns() for table in result.pair_tables]

@@ -55,7 +55,9 @@ def result_of(
     -------
     Result
     """
-    carries = np.flatnonzero((found.site_force_N > 0).any(axis=0) | (pair.pairing.sites == 0))
+    circle = pair.pairing.whole_circle
+    loaded = (found.site_force_N > 0).any(axis=0)
+    carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = face_width_mm
     return make_result(
         name=name,
@@ -72,6 +74,7 @@ def result_of(
         corner_contact=found.site_corner[:, carries] > 0,
         period_rad=pair.pairing.period_rad,
         closed=pair.closed,
+        whole_circle=circle,
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(compliances, found, stages),

@@ -42,6 +42,8 @@ class Result:
         Radius that turns rotation into transmission error; width; one tooth pitch of body 1.
     closed : bool
         Whether the positions divide one period evenly.
+    whole_circle : bool
+        Whether the sites are all teeth of the bodies (splines), also those that carry nothing.
     site_force_N, peak_pressure_MPa : (P, S) arrays
         Force and largest pressure of each flank pair; 0 where open.
     stiffness_tangent_Nm_per_rad : (P,) array
@@ -67,6 +69,7 @@ class Result:
     face_width_mm: float
     period_rad: float
     closed: bool
+    whole_circle: bool
     site_force_N: Floats
     peak_pressure_MPa: Floats
     stiffness_tangent_Nm_per_rad: Floats
@@ -90,6 +93,11 @@ class Result:
         share = np.zeros_like(self.site_force_N)
         np.divide(self.site_force_N, total, out=share, where=total > 0)
         return _frozen(share)
+
+    @cached_property
+    def loaded_pairs(self) -> NDArray[np.int64]:
+        """(P,) Number of pairs (on splines: teeth) that carry."""
+        return _frozen((self.site_force_N > 0).sum(axis=1))
 
     @cached_property
     def stiffness_secant_Nm_per_rad(self) -> Floats:
@@ -125,7 +133,7 @@ class Result:
         the same of `peak_pressure_off_corners`, the largest that means something.
         """
         error = self.transmission_error_um
-        loaded = (self.site_force_N > 0).sum(axis=1)
+        loaded = self.loaded_pairs
         smooth = np.where(self.corner_contact, 0.0, self.peak_pressure_MPa)
         return {
             "transmission_error_mean_um": float(error.mean()),
@@ -191,6 +199,7 @@ def make_result(
     cost: Mapping[str, Any],
     warnings: Sequence[str],
     drawing: PairDrawing,
+    whole_circle: bool = False,
 ) -> Result:
     """Put a result together; arrays are copied and frozen.
 
@@ -231,6 +240,7 @@ def make_result(
         face_width_mm=float(face_width_mm),
         period_rad=float(period_rad),
         closed=bool(closed),
+        whole_circle=bool(whole_circle),
         site_force_N=array("site_force_N", site_force_N, across),
         peak_pressure_MPa=array("peak_pressure_MPa", peak_pressure_MPa, across),
         stiffness_tangent_Nm_per_rad=array(

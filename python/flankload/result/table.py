@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
     from flankload.result.result import Result
 
+#: Columns of a position and their units.
+HEAD = ("position", "transm. error", "tangent stiffness", "secant stiffness")
+UNITS = ("deg", "um", "N/um", "N/um")
+
 #: What stands behind a pressure that a sharp corner carries.
 CORNER_MARK = "*"
 #: What the contact solver certifies of a position, beyond "solved" (0).
@@ -34,7 +38,8 @@ def text_of(result: Result) -> str:
     str
         Lines without a line break at the end.
     """
-    lines = [_title(result), "", *_rows(result), "", *_footer(result)]
+    rows = _rows_of_circle(result) if result.whole_circle else _rows(result)
+    lines = [_title(result), "", *rows, "", *_footer(result)]
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -47,17 +52,23 @@ def _title(result: Result) -> str:
 
 
 def _rows(result: Result) -> Iterator[str]:
-    head = ("position", "transm. error", "tangent stiffness", "secant stiffness")
-    units = ("deg", "um", "N/um", "N/um")
     sites = [f"pair {site}" for site in result.sites]
-    widths = [len(text) for text in head]
-    yield "  ".join([*head, *(f"{site:^15}" for site in sites)])
+    widths = [len(text) for text in HEAD]
+    yield "  ".join([*HEAD, *(f"{site:^15}" for site in sites)])
     yield "  ".join(
         [
-            *(f"{unit:>{width}}" for unit, width in zip(units, widths, strict=True)),
+            *(f"{unit:>{width}}" for unit, width in zip(UNITS, widths, strict=True)),
             *(f"{'share %':>7} {'MPa':>6} " for _ in sites),
         ]
     )
+    for p, cells in enumerate(_position_cells(result)):
+        for s in range(result.sites.size):
+            cells.append(_site_cell(result, p, s))
+        yield "  ".join(cells)
+
+
+def _position_cells(result: Result) -> Iterator[list[str]]:
+    """What stands for a position before its pairs."""
     numbers = np.column_stack(
         [
             np.degrees(result.position_rad),
@@ -67,14 +78,39 @@ def _rows(result: Result) -> Iterator[str]:
         ]
     )
     formats = (".3f", ".3f", ".2f", ".2f")
-    for p, row in enumerate(numbers):
-        cells = [
-            f"{value:>{width}{form}}" if isfinite(value) else f"{'-':>{width}}"
-            for value, width, form in zip(row, widths, formats, strict=True)
+    for row in numbers:
+        yield [
+            f"{value:>{len(name)}{form}}" if isfinite(value) else f"{'-':>{len(name)}}"
+            for value, name, form in zip(row, HEAD, formats, strict=True)
         ]
-        for s in range(result.sites.size):
-            cells.append(_site_cell(result, p, s))
+
+
+def _rows_of_circle(result: Result) -> Iterator[str]:
+    """A row per position, then one per tooth where a tooth carries most."""
+    more, units = ("teeth loaded", "most on one", "at tooth"), ("", "share %", "")
+    yield "  ".join([*HEAD, *more])
+    titles = zip((*UNITS, *units), (*HEAD, *more), strict=True)
+    yield "  ".join(f"{unit:>{len(name)}}" for unit, name in titles)
+    for p, cells in enumerate(_position_cells(result)):
+        s = int(np.argmax(result.site_force_N[p]))
+        at = f"{result.sites[s]}" if result.loaded_pairs[p] else "-"
+        values = (f"{result.loaded_pairs[p]}", f"{100 * result.load_share[p, s]:.2f}", at)
+        cells += [f"{value:>{len(name)}}" for value, name in zip(values, more, strict=True)]
         yield "  ".join(cells)
+    p = int(np.argmax(result.site_force_N.max(axis=1)))
+    yield ""
+    yield f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
+    yield f"{'tooth':>8}  {'force':>8}  {'share':>7}  {'pressure':>8}"
+    yield f"{'':>8}  {'kN':>8}  {'%':>7}  {'MPa':>8}"
+    for s, site in enumerate(result.sites):
+        if result.site_force_N[p, s] <= 0:
+            yield f"{site:>8}  {'-':>8}  {'-':>7}  {'-':>8}"
+            continue
+        mark = CORNER_MARK if result.corner_contact[p, s] else ""
+        yield (
+            f"{site:>8}  {result.site_force_N[p, s] / 1e3:8.3f}  "
+            f"{100 * result.load_share[p, s]:7.2f}  {result.peak_pressure_MPa[p, s]:8.0f}{mark}"
+        )
 
 
 def _site_cell(result: Result, p: int, s: int) -> str:
@@ -99,6 +135,8 @@ def _footer(result: Result) -> Iterator[str]:
     text = f"{least}" if least == most else f"{least} to {most}"
     if summary["contact_ratio_under_load"] is not None:
         text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f})"
+    if result.whole_circle:
+        text += f" of {result.sites.size} teeth carry"
     yield _labelled("loaded pairs", text)
     if summary["peak_pressure_pair"] is not None:
         yield _labelled("largest pressure", _largest_pressure(summary))

@@ -14,6 +14,8 @@ from math import cos, pi, radians
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
+
 from flankload.errors import SceneError
 from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
@@ -29,10 +31,14 @@ from flankload.scene.tables import (
     Positions,
     Profile,
     Ring,
+    RingKeys,
     SceneFile,
+    SplineHub,
+    SplineShaft,
 )
 
 __all__ = [
+    "BodySpec",
     "ComplianceBody",
     "Gear",
     "Load",
@@ -40,9 +46,13 @@ __all__ = [
     "Profile",
     "Ring",
     "Scene",
+    "SplineHub",
+    "SplineShaft",
     "read_scene",
     "scene_schema",
 ]
+
+BodySpec = Gear | Ring | SplineShaft | SplineHub | MeshBody | ComplianceBody
 
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
@@ -57,11 +67,11 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1 : Gear, MeshBody or ComplianceBody
+    body_1 : Gear, SplineShaft, MeshBody or ComplianceBody
         Free to turn; carries the torque.
-    body_2 : Gear, Ring, MeshBody or ComplianceBody
+    body_2 : Gear, Ring, SplineHub, MeshBody or ComplianceBody
     pair : Pair
-        Centre distance and face width, mm.
+        Centre distance, or offset of a spline, and face width, mm.
     load : Load
         Torque on body 1, N m: a number, or a tuple (one result per torque).
     positions : Positions
@@ -72,8 +82,8 @@ class Scene:
     """
 
     name: str
-    body_1: Gear | MeshBody | ComplianceBody
-    body_2: Gear | Ring | MeshBody | ComplianceBody
+    body_1: Gear | SplineShaft | MeshBody | ComplianceBody
+    body_2: Gear | Ring | SplineHub | MeshBody | ComplianceBody
     pair: Pair
     load: Load
     positions: Positions
@@ -124,6 +134,7 @@ class Scene:
             for key, body in (("body_1", d["body_1"]), ("body_2", d["body_2"])):
                 _check_body(getattr(asked, key), body, key)
             _check_whole(asked, d)
+            asked = _without_repetition(asked, d)
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
         return cls(
@@ -217,9 +228,7 @@ def _refuse(key: str, expected: str, found: object) -> None:
     )
 
 
-def _check_body(
-    body: Gear | Ring | MeshBody | ComplianceBody, given: Mapping[str, Any], key: str
-) -> None:
+def _check_body(body: BodySpec, given: Mapping[str, Any], key: str) -> None:
     if isinstance(body, ComplianceBody):
         return  # teeth and all else stand in its file
     if isinstance(body, MeshBody):
@@ -232,7 +241,7 @@ def _check_body(
             f"{len(body.pitch_errors_um)} entries",
         )
     _check_pitch_errors(body, key)
-    if isinstance(body, Gear):
+    if isinstance(body, Gear | SplineShaft):
         _check_geometry(body, given, key)
         if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
             _refuse(
@@ -248,7 +257,7 @@ def _check_body(
                 body.bore_diameter_mm,
             )
         return
-    if isinstance(body, Ring):
+    if isinstance(body, RingKeys):
         _check_geometry(body, given, key)
         _check_ring(body, key)
         return
@@ -269,20 +278,20 @@ def _check_body(
         )
 
 
-def _check_ring(ring: Ring, key: str) -> None:
+def _check_ring(ring: RingKeys, key: str) -> None:
     """Tip circle, root circle and outside of the rim follow each other outwards."""
     circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
     for inner, outer in pairwise(circles):
         if getattr(ring, outer) <= getattr(ring, inner):
             _refuse(
                 f"{key}.{outer}",
-                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of a ring "
-                "stand inwards",
+                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of a "
+                f"{'hub' if isinstance(ring, SplineHub) else 'ring'} stand inwards",
                 getattr(ring, outer),
             )
 
 
-def _check_pitch_errors(body: Gear | Ring | MeshBody, key: str) -> None:
+def _check_pitch_errors(body: Gear | RingKeys | SplineShaft | MeshBody, key: str) -> None:
     """A tooth cannot stand beside its place by more than a part of the pitch."""
     profile = body.profile if isinstance(body, MeshBody) else body
     if profile is not None:
@@ -322,8 +331,12 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
             f"a number > 0, since there is a {key}.tip_relief_um",
             "nothing",
         )
-    elif start <= body.tip_diameter_mm if isinstance(body, Ring) else start >= body.tip_diameter_mm:
-        side = "more" if isinstance(body, Ring) else "less"
+    elif (
+        start <= body.tip_diameter_mm
+        if isinstance(body, RingKeys)
+        else start >= body.tip_diameter_mm
+    ):
+        side = "more" if isinstance(body, RingKeys) else "less"
         _refuse(
             f"{key}.tip_relief_start_diameter_mm",
             f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
@@ -332,6 +345,7 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 
 
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    _check_kinds(asked)
     if asked.positions.angles_deg is not None and "count" in given["positions"]:
         _refuse(
             "positions.angles_deg",
@@ -347,3 +361,39 @@ def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
             "flanks share the torque",
             True,
         )
+
+
+def _check_kinds(asked: SceneFile) -> None:
+    """A shaft stands in a hub, on an offset; all other bodies stand on a centre distance."""
+    splines = isinstance(asked.body_1, SplineShaft), isinstance(asked.body_2, SplineHub)
+    if any(splines) and not all(splines):
+        _refuse(
+            "body_2.kind",
+            "'spline_hub' with body_1.kind 'spline_shaft': the two go together and with no other",
+            f"'{asked.body_2.kind}' with body_1.kind '{asked.body_1.kind}'",
+        )
+    distance, offset = asked.pair.center_distance_mm, asked.pair.center_offset_mm
+    if all(splines) and distance is not None:
+        _refuse(
+            "pair.center_distance_mm",
+            "nothing: a spline's axes stand on pair.center_offset_mm (absent = 0)",
+            distance,
+        )
+    if not any(splines) and offset is not None:
+        _refuse(
+            "pair.center_offset_mm",
+            f"nothing: a {asked.body_1.kind} and a {asked.body_2.kind} stand on "
+            "pair.center_distance_mm, only splines on an offset",
+            offset,
+        )
+    if not any(splines) and distance is None:
+        _refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
+
+
+def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
+    """Concentric splines have one position, unless more are asked for."""
+    if asked.body_1.kind != "spline_shaft" or asked.pair.axes_apart_mm > 0.0:
+        return asked
+    if {"count", "angles_deg"} & set(given.get("positions", {})):
+        return asked
+    return replace(asked, positions=replace(asked.positions, count=1))

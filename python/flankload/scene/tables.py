@@ -107,8 +107,8 @@ class Gear(Geometry, frozen=True, kw_only=True, tag_field="kind", tag="gear"):
         return self.teeth
 
 
-class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"):
-    """An internal spur gear, held at the outside of its rim."""
+class RingKeys(InvoluteKeys, frozen=True, kw_only=True):
+    """Keys of a body whose teeth stand inwards."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     profile_shift: Annotated[
@@ -120,6 +120,16 @@ class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"
         ),
     ] = 0.0
     root_diameter_mm: Annotated[Length, about("mm", "diameter of the root circle")]
+    outer_diameter_mm: Annotated[Length, about("mm", "outside of the rim, which is fixed")]
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+    rigid: Rigid = False
+    pitch_errors_um: PitchErrors = ()
+
+
+class Ring(RingKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"):
+    """An internal spur gear, held at the outside of its rim."""
+
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
@@ -128,16 +138,85 @@ class Ring(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="ring"
             "rounds the whole root",
         ),
     ] = None
-    outer_diameter_mm: Annotated[Length, about("mm", "outside of the rim, which is fixed")]
-    young_modulus_MPa: YoungModulus = 206000.0
-    poisson_ratio: PoissonRatio = 0.3
-    rigid: Rigid = False
-    pitch_errors_um: PitchErrors = ()
 
     @property
     def kind(self) -> str:
         """Kind of the body, as the scene file names it."""
         return "ring"
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
+
+SplineAngle = Annotated[
+    Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
+]
+IndexErrors = Annotated[
+    tuple[float, ...],
+    about(
+        "um",
+        "one deviation per tooth along the base tangent, positive = metal that touches early; "
+        "entry j is tooth j, counted in the sense of the torque from the tooth of pair 0",
+    ),
+]
+#: Root fillet of splines in modules, that of DIN 5480 for hobbed shafts.
+SPLINE_FILLET = 0.16
+
+
+class SplineShaft(InvoluteKeys, frozen=True, kw_only=True, tag_field="kind", tag="spline_shaft"):
+    """An involute spline on a shaft, held at its bore; its root is that of a generating rack."""
+
+    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    pressure_angle_deg: SplineAngle = 30.0
+    root_diameter_mm: Annotated[
+        Length, about("mm", "diameter of the root circle, which says how deep the rack cuts")
+    ]
+    fillet_radius_factor: Annotated[
+        Annotated[float, Meta(ge=0, le=2)],
+        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
+    ] = SPLINE_FILLET
+    bore_diameter_mm: Annotated[Length, about("mm", "diameter of the bore, which is fixed")]
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+    rigid: Rigid = False
+    pitch_errors_um: IndexErrors = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "spline_shaft"
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
+    @property
+    def dedendum_factor(self) -> float:
+        """Dedendum, in modules, of the rack that cuts this root circle."""
+        return 0.5 * (self.teeth - self.root_diameter_mm / self.module_mm) + self.profile_shift
+
+
+class SplineHub(RingKeys, frozen=True, kw_only=True, tag_field="kind", tag="spline_hub"):
+    """An involute spline in a hub, held at the outside of its rim."""
+
+    pressure_angle_deg: SplineAngle = 30.0
+    root_fillet_radius_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            f"radius of the arc that touches flank and root circle; absent = {SPLINE_FILLET} "
+            "modules",
+        ),
+    ] = None
+    pitch_errors_um: IndexErrors = ()
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "spline_hub"
 
     @property
     def number_of_teeth(self) -> int:
@@ -231,14 +310,23 @@ class Pair(Table, frozen=True, kw_only=True):
     """How the bodies stand to each other."""
 
     center_distance_mm: Annotated[
-        Length,
+        Length | None,
         about(
             "mm",
             "distance of the two axes as they stand: a centre-distance error is part of it, while "
-            "teeth and flanks stay what they are",
+            "teeth and flanks stay what they are; needed, but for splines",
         ),
-    ]
+    ] = None
+    center_offset_mm: Annotated[
+        Annotated[float, Meta(ge=0, le=1e5)] | None,
+        about("mm", "distance of a spline's two axes; absent = 0, they are one"),
+    ] = None
     face_width_mm: Annotated[Length, about("mm", "width over which the flanks touch")]
+
+    @property
+    def axes_apart_mm(self) -> float:
+        """Distance of the two axes."""
+        return self.center_distance_mm or self.center_offset_mm or 0.0
 
 
 class Load(Table, frozen=True, kw_only=True):
@@ -257,7 +345,11 @@ class Positions(Table, frozen=True, kw_only=True):
 
     count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)],
-        about("-", "positions, equally spaced over one period (a tooth pitch of body 1)"),
+        about(
+            "-",
+            "positions, equally spaced over one period (a tooth pitch of body 1); concentric "
+            "splines have one",
+        ),
     ] = 32
     angles_deg: Annotated[
         Angles | None, about("deg", "angles of body 1 from position zero, instead of count")
@@ -304,10 +396,12 @@ class SceneFile(Table, frozen=True, kw_only=True):
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
     body_1: Annotated[
-        Gear | MeshBody | ComplianceBody, about("", "free to turn, carries the torque")
+        Gear | SplineShaft | MeshBody | ComplianceBody,
+        about("", "free to turn, carries the torque"),
     ]
     body_2: Annotated[
-        Gear | Ring | MeshBody | ComplianceBody, about("", "stands at its kinematic angle")
+        Gear | Ring | SplineHub | MeshBody | ComplianceBody,
+        about("", "stands at its kinematic angle"),
     ]
     pair: Pair
     load: Load

@@ -1,0 +1,166 @@
+"""Pictures of bodies that touch all around: load per tooth, pressure along the flank."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import rc_context
+
+from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, subtitle
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+
+def most_loaded(result: Result) -> tuple[int, int]:
+    """Position and column of the tooth that carries most."""
+    p, s = np.unravel_index(np.argmax(result.site_force_N), result.site_force_N.shape)
+    return int(p), int(s)
+
+
+def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
+    """Force on each tooth as bars around the axis, each where its tooth stands.
+
+    Parameters
+    ----------
+    result : Result
+    position : int, optional
+        Index of the position; if absent, that at which a tooth carries most.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    p = most_loaded(result)[0] if position is None else position
+    force = result.site_force_N[p] / 1e3
+    teeth = result.sites.size
+    angle = 2 * np.pi * result.sites / teeth + result.drawing.angle_1[p]
+    with rc_context(STYLE):
+        figure = new_figure((6.2, 5.6))
+        axes = figure.add_subplot(projection="polar")
+        largest = float(force.max()) or 1.0
+        # From a ring, not from a point: near the axis bars would have no width.
+        bottom = 0.45 * largest
+        axes.bar(
+            angle,
+            force,
+            width=0.8 * 2 * np.pi / teeth,
+            bottom=bottom,
+            color=COLOURS[0],
+            edgecolor="white",
+            linewidth=0.5,
+        )
+        axes.set_ylim(0, bottom + 1.05 * largest)
+        mean = float(force.mean())
+        turn = np.linspace(0, 2 * np.pi, 361)
+        axes.plot(turn, np.full(turn.size, bottom + mean), color=COLOURS[1], linewidth=1.2)
+        axes.plot(turn, np.full(turn.size, bottom), color="#404040", linewidth=0.8)
+        axes.text(
+            0.0,
+            0.0,
+            f"{result.loaded_pairs[p]} of {teeth}\nteeth carry",
+            ha="center",
+            va="center",
+            fontsize=9,
+            color=GREY,
+        )
+        step = max(1, round(teeth / 24))
+        axes.set_xticks(angle[::step], [f"{site}" for site in result.sites[::step]])
+        ticks = _round_steps(largest)
+        axes.set_yticks(bottom + ticks, [f"{value:g} kN" if value else "" for value in ticks])
+        axes.tick_params(axis="y", labelsize=8, colors=GREY)
+        # The labels stand where the least is in their way.
+        around = force + np.roll(force, 1) + np.roll(force, -1)
+        axes.set_rlabel_position(  # type: ignore[attr-defined]
+            degrees(angle[int(np.argmin(around))])
+        )
+        for label in axes.get_yticklabels():
+            label.set_zorder(5)
+        _title(
+            figure,
+            result,
+            f"Load per tooth{_where(result, p)}",
+            f"mean {mean:.3g} kN (line), most {largest / mean if mean else 0:.2f} times that",
+        )
+        return figure
+
+
+def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
+    """Pressure over the height of the flank of the tooth that carries most.
+
+    Parameters
+    ----------
+    result : Result
+    position : int, optional
+        Index of the position; if absent, that at which a tooth carries most.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    p = most_loaded(result)[0] if position is None else position
+    s = int(np.argmax(result.site_force_N[p]))
+    table = result.pairs(p)
+    rows = np.flatnonzero(table.site == result.sites[s])
+    rows = rows[np.argsort(table.arc_length_1_mm[rows], kind="stable")]
+    with rc_context(STYLE):
+        figure = new_figure(SIZE)
+        axes = figure.add_subplot()
+        if rows.size:
+            # Each cell at its width: towards the edges they are fine.
+            half, along = 0.5 * table.cell_mm[rows], table.arc_length_1_mm[rows]
+            radius = np.interp(
+                np.append(along - half, along[-1] + half[-1]), along, table.radius_mm[rows]
+            )
+            axes.stairs(table.pressure_MPa[rows], radius, fill=True, color=COLOURS[0], alpha=0.2)
+            axes.plot(table.radius_mm[rows], table.pressure_MPa[rows], color=COLOURS[0])
+            length = float(table.cell_mm[rows][table.force_N[rows] > 0].sum())
+            mean = result.site_force_N[p, s] / (length * result.face_width_mm) if length else 0.0
+            axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
+            axes.text(
+                0.5,
+                mean,
+                f"mean {mean:.0f} MPa (dashed)",
+                transform=axes.get_yaxis_transform(),
+                ha="center",
+                va="bottom",
+                fontsize=9,
+                color=GREY,
+            )
+        axes.set_ylim(0, None)
+        axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
+        axes.set_ylabel("pressure in MPa")
+        corner = "; peaks on a sharp corner, not meaningful" if result.corner_contact[p, s] else ""
+        _title(
+            figure,
+            result,
+            f"Pressure on tooth {result.sites[s]}{_where(result, p)}",
+            f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}",
+        )
+        return figure
+
+
+def _where(result: Result, p: int) -> str:
+    if result.position_rad.size == 1 and result.position_rad[p] == 0:
+        return ""
+    return f" at {degrees(result.position_rad[p]):.4g}°"
+
+
+def _title(figure: Figure, result: Result, title: str, second: str) -> None:
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+    axes = figure.axes[0]
+    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
+
+
+def _round_steps(largest: float) -> NDArray[np.float64]:
+    """0 and two or more round values up to the largest."""
+    power = 10.0 ** np.floor(np.log10(largest))
+    step = next(part * power for part in (0.5, 0.2, 0.1) if largest >= 2 * part * power)
+    step *= max(1, round(largest / step / 4))
+    return np.arange(0.0, largest * 1.0001, step)
