@@ -6,7 +6,11 @@ import re
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
+from tolerances import SOLVER
+
+import flankload as fl
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,6 +38,28 @@ def test_files_that_the_readme_names_exist() -> None:
     assert paths
     for path in paths:
         assert (ROOT / path).exists(), path
+
+
+def test_compliance_files_of_the_example_are_those_of_its_gears() -> None:
+    """They were written by `flankload compliance`; where this fails, write them again."""
+    scenes = ROOT / "examples" / "scenes"
+    computed = fl.solve(fl.read_scene(scenes / "external_gear.toml"))
+    read = fl.solve(fl.read_scene(scenes / "external_gear_compliance.toml"))
+    assert read.cost["fe_factorisations"] == 0
+    np.testing.assert_allclose(read.rotation_rad, computed.rotation_rad, rtol=SOLVER, atol=0)
+    np.testing.assert_allclose(
+        read.site_force_N, computed.site_force_N, rtol=0, atol=SOLVER * computed.site_force_N.max()
+    )
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "examples" / "scenes").glob("*.toml")), ids=lambda p: p.stem
+)
+def test_scene_of_the_examples_is_solved(path: Path) -> None:
+    result = fl.solve(fl.read_scene(path))
+    assert (result.status >= 0).all()
+    assert np.isfinite(result.rotation_rad).all()
+    assert result.estimate["transmission_error"] < 0.02
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("ex*.py")), ids=lambda p: p.stem)
