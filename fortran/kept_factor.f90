@@ -213,7 +213,10 @@ contains
             end do
         end associate
         factor%growth = max(factor%growth, largest_l, largest_u/factor%largest)
-        ! A pivot of zero leaves NaN behind: that is growth without bound.
+        ! A pivot of zero leaves NaN behind, the last one only itself: growth without bound.
+        if (k >= first) then
+            if (abs(pivot) <= dependent*factor%growth*factor%largest) factor%growth = huge(1.0_wp)
+        end if
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
     end subroutine add_rank_one_lu
 
