@@ -94,8 +94,29 @@ contains
         call fatal_error(error, no_contact_state, 'no state was found')
     end subroutine take_last_rung
 
-    !> From the pairs that touch to the state.
+    !> From the pairs that touch to the state. A symmetric K need not be positive definite among
+    !> them: where its Cholesky factor leads to no state, an LU factor may.
     pure subroutine settle_pairs(problem, compliance, pairs, state, settled)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs
+        integer, intent(in) :: pairs(:)
+        !> The state
+        type(loop_state), intent(out) :: state
+        !> False if they lead to none
+        logical, intent(out) :: settled
+
+        call settle_factored(problem, compliance, pairs, state, settled)
+        if (settled .or. .not. problem%symmetric) return
+        problem%symmetric = .false.
+        call settle_factored(problem, compliance, pairs, state, settled)
+        problem%symmetric = .not. settled
+    end subroutine settle_pairs
+
+    !> The same with one kind of factor.
+    pure subroutine settle_factored(problem, compliance, pairs, state, settled)
         !> The problem
         type(contact_problem), intent(inout) :: problem
         !> K
@@ -124,7 +145,7 @@ contains
         ! What was decided with ties broken may have to be decided again.
         call single_loop(problem, compliance, pairs, .true., state, error)
         settled = .not. allocated(error)
-    end subroutine settle_pairs
+    end subroutine settle_factored
 
     !> Loops and paths from other starts.
     pure subroutine try_other_starts(touching, compliance, problem, state, pivots, settled)

@@ -188,3 +188,30 @@ def test_loops_that_would_go_in_circles_step_down_early(seed: int, method: str) 
     assert state.info.backward_error <= 10 * EPS
     # One at a time goes in circles here; it used to take 20 pivots a pair to say so.
     assert state.info.pivots <= 8 * n
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_symmetric_matrix_that_is_not_definite_among_its_pairs(method: str) -> None:
+    matrix = np.array(
+        [
+            [3.0, -4.0, -4.0, -3.0, -3.0],
+            [-4.0, 4.0, -3.0, -1.0, -1.0],
+            [-4.0, -3.0, 2.0, 1.0, 4.0],
+            [-3.0, -1.0, 1.0, 1.0, 5.0],
+            [-3.0, -1.0, 4.0, 5.0, 1.0],
+        ]
+    )
+    state = fl.solve_contact_general(
+        matrix, [1.0, 0.0, 2.0, 1.0, 0.0], [1.0, 1.0, 2.0, 2.0, 1.0], 1.0, method=method
+    )
+    np.testing.assert_allclose(
+        state.normal_forces, np.array([19.0, 17.0, 0.0, 0.0, 33.0]) / 69.0, rtol=SOLVER, atol=SOLVER
+    )
+
+
+def test_a_pair_that_leaves_singular_pairs_behind() -> None:
+    matrix = [[2, 0, 4, 1], [1, 2, 4, 0], [1, 2, 2, 3], [2, 2, 1, 3]]
+    motions = np.array([[3.0, -4.0], [4.0, 0.0], [4.0, 3.0], [3.0, 4.0]])
+    state = fl.solve_contact_general(matrix, [1.0, 6.0, 5.0, 1.0], motions, [2.0, 1.0])
+    assert state.info.backward_error <= 10 * EPS
+    np.testing.assert_allclose(state.normal_forces @ motions, [2.0, 1.0], rtol=SOLVER)
