@@ -11,6 +11,7 @@ module flankload_column_demand
         & singular_contact
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: row_tolerance, definite_matrix, definite_part
+    use flankload_contact_certificate, only: energy_slack
     use flankload_contact_loop, only: solve_contact_problem, method_paper
     implicit none
     private
@@ -119,7 +120,8 @@ contains
         integer :: i, most
         logical, allocatable :: absent(:)
         integer, allocatable :: place(:)
-        real(wp), allocatable :: block(:, :), gaps(:), sizes(:)
+        real(wp), allocatable :: block(:, :), gaps(:), sizes(:), recession(:)
+        real(wp) :: energy
 
         allocate (wanted(0))
         call blank(result, size(diagonal), size(loads))
@@ -155,8 +157,16 @@ contains
         wanted = least(gaps, absent .and. gaps < -row_tolerance*sizes, most)
         if (size(wanted) > 0) return
         where (absent) result%gaps = max(gaps, 0.0_wp)
-        if (any(absent)) call certify_others(pack(gaps/sizes, absent), &
+        if (.not. any(absent)) return
+        call certify_others(pack(gaps/sizes, absent), &
             & structure == definite_matrix .or. structure == definite_part, result)
+        if (structure /= definite_matrix) return
+        recession = matmul(columns, part%forces)
+        energy = dot_product(part%forces, recession(known))
+        if (any(absent .and. recession**2 > energy_slack*energy*diagonal)) then
+            result%unique = .false.
+            result%status = 3
+        end if
     end subroutine solve_known_columns
 
     !> Numbers and shapes that fit.

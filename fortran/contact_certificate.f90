@@ -10,11 +10,14 @@ module flankload_contact_certificate
     private
 
     public :: certify, is_unique
+    public :: energy_slack
 
     !> From here on the split between neighbouring pairs has lost half of its digits.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     !> Rows with gaps beyond this part of their size are neither closed nor nearly so.
     real(wp), parameter :: near_contact = 1.0e-6_wp
+    !> What rounding may add to (K F)_i² beside K_ii FᵀKF
+    real(wp), parameter :: energy_slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
 
 contains
 
@@ -168,7 +171,7 @@ contains
 
     !> Pairs that may carry in any state at all: the others prove nothing and need no proof.
     !>
-    !> Without negative influences and levers no motion goes further than each pair p lets it,
+    !> Without negative influences, levers and load no motion goes further than each pair p lets it,
     !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
     pure function possible_pairs(problem, compliance) result(pairs)
         !> The problem
@@ -183,7 +186,7 @@ contains
         real(wp), allocatable :: most(:), ways(:)
 
         pairs = [(i, i=1, problem%n)]
-        if (problem%n_motions /= 1) return
+        if (problem%n_motions /= 1 .or. any(problem%loads < 0.0_wp)) return
         if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
         allocate (most(problem%n), source=0.0_wp)
         do k = 1, problem%n
@@ -208,15 +211,14 @@ contains
         real(wp), intent(in) :: recession(:)
         logical :: passed
 
-        real(wp), parameter :: slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
         integer :: i
         real(wp) :: energy
 
         passed = .true.
-        if (.not. problem%symmetric) return
+        if (.not. problem%energy_bound) return
         energy = dot_product(forces, recession)
         do i = 1, problem%n
-            if (recession(i)**2 > slack*energy*compliance(i, i)*problem%row_scale(i)**2) then
+            if (recession(i)**2 > energy_slack*energy*compliance(i, i)*problem%row_scale(i)**2) then
                 passed = .false.
                 return
             end if

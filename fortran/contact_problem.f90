@@ -32,6 +32,8 @@ module flankload_contact_problem
         logical :: symmetric = .true.
         !> The caller knows what uniqueness rests on: K (its symmetric part) is positive definite
         logical :: definite = .false.
+        !> The same of a symmetric K, which stays so where a loop takes K as a general matrix
+        logical :: energy_bound = .false.
         !> B = R
         logical :: same_rows = .true.
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
@@ -92,6 +94,7 @@ contains
         problem%symmetric = structure == symmetric_matrix .or. structure == definite_matrix
         problem%same_rows = .not. any(abs(motions - load_rows) > 0.0_wp)
         problem%definite = structure == definite_matrix .or. structure == definite_part
+        problem%energy_bound = structure == definite_matrix
         problem%row_scale = [(power_of_two(sqrt(compliance(i, i))), i=1, problem%n)]
         allocate (problem%motions(problem%n, problem%n_motions))
         allocate (problem%load_rows(problem%n, problem%n_motions))

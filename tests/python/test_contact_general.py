@@ -325,3 +325,10 @@ def test_a_pair_that_the_load_presses_and_the_motion_opens(method: str) -> None:
     np.testing.assert_allclose(state.normal_forces, [1.0], rtol=ROUND_OFF, atol=0)
     np.testing.assert_allclose(state.rotation, -1.5, rtol=ROUND_OFF, atol=0)
     assert state.info.backward_error <= 10 * EPS
+
+
+def test_a_proof_without_possible_pairs_is_quiet(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(errors.NegativeForce) as caught:
+        fl.solve_contact_general(np.eye(2), [0, 0], [1, 1], -1.0, method="paper")
+    assert caught.value.state.normal_forces.min() < 0.0
+    assert capfd.readouterr() == ("", "")

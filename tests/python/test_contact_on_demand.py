@@ -146,6 +146,18 @@ def test_refusals(changed: dict, line: str) -> None:
     assert str(caught.value) == line
 
 
+def test_a_row_that_no_elastic_matrix_has_is_seen_without_its_column() -> None:
+    matrix = np.eye(40)
+    matrix[30, :16] = matrix[:16, 30] = 5.0
+    gaps = np.where(np.arange(40) < 16, 0.0, 0.5)
+    source = Columns(matrix)
+    state = fl.solve_contact_on_demand(source, np.ones(40), gaps, np.ones(40), 1.0)
+    assert 30 not in source.asked
+    assert not state.info.unique
+    assert state.info.uniqueness == "not certain"
+    assert state.status == 3
+
+
 def test_an_error_of_the_source_passes_through() -> None:
     def broken(pairs: np.ndarray) -> np.ndarray:
         raise OSError("the disk is gone")
