@@ -4,7 +4,7 @@
 subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n_loads, n_threads, &
         & sizes, compliances, normal_gaps, motions, load_rows, loads, keys, structures, method, &
         & forces, gaps, motion, tangent, active, counters, certificate, info)
-    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
+    use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
     use flankload, only: solve_contact_sequence, contact_result, counters_of, certificate_of
     implicit none
     !> Number of problems
@@ -46,13 +46,15 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     !> Status 0 … 3, or an error -1 … -6, shape (n_loads, n_problems)
     integer, intent(out) :: info(n_loads, n_problems)
 
+    integer, parameter :: many_a_processor = 16
     type(contact_result), allocatable :: results(:, :)
     integer, allocatable :: codes(:, :)
     integer :: p, l, first, last, n_threads_before
 
     allocate (results(n_loads, n_problems), codes(n_loads, n_problems))
     n_threads_before = omp_get_max_threads()
-    if (n_threads > 0) call omp_set_num_threads(n_threads)
+    ! More than that only cost; tens of thousands end the program.
+    if (n_threads > 0) call omp_set_num_threads(min(n_threads, many_a_processor*omp_get_num_procs()))
     call solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, keys, &
         & structures, method, results, codes)
     call omp_set_num_threads(n_threads_before)

@@ -143,6 +143,12 @@ def test_answers_are_bitwise_the_same_with_any_number_of_threads() -> None:
                 assert state.info == same_state.info
 
 
+def test_more_threads_than_a_machine_can_have() -> None:
+    one = [np.eye(2)] * 40, np.ones((40, 2)), np.zeros((40, 2)), 1.0
+    for threads in (100_000, 2**40):
+        assert len(fl.solve_contact_sequence(*one, threads=threads)) == 40
+
+
 def test_the_threads_of_the_host_program_stay_as_they_were() -> None:
     """OpenMP's number of threads, which is OpenBLAS's too, is the caller's own."""
     openmp = ctypes.CDLL("libgomp.so.1")
@@ -206,7 +212,8 @@ def test_a_position_without_state_loses_no_other() -> None:
             {"pair_keys": [[0, 1], [0.5, 2]]},
             "pair_keys: expected 2 integers at position 1, found shape (2,) of float64",
         ),
-        ({"threads": -1}, "threads: expected a number >= 0, found -1"),
+        ({"threads": -1}, "threads: expected an integer >= 0, found -1"),
+        ({"threads": None}, "threads: expected an integer >= 0, found None"),
     ],
 )
 def test_refusals(changed: dict, line: str) -> None:

@@ -115,8 +115,8 @@ def solve_contact_sequence(
     if loads.ndim > 1:
         raise InputError(f"torque: expected a number or a list, found shape {loads.shape}")
     count = len(flexibility_matrices)
-    if threads < 0:
-        raise InputError(f"threads: expected a number >= 0, found {threads}")
+    if not isinstance(threads, int | np.integer) or threads < 0:
+        raise InputError(f"threads: expected an integer >= 0, found {threads!r}")
     parts = {
         "lever_arms": lever_arms,
         "gap_angles": gap_angles,
@@ -144,7 +144,7 @@ def solve_contact_sequence(
             raise InputError(f"position {p}: {refusal}", code=refusal.code) from None
     keys = None if pair_keys is None else _keys(pair_keys, problems)
     states, error = _solve_all(
-        problems, np.atleast_1d(loads), keys, method=method, threads=int(threads)
+        problems, np.atleast_1d(loads), keys, method=method, threads=min(int(threads), count)
     )
     if error is not None:
         p, number = error.place
