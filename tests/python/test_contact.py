@@ -330,3 +330,8 @@ def test_the_door_doubles_a_vector() -> None:
 
 def test_the_version_stands_in_one_place() -> None:
     assert ".".join(map(str, _core.flankload_version()[:3])) == fl.__version__
+
+
+def test_numbers_near_the_smallest_have_their_groups() -> None:
+    state = fl.solve_contact(1e-310 * np.eye(3), np.ones(3), np.zeros(3), 1e-10)
+    np.testing.assert_allclose(state.normal_forces, np.full(3, 1e-10 / 3), rtol=SOLVER)

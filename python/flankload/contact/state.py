@@ -119,7 +119,8 @@ def undetermined_groups(
     scale = 1.0 / np.sqrt(compliance.diagonal()[touching])
     rows = load_rows[touching].T * scale
     rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
-    equations = np.vstack([compliance[np.ix_(touching, touching)] * np.outer(scale, scale), rows])
+    scaled = compliance[np.ix_(touching, touching)] * scale * scale[:, np.newaxis]
+    equations = np.vstack([scaled, rows])
     _, sizes, vectors = np.linalg.svd(equations)
     weak = vectors[sizes < _UNDETERMINED * sizes[0]]
     linked = np.abs(weak.T @ weak) > 1e-3
