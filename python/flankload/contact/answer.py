@@ -129,7 +129,7 @@ def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
     if answer.motion.any():
         message += ": free to move along " + ", ".join(f"{part:g}" for part in answer.motion)
     if held.size == 1:
-        message += f"; {held[0]:g} can be held"
+        message += f"; {held[0] + 0.0:g} can be held"
     return NoContactState(
         message,
         proven=proven,

@@ -28,7 +28,7 @@ def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) ->
         shape = "(n,)" if n_axes == 1 else "(n, n)"
         raise InputError(f"{name}: expected an array of shape {shape}, found a single number")
     if n_axes is not None and numbers.ndim != n_axes:
-        kind = "a number" if n_axes == 0 else f"{n_axes} axes"
+        kind = ("a number", "1 axis")[n_axes] if n_axes < 2 else f"{n_axes} axes"
         raise InputError(f"{name}: expected {kind}, found shape {numbers.shape}")
     if finite:
         expect_finite(name, numbers)
