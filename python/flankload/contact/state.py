@@ -33,7 +33,7 @@ class ContactInfo:
         Distance to the nearest change of the active pairs: the least of force over largest force
         (active pairs) and gap over the row's own size (others).
     unique : bool
-        No other state exists.
+        No other state exists, as far as `uniqueness` says.
     uniqueness : {"proven", "elastic", "not certain"}
         What that rests on: the whole matrix was factored; or the matrix is known to be positive
         definite, as that of elastic bodies is, and all that was read of it confirms it.
