@@ -54,7 +54,9 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     allocate (results(n_loads, n_problems), codes(n_loads, n_problems))
     n_threads_before = omp_get_max_threads()
     ! More than that only cost; tens of thousands end the program.
-    if (n_threads > 0) call omp_set_num_threads(min(n_threads, many_a_processor*omp_get_num_procs()))
+    if (n_threads > 0) then
+        call omp_set_num_threads(min(n_threads, many_a_processor*omp_get_num_procs()))
+    end if
     call solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, keys, &
         & structures, method, results, codes)
     call omp_set_num_threads(n_threads_before)
