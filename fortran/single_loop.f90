@@ -26,9 +26,6 @@ module flankload_single_loop
     !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
 
-    !> Rounding may make the force of a pinned pair negative by this part of the largest.
-    real(wp), parameter :: pinned_rounding = 1.0e-8_wp
-
     !> How near to a state the loop has come.
     type :: loop_progress
         !> Fewest open pairs and least stored energy so far
@@ -152,9 +149,6 @@ contains
             forces = state%forces(state%system%pairs)
             call first_to_vanish(forces, target, state%pinned(state%system%pairs), leaving, way)
             if (leaving == 0) then
-                ! Where B is not R the loads alone need not say what a pinned pair carries.
-                if (.not. problem%same_rows .and. any(state%pinned(state%system%pairs) &
-                    & .and. target < -pinned_rounding*maxval(abs(target)))) exit
                 state%left_last = 0
                 if (.not. bounced) state%waiting = .false.
                 state%forces(state%system%pairs) = max(target, 0.0_wp)

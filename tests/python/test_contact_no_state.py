@@ -215,22 +215,3 @@ def test_a_pair_that_leaves_singular_pairs_behind() -> None:
     state = fl.solve_contact_general(matrix, [1.0, 6.0, 5.0, 1.0], motions, [2.0, 1.0])
     assert state.info.backward_error <= 10 * EPS
     np.testing.assert_allclose(state.normal_forces @ motions, [2.0, 1.0], rtol=SOLVER)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_pinned_pair_that_would_pull(method: str) -> None:
-    matrix = [
-        [35, 1, 29, 24, 4],
-        [1, 43, -2, 2, 9],
-        [29, -2, 37, 42, 11],
-        [24, 2, 42, 56, 24],
-        [4, 9, 11, 24, 58],
-    ]
-    motions = [[1, -2], [2, -2], [4, -4], [1, 3], [4, -4]]
-    load_rows = np.array([[-2, -1], [5, 4], [0, 2], [5, 0], [-2, -2]])
-    state = fl.solve_contact_general(
-        matrix, [2, 8, 5, 8, 7], motions, [2, 5], load_rows=load_rows, method=method
-    )
-    assert state.active_pairs.tolist() == [1, 2, 3, 4]
-    assert state.info.backward_error <= 10 * EPS
-    np.testing.assert_allclose(state.normal_forces @ load_rows, [2, 5], rtol=SOLVER)
