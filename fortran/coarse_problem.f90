@@ -1,7 +1,8 @@
 !> A contact problem with a few pairs only, whose state says where that of all pairs begins.
 !>
-!> Where pairs stand in the order of the flank, every fourth one with the compliance of its cell of
-!> four is the same contact seen from further off. Whatever it answers is a guess, nothing more.
+!> Where pairs stand in the order of the flank, one pair of each cell of neighbours, with the mean
+!> compliance of that cell, is the same contact seen from further off. Whatever it answers is a
+!> guess, nothing more.
 module flankload_coarse_problem
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem

@@ -59,6 +59,8 @@ def test_the_load_path_keeps_its_factor() -> None:
 
 def test_no_torques_no_states() -> None:
     assert fl.solve_contact_torques(np.eye(2), [1, 1], [0, 0], []) == ()
+    with pytest.raises(errors.InputError, match="found 'lemke'"):
+        fl.solve_contact_torques(np.eye(2), [1, 1], [0, 0], [], method="lemke")
 
 
 def test_a_torque_that_cannot_be_held_loses_no_other_state() -> None:

@@ -198,9 +198,9 @@ def _solve_all(
     threads: int,
 ) -> tuple[list[list[ContactState | None]], ContactError | None]:
     """States by problem and load, and the first error with its place."""
+    number = max(method_number(method, problem) for problem in problems)
     if loads.size == 0:
         return [[] for _ in problems], None
-    number = max(method_number(method, problem) for problem in problems)
     sizes = np.array([problem.n for problem in problems], dtype=np.int32)
     if keys is None:
         keys = [np.arange(n, dtype=np.int32) for n in sizes]
