@@ -19,14 +19,32 @@ if TYPE_CHECKING:
         solve_contact_sequence,
         solve_contact_torques,
     )
+    from flankload.errors import (
+        FlankloadError,
+        InputError,
+        MeshError,
+        NegativeForce,
+        NoContactState,
+        PivotLimit,
+        SceneError,
+        SingularContact,
+    )
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.solve import solve
 
 __all__ = [
     "ContactState",
+    "FlankloadError",
+    "InputError",
+    "MeshError",
+    "NegativeForce",
+    "NoContactState",
+    "PivotLimit",
     "Result",
     "Scene",
+    "SceneError",
+    "SingularContact",
     "__version__",
     "errors",
     "read_scene",
@@ -39,6 +57,14 @@ __all__ = [
 ]
 
 _ROOM_OF_NAME = {
+    "FlankloadError": "errors",
+    "InputError": "errors",
+    "MeshError": "errors",
+    "NegativeForce": "errors",
+    "NoContactState": "errors",
+    "PivotLimit": "errors",
+    "SceneError": "errors",
+    "SingularContact": "errors",
     "Scene": "scene",
     "read_scene": "scene",
     "ContactState": "contact",
