@@ -65,7 +65,7 @@ contains
     !>
     !> Conforming flanks have one where the gap is even: in the middle of the stretch.
     pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, closed_moment, zones, &
-            & n_zones, lost)
+            & n_zones, conforms, lost)
         !> Flank of body 1 and where it stands (its axis is O1)
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -82,6 +82,8 @@ contains
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
         integer, intent(inout) :: n_zones
+        !> True if flanks conform somewhere: another load may close another stretch
+        logical, intent(out) :: conforms
         !> True if a place of least gap could not be made exact; never passed over in silence
         logical, intent(out) :: lost
 
@@ -93,6 +95,7 @@ contains
 
         call scan_gaps(flank_1, frame_1, flank_2, frame_2, s_1, gap, segment, corner, radius_2)
         n = size(s_1)
+        conforms = .false.
         lost = .false.
         first = 1
         do while (first <= n)
@@ -115,7 +118,7 @@ contains
                     if (gap(i) >= gap(i + 1)) cycle
                 end if
                 call refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-                    & radius_2, first, last, i, closed_moment, zone, last_level, found)
+                    & radius_2, first, last, i, closed_moment, zone, last_level, conforms, found)
                 lost = lost .or. .not. found
                 zone%site = site
                 if (n_zones > 0 .and. n_zones <= size(zones)) then
@@ -145,7 +148,7 @@ contains
 
     !> The exact least gap beside a sample that has less gap than its neighbours.
     pure subroutine refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &
-            & radius_2, first, last, i, closed_moment, zone, last_level, found)
+            & radius_2, first, last, i, closed_moment, zone, last_level, conforms, found)
         !> Flank of body 1 and where it stands
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -168,6 +171,8 @@ contains
         type(zone_type), intent(inout) :: zone
         !> Last sample of a stretch of even gap, 0 where there is none
         integer, intent(out) :: last_level
+        !> Set if the flanks conform there
+        logical, intent(inout) :: conforms
         !> False if no exact pair could be found
         logical, intent(out) :: found
 
@@ -192,6 +197,7 @@ contains
             if (.not. found) return
             zone%gap_angle = pair%gap_angle
             if (.not. is_flat(pair)) exit
+            conforms = .true.
             call level_out(pair, zone%corner, level, last_level, lower, found)
             if (.not. found) return
             if (lower == 0) exit

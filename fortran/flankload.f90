@@ -15,8 +15,10 @@ module flankload
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_circle_pair, only: flank_type, new_flank
     use flankload_compliance_field, only: compliance_type
-    use flankload_position, only: body_type, grid_settings, position_state, solve_position
-    use flankload_sweep, only: sweep_positions
+    use flankload_position, only: body_type
+    use flankload_position_cells, only: grid_settings
+    use flankload_position_load, only: position_state, solve_position
+    use flankload_sweep, only: sweep_positions, sweep_type, pair_columns
     implicit none
     private
 
@@ -31,6 +33,7 @@ module flankload
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
-    public :: body_type, grid_settings, position_state, solve_position, sweep_positions
+    public :: body_type, grid_settings, position_state, solve_position
+    public :: sweep_positions, sweep_type, pair_columns
 
 end module flankload

@@ -1,29 +1,36 @@
-!> Flat door to the sweep: arrays in, arrays out.
+!> Flat door to the sweep: arrays in, arrays out; all positions and all torques in one call.
 !>
-!> info = 0: every position has an answer, its status stands in status(:). info > 0: that many
-!> positions failed; their status is negative and their numbers are NaN. info = -i: argument i is
-!> not valid. More pairs at a position than max_pairs: n_pairs tells how many, the table holds the
-!> first.
-subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, torque, &
+!> info = 0: every state has an answer, how good stands in status. info > 0: that many have none;
+!> their status is negative and their numbers are NaN. info = -i: argument i is not valid.
+!>
+!> The pairs of all states are packed into pair_site and pair_table: those of position k under
+!> torque t stand at first_pair(k, t) … first_pair(k, t) + n_pairs(k, t) - 1. With room = 0 they are
+!> not wanted. Positions that find no room any more have status -15 for all torques: they want
+!> another call.
+!>
+!> control is read and written while this runs, so that another thread of the caller can stop it
+!> and see how far it is.
+subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_distance, torques, &
         & n_breaks_1, degree_1, breaks_1, coefficients_1, corners_1, &
         & n_breaks_2, degree_2, breaks_2, coefficients_2, corners_2, &
         & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, &
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
-        & grid, max_pairs, status, rotation, tangent, certificate, counters, &
-        & site_force, site_peak, site_corner, n_pairs, pair_site, pair_table, info)
+        & grid, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
+        & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, &
-        & position_state, sweep_positions
+    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, pair_columns, &
+        & sweep_positions, sweep_type
     implicit none
-    !> Number of positions, and the turns of both bodies there [rad]
+    !> Numbers of positions and torques, and the turns of both bodies [rad]
     integer, intent(in) :: n_positions
+    integer, intent(in) :: n_torques
     double precision, intent(in) :: angles_1(n_positions)
     double precision, intent(in) :: angles_2(n_positions)
     !> O2 stands at (center_distance, 0) [mm]
     double precision, intent(in) :: center_distance
-    !> Torque on body 1 [N mm]
-    double precision, intent(in) :: torque
+    !> Torques on body 1 [N mm]
+    double precision, intent(in) :: torques(n_torques)
     !> Flank curve of body 1: breaks [mm], coefficients (power, x|y, interval), corners (0|1)
     integer, intent(in) :: n_breaks_1
     integer, intent(in) :: degree_1
@@ -60,34 +67,38 @@ subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, tor
     integer, intent(in) :: block_2(n_sites, n_sites)
     !> Cells per Hertz half-width, the same at sharp corners, half-width of the grid in half-widths
     double precision, intent(in) :: grid(3)
-    !> Room in the table of pairs
-    integer, intent(in) :: max_pairs
+    !> Room for pairs
+    integer, intent(in) :: room
+    !> (1): anything but 0 asks to stop: positions not yet begun are left out, status -16; (2):
+    !> grows by one with each position that is done
+    integer, volatile, intent(inout) :: control(2)
+    !> Pairs: site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
+    !> lever of the torque row
+    integer, intent(inout) :: pair_site(room)
+    double precision, intent(inout) :: pair_table(pair_columns, room)
     !> Status of the contact loop, or a negative error code
-    integer, intent(out) :: status(n_positions)
+    integer, intent(out) :: status(n_positions, n_torques)
     !> Rotation [rad], its growth with the torque [rad/(N mm)]
-    double precision, intent(out) :: rotation(n_positions)
-    double precision, intent(out) :: tangent(n_positions)
+    double precision, intent(out) :: rotation(n_positions, n_torques)
+    double precision, intent(out) :: tangent(n_positions, n_torques)
     !> Backward error, condition, margin of the final state
-    double precision, intent(out) :: certificate(3, n_positions)
+    double precision, intent(out) :: certificate(3, n_positions, n_torques)
     !> Pivots, influence columns, passes over the grid, refactorisations
-    integer, intent(out) :: counters(4, n_positions)
+    integer, intent(out) :: counters(4, n_positions, n_torques)
     !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none)
-    double precision, intent(out) :: site_force(n_sites, n_positions)
-    double precision, intent(out) :: site_peak(n_sites, n_positions)
-    integer, intent(out) :: site_corner(n_sites, n_positions)
-    !> Pairs: number, site (from 1), and table of s_1, s_2, radius, x, y, n_x, n_y, force, cell,
-    !> final gap [mm], lever of the torque row
-    integer, intent(out) :: n_pairs(n_positions)
-    integer, intent(out) :: pair_site(max_pairs, n_positions)
-    double precision, intent(out) :: pair_table(11, max_pairs, n_positions)
+    double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
+    double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
+    integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)
+    !> Number of pairs, and where the first one stands (from 1; 0: nowhere)
+    integer, intent(out) :: n_pairs(n_positions, n_torques)
+    integer, intent(out) :: first_pair(n_positions, n_torques)
     !> See above
     integer, intent(out) :: info
 
-    integer :: k, n
     double precision :: nan
     type(body_type) :: body_1, body_2
     type(grid_settings) :: settings
-    type(position_state), allocatable :: states(:)
+    type(sweep_type) :: found
 
     nan = ieee_value(1.0d0, ieee_quiet_nan)
     status = -4
@@ -99,16 +110,15 @@ subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, tor
     site_peak = nan
     site_corner = 0
     n_pairs = 0
-    pair_site = 0
-    pair_table = nan
+    first_pair = 0
     info = 0
-    if (.not. (ieee_is_finite(torque) .and. torque >= 0.0d0)) info = -5
-    if (n_breaks_1 < 2) info = -6
-    if (n_breaks_2 < 2) info = -11
-    if (n_sites < 1) info = -16
-    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -26
-    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -32
-    if (.not. all(grid > 0.0d0)) info = -33
+    if (.not. all(ieee_is_finite(torques) .and. torques >= 0.0d0)) info = -6
+    if (n_breaks_1 < 2) info = -7
+    if (n_breaks_2 < 2) info = -12
+    if (n_sites < 1) info = -17
+    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -27
+    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -33
+    if (.not. all(grid > 0.0d0)) info = -34
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -133,33 +143,18 @@ subroutine flankload_sweep(n_positions, angles_1, angles_2, center_distance, tor
     settings%corner_strips_per_half_width = grid(2)
     settings%zone_half_widths = grid(3)
 
-    call sweep_positions(body_1, body_2, angles_1, angles_2, torque, settings, states)
+    call sweep_positions(body_1, body_2, angles_1, angles_2, torques, settings, control, &
+        & pair_site, pair_table, found)
 
-    do k = 1, n_positions
-        status(k) = states(k)%status
-        if (status(k) < 0) then
-            info = info + 1
-            cycle
-        end if
-        rotation(k) = states(k)%rotation
-        tangent(k) = states(k)%tangent
-        certificate(:, k) = [states(k)%backward_error, states(k)%condition, states(k)%margin]
-        counters(:, k) = [states(k)%pivots, states(k)%columns, states(k)%passes, &
-            & states(k)%refactorisations]
-        site_force(:, k) = states(k)%site_force
-        site_peak(:, k) = states(k)%site_peak
-        site_corner(:, k) = states(k)%site_corner
-        n_pairs(k) = states(k)%pairs%n
-        n = min(n_pairs(k), max_pairs)
-        pair_site(:n, k) = states(k)%pairs%site(:n)
-        pair_table(1, :n, k) = states(k)%pairs%s_1(:n)
-        pair_table(2, :n, k) = states(k)%pairs%s_2(:n)
-        pair_table(3, :n, k) = states(k)%pairs%radius(:n)
-        pair_table(4:5, :n, k) = states(k)%pairs%point(:, :n)
-        pair_table(6:7, :n, k) = states(k)%pairs%normal(:, :n)
-        pair_table(8, :n, k) = states(k)%forces(:n)
-        pair_table(9, :n, k) = 0.5d0*(states(k)%pairs%cell_1(:n) + states(k)%pairs%cell_2(:n))
-        pair_table(10, :n, k) = states(k)%gaps(:n)
-        pair_table(11, :n, k) = states(k)%pairs%torque_lever(:n)
-    end do
+    status = found%status
+    rotation = found%rotation
+    tangent = found%tangent
+    certificate = found%certificate
+    counters = found%counters
+    site_force = found%site_force
+    site_peak = found%site_peak
+    site_corner = found%site_corner
+    n_pairs = found%n_pairs
+    first_pair = found%first_pair
+    info = count(status < 0)
 end subroutine flankload_sweep

@@ -51,25 +51,26 @@ class Estimate:
 
 
 def estimate_errors(
-    found: Sweep,
-    run: Callable[..., Sweep],
+    found: tuple[Sweep, ...],
+    run: Callable[..., tuple[Sweep, ...]],
     compliances: tuple[BodyCompliance, BodyCompliance],
     grid: Grid,
-) -> Estimate:
+) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
     Parameters
     ----------
-    found : Sweep
-        The sweep in question.
+    found : tuple of Sweep
+        The sweep in question, one part per torque.
     run : callable
-        run(compliances=…, grid=…) sweeps the same positions with other ones.
+        run(compliances=…, grid=…, part=…) sweeps the same positions and torques with other ones;
+        part counts its calls from 0.
     compliances, grid
         Those of the sweep in question.
 
     Returns
     -------
-    Estimate
+    tuple of Estimate, one per torque
     """
     coarse_grid = replace(
         grid,
@@ -77,10 +78,17 @@ def estimate_errors(
         corner_strips_per_half_width=grid.corner_strips_per_half_width / 2,
     )
     fewer = tuple(compliance.fewer_modes() for compliance in compliances)
-    by_source = {
-        "strips": _differences(found, run(compliances=compliances, grid=coarse_grid)),
-        "modes": _differences(found, run(compliances=fewer, grid=grid)),
+    others = {
+        "strips": run(compliances=compliances, grid=coarse_grid, part=0),
+        "modes": run(compliances=fewer, grid=grid, part=1),
     }
+    return tuple(
+        _estimate({source: _differences(fine, other[t]) for source, other in others.items()})
+        for t, fine in enumerate(found)
+    )
+
+
+def _estimate(by_source: dict[str, dict[str, float]]) -> Estimate:
     total = {
         quantity: float(np.linalg.norm([source[quantity] for source in by_source.values()]))
         for quantity in ("transmission_error", "load_share", "peak_pressure")

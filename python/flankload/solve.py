@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.errors import SceneError
-from flankload.estimate import estimate_errors
+from flankload.estimate import Estimate, estimate_errors
 from flankload.given_compliance import given_compliance
 from flankload.resolution import choose_resolution
 from flankload.result import Result
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.scene import Scene
+    from flankload.sweep import Sweep
 
     Progress = Callable[[str, int, int], None]
 
@@ -29,21 +30,36 @@ if TYPE_CHECKING:
 LARGEST_STANDING_GAP = 0.25
 
 
+#: Steps of the progress: building the bodies, elements of each body, the sweep, each of the two
+#: sweeps of the estimate.
+BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS, N_ESTIMATES = 1, 5, 20, 2
+
+
 class _Clock:
     """Seconds of each stage, and the progress that is told on the way."""
 
-    def __init__(self, progress: Progress | None) -> None:
+    def __init__(self, progress: Progress | None, total: int) -> None:
         self.stages: dict[str, dict[str, float]] = {}
         self._progress = progress
+        self._total = total
+        self._told = ("", 0)
 
-    def stage(self, name: str, done: int, total: int) -> _Stage:
-        if self._progress is not None:
-            self._progress(name, done, total)
+    def stage(self, name: str, done: int) -> _Stage:
+        self.tell(name, done)
         return _Stage(self.stages.setdefault(name, {"wall_s": 0.0, "cpu_s": 0.0}))
 
-    def finish(self, total: int) -> None:
-        if self._progress is not None:
-            self._progress("done", total, total)
+    def tell(self, name: str, done: int) -> None:
+        """Tell what is new."""
+        if self._progress is not None and self._told != (name, done):
+            self._told = (name, done)
+            self._progress(name, done, self._total)
+
+    def sweep_progress(self, name: str, before: int) -> Callable[[int, int], None]:
+        """Positions done in a sweep, as steps."""
+        return lambda done, total: self.tell(name, before + SWEEP_STEPS * done // max(1, total))
+
+    def finish(self) -> None:
+        self.tell("done", self._total)
 
 
 class _Stage:
@@ -66,7 +82,8 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     scene : Scene
         From `read_scene` or `Scene.from_dict`.
     progress : callable, optional
-        Called as progress(stage, done, total) when a stage begins, and at the end.
+        Called as progress(stage, done, total) when a stage begins, on the way through its
+        positions, and at the end; done grows up to total. What it raises ends the solution.
 
     Returns
     -------
@@ -79,52 +96,76 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     FlankloadError
         If a position has no answer.
     """
-    clock = _Clock(progress)
-    torques = scene.torques_Nm
-    total = 3 + len(torques) * (2 if scene.accuracy.estimate else 1)
-    with clock.stage("bodies", 0, total):
+    fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
+    sweeps = 1 + (N_ESTIMATES if scene.accuracy.estimate else 0)
+    clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
+    with clock.stage("bodies", 0):
         pair = build_bodies(scene)
         standing = _standing_gap(scene, pair)
-    compliances = _compliances(scene, pair, clock, total)
-    done = 3
-    results = []
-    for torque in torques:
-        run = partial(
-            sweep,
-            (pair.body_1, pair.body_2),
-            pairing=pair.pairing,
-            position_rad=pair.position_rad,
-            torque_Nmm=1000.0 * torque,
+    compliances = _compliances(scene, pair, clock)
+    run = partial(
+        sweep,
+        (pair.body_1, pair.body_2),
+        pairing=pair.pairing,
+        position_rad=pair.position_rad,
+        face_width_mm=scene.pair.face_width_mm,
+    )
+    with clock.stage("sweep", fixed):
+        found = run(
+            compliances=compliances,
+            grid=pair.resolution.grid,
+            torques_Nmm=[1000.0 * torque for torque in scene.torques_Nm],
+            progress=clock.sweep_progress("sweep", fixed),
+        )
+    estimates: dict[int, Estimate] = {}
+    if scene.accuracy.estimate:
+        with clock.stage("estimate", fixed + SWEEP_STEPS):
+            estimates = _estimates(found, run, pair, compliances, clock)
+    results = tuple(
+        result_of(
+            part,
+            pair,
+            compliances,
+            name=scene.name,
             face_width_mm=scene.pair.face_width_mm,
+            estimate=estimates[t].as_dict() if t in estimates else None,
+            stages=clock.stages,
+            notes=standing,
         )
-        grid = pair.resolution.grid
-        with clock.stage("sweep", done, total):
-            found = run(compliances=compliances, grid=grid)
-        done += 1
-        estimate = None
-        if scene.accuracy.estimate:
-            with clock.stage("estimate", done, total):
-                # without torque nothing is approximated
-                estimate = estimate_errors(found, run, compliances, grid) if torque else None
-            done += 1
-        results.append(
-            result_of(
-                found,
-                pair,
-                compliances,
-                name=scene.name,
-                face_width_mm=scene.pair.face_width_mm,
-                estimate=estimate.as_dict() if estimate is not None else None,
-                stages=clock.stages,
-                notes=standing,
-            )
+        for t, part in enumerate(found)
+    )
+    clock.finish()
+    return results if scene.has_torque_list else results[0]
+
+
+def _estimates(
+    found: tuple[Sweep, ...],
+    run: Callable[..., tuple[Sweep, ...]],
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    clock: _Clock,
+) -> dict[int, Estimate]:
+    """Error estimates by number of the torque; without torque nothing is approximated."""
+    loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
+    if not loaded:
+        return {}
+    before = BODY_STEPS + 2 * COMPLIANCE_STEPS + SWEEP_STEPS
+
+    def run_again(*, part: int, **other: object) -> tuple[Sweep, ...]:
+        return run(
+            **other,
+            torques_Nmm=[found[t].torque_Nmm for t in loaded],
+            keep_pairs=False,
+            progress=clock.sweep_progress("estimate", before + part * SWEEP_STEPS),
         )
-    clock.finish(total)
-    return tuple(results) if scene.has_torque_list else results[0]
+
+    parts = tuple(found[t] for t in loaded)
+    estimated = estimate_errors(parts, run_again, compliances, pair.resolution.grid)
+    return dict(zip(loaded, estimated, strict=True))
 
 
 def _compliances(
-    scene: Scene, pair: BodyPair, clock: _Clock, total: int
+    scene: Scene, pair: BodyPair, clock: _Clock
 ) -> tuple[BodyCompliance, BodyCompliance]:
     """One finite-element job for each body that yields and does not bring its compliance along."""
     found = []
@@ -133,7 +174,7 @@ def _compliances(
         if not elastic[z]:
             found.append(no_compliance(body))
             continue
-        with clock.stage(f"compliance body {z + 1}", 1 + z, total):
+        with clock.stage(f"compliance body {z + 1}", BODY_STEPS + z * COMPLIANCE_STEPS):
             found.append(compliance_of(body, scene))
     return found[0], found[1]
 
@@ -163,12 +204,12 @@ def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
     """How far apart bodies stand whose files say where they stand; too far is an error."""
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return ()
-    unloaded = sweep(
+    (unloaded,) = sweep(
         (pair.body_1, pair.body_2),
         compliances=(no_compliance(pair.body_1), no_compliance(pair.body_2)),
         pairing=pair.pairing,
         position_rad=pair.position_rad[:1],
-        torque_Nmm=0.0,
+        torques_Nmm=[0.0],
         face_width_mm=scene.pair.face_width_mm,
         grid=pair.resolution.grid,
     )

@@ -1,4 +1,4 @@
-"""All positions of a sweep: bodies and compliances go into one call of the core."""
+"""All positions and torques of a sweep: bodies and compliances go into one call of the core."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.core_thread import call_and_watch
 from flankload.errors import (
     ContactError,
     InputError,
@@ -15,8 +16,11 @@ from flankload.errors import (
     PivotLimit,
     SingularContact,
 )
+from flankload.packed_pairs import COLUMNS, PackedPairs
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
@@ -36,10 +40,15 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
     -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
     -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
+    -16: (ContactError, "stopped before it was solved"),
 }
 
-#: Room for pairs at a position in the first call; a position that has more asks for a second one.
-FIRST_ROOM = 512
+#: Status of a position whose pairs found no room: it is asked for again, with more.
+NO_ROOM = -15
+
+#: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
+#: is never written costs nothing.
+FIRST_ROOM = 256
 
 
 @dataclass(frozen=True)
@@ -57,11 +66,10 @@ class Sweep:
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; peak of force over cell width; body whose sharp corner works (0: none).
     n_pairs : (P,) array
-    pair_site : (P, room) array
-        Site of each pair, from 0.
-    pair_table : (P, room, 11) array
-        s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm, N], lever of the torque row.
+    pairs : PackedPairs
+        Empty where pairs are not kept.
     seconds : float
+        Of the whole call, all torques together.
     """
 
     torque_Nmm: float
@@ -74,8 +82,7 @@ class Sweep:
     site_peak_N_per_mm: NDArray[np.float64]
     site_corner: NDArray[np.int64]
     n_pairs: NDArray[np.int64]
-    pair_site: NDArray[np.int64]
-    pair_table: NDArray[np.float64]
+    pairs: PackedPairs
     seconds: float
 
 
@@ -85,11 +92,17 @@ def sweep(
     compliances: tuple[BodyCompliance, BodyCompliance],
     pairing: Pairing,
     position_rad: NDArray[np.float64],
-    torque_Nmm: float,
+    torques_Nmm: Sequence[float],
     face_width_mm: float,
     grid: Grid,
-) -> Sweep:
-    """Solve all positions in one call of the core.
+    keep_pairs: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Sweep, ...]:
+    """Solve all positions for all torques in one call of the core.
+
+    The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
+    milliseconds. The answer for a torque at a position depends on no other torque or position and
+    not on the number of threads, to the last bit.
 
     Parameters
     ----------
@@ -97,48 +110,57 @@ def sweep(
         From the stages before.
     position_rad : (P,) array
         Angle of body 1 from position zero.
-    torque_Nmm : float
-        Torque on body 1, >= 0.
+    torques_Nmm : sequence of float
+        Torques on body 1, >= 0.
     face_width_mm : float
         Width over which both bodies touch.
     grid : Grid
         How fine the cells are.
+    keep_pairs : bool
+        Whether the single pairs are wanted; the numbers of the sites are there in any case.
+    progress : callable, optional
+        Called as progress(done, P) several times a second.
 
     Returns
     -------
-    Sweep
+    tuple of Sweep, one per torque
 
     Raises
     ------
     FlankloadError
-        If a position has no answer; the message names the first one.
+        If a position has no answer for a torque; the message names the first one.
     """
     start = perf_counter()
-    arguments = _core_arguments(bodies, compliances, pairing, face_width_mm)
-    turn_1, turn_2 = pairing.turns(position_rad)
-    room = FIRST_ROOM
-    while True:
-        found = _call_core(turn_1, turn_2, pairing, torque_Nmm, arguments, grid, room)
-        n_pairs = np.asarray(found[8])
-        if n_pairs.max(initial=0) <= room:
-            break
-        room = int(n_pairs.max())
-    status = np.asarray(found[0])
-    _raise_first_failure(status, position_rad)
-    return Sweep(
-        torque_Nmm=torque_Nmm,
-        status=status,
-        rotation_rad=found[1],
-        tangent_rad_per_Nmm=found[2],
-        certificate=found[3].T,
-        counters=found[4].T,
-        site_force_N=found[5].T,
-        site_peak_N_per_mm=found[6].T,
-        site_corner=found[7].T,
-        n_pairs=n_pairs,
-        pair_site=found[9].T - 1,
-        pair_table=found[10].transpose(2, 1, 0),
-        seconds=perf_counter() - start,
+    torques = np.asarray(torques_Nmm, dtype=float)
+    positions = np.asarray(position_rad, dtype=float)
+    call = _CoreCall(
+        turns=pairing.turns(positions),
+        pairing=pairing,
+        torques=torques,
+        arguments=_core_arguments(bodies, compliances, pairing, face_width_mm),
+        grid=grid,
+        progress=progress,
+    )
+    found = call.all_positions(FIRST_ROOM if keep_pairs else 0)
+    (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
+    _raise_first_failure(status, positions, torques)
+    seconds = perf_counter() - start
+    return tuple(
+        Sweep(
+            torque_Nmm=float(torque),
+            status=status[:, t],
+            rotation_rad=rotation[:, t],
+            tangent_rad_per_Nmm=tangent[:, t],
+            certificate=certificate[..., t].T,
+            counters=counters[..., t].T,
+            site_force_N=force[..., t].T,
+            site_peak_N_per_mm=peak[..., t].T,
+            site_corner=corner[..., t].T,
+            n_pairs=n_pairs[:, t],
+            pairs=found.pairs_of(t),
+            seconds=seconds,
+        )
+        for t, torque in enumerate(torques)
     )
 
 
@@ -174,54 +196,118 @@ def _core_arguments(
     return arguments
 
 
-def _call_core(
-    turn_1: NDArray[np.float64],
-    turn_2: NDArray[np.float64],
-    pairing: Pairing,
-    torque_Nmm: float,
-    arguments: list[tuple[NDArray[Any] | float, ...]],
-    grid: Grid,
-    room: int,
-) -> tuple[NDArray[Any], ...]:
-    from flankload import _core
+@dataclass
+class _Found:
+    """Outputs of the core: numbers with shape (…, P, T), and the packed pairs."""
 
-    (curve_1, curve_2) = (argument[:3] for argument in arguments)
-    (site_1, site_2) = (argument[3:5] for argument in arguments)
-    (field_1, field_2) = (argument[5:] for argument in arguments)
-    *found, info = _core.flankload_sweep(
-        turn_1,
-        turn_2,
-        pairing.center_distance_mm,
-        torque_Nmm,
-        *curve_1,
-        *curve_2,
-        site_1[0],
-        site_2[0],
-        site_1[1],
-        site_2[1],
-        *field_1,
-        *field_2,
-        np.array(
-            [
-                grid.strips_per_half_width,
-                grid.corner_strips_per_half_width,
-                grid.zone_half_widths,
-            ]
-        ),
-        room,
-    )
-    if info < 0:
-        raise InputError(f"argument {-info} of flankload_sweep is not valid")
-    return tuple(found)
+    numbers: tuple[NDArray[Any], ...]
+    first_pair: NDArray[np.int64]
+    pair_site: NDArray[np.intc]
+    pair_table: NDArray[np.float64]
+
+    def pairs_of(self, t: int) -> PackedPairs:
+        """Pairs of a torque."""
+        first = self.first_pair[:, t]
+        count = np.where(first >= 0, self.numbers[-1][:, t], 0)
+        return PackedPairs(self.pair_site, self.pair_table, first, count)
+
+    def take_over(self, other: _Found, positions: NDArray[np.int64]) -> None:
+        """Fill in positions that another call has found."""
+        for mine, theirs in zip(self.numbers, other.numbers, strict=True):
+            mine[..., positions, :] = theirs
+        self.first_pair[positions] = other.first_pair + len(self.pair_site)
+        self.pair_site = np.concatenate([self.pair_site, other.pair_site])
+        self.pair_table = np.concatenate([self.pair_table, other.pair_table])
 
 
-def _raise_first_failure(status: NDArray[np.int64], position_rad: NDArray[np.float64]) -> None:
-    failed = np.flatnonzero(status < 0)
+@dataclass
+class _CoreCall:
+    """The arguments of the core that stay, and how it is called with them."""
+
+    turns: tuple[NDArray[np.float64], NDArray[np.float64]]
+    pairing: Pairing
+    torques: NDArray[np.float64]
+    arguments: list[tuple[NDArray[Any] | float, ...]]
+    grid: Grid
+    progress: Callable[[int, int], None] | None
+
+    def all_positions(self, room: int) -> _Found:
+        """Solve every position; those whose pairs found no room again, with more."""
+        n = len(self.turns[0])
+        found = self._call(np.arange(n), room * n, done=0)
+        while True:
+            short = np.flatnonzero((found.numbers[0] == NO_ROOM).any(axis=1))
+            if short.size == 0:
+                return found
+            room = max(2 * room, 2 * len(found.pair_site) // max(1, n - short.size))
+            found.take_over(self._call(short, room * short.size, done=n - short.size), short)
+
+    def _call(self, which: NDArray[np.int64], room: int, *, done: int) -> _Found:
+        from flankload import _core
+
+        (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
+        (site_1, site_2) = (argument[3:5] for argument in self.arguments)
+        (field_1, field_2) = (argument[5:] for argument in self.arguments)
+        grid = self.grid
+        knobs = (
+            grid.strips_per_half_width,
+            grid.corner_strips_per_half_width,
+            grid.zone_half_widths,
+        )
+        control = np.zeros(2, dtype=np.intc)
+        room *= len(self.torques)
+        site = np.empty(room, dtype=np.intc)
+        table = np.empty(room * len(COLUMNS))
+
+        def call() -> tuple[Any, ...]:
+            found: tuple[Any, ...] = _core.flankload_sweep(
+                self.turns[0][which],
+                self.turns[1][which],
+                self.pairing.center_distance_mm,
+                self.torques,
+                *curve_1,
+                *curve_2,
+                site_1[0],
+                site_2[0],
+                site_1[1],
+                site_2[1],
+                *field_1,
+                *field_2,
+                np.array(knobs),
+                control,
+                site,
+                table,
+            )
+            return found
+
+        def tell(now: int) -> None:
+            if self.progress is not None:
+                self.progress(done + now, len(self.turns[0]))
+
+        *numbers, first_pair, info = call_and_watch(call, control, tell=tell)
+        if info < 0:
+            raise InputError(f"argument {-info} of flankload_sweep is not valid")
+        tell(int(control[1]))
+        used = int(np.max(first_pair - 1 + numbers[-1], initial=0, where=first_pair > 0))
+        site[:used] -= 1
+        return _Found(
+            numbers=tuple(numbers),
+            first_pair=first_pair - 1,
+            pair_site=site[:used],
+            pair_table=table.reshape(-1, len(COLUMNS))[:used],
+        )
+
+
+def _raise_first_failure(
+    status: NDArray[np.int64], position_rad: NDArray[np.float64], torques: NDArray[np.float64]
+) -> None:
+    failed = np.argwhere(status < 0)
     if failed.size == 0:
         return
-    k = int(failed[0])
-    code = int(status[k])
-    where = f"position {k} ({np.degrees(position_rad[k]):.4f} deg)"
-    more = f" ({failed.size} of {status.size} positions failed)" if failed.size > 1 else ""
-    kind, reason = FAILURES[code]
+    k, t = (int(number) for number in failed[0])
+    where = (
+        f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
+    )
+    more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
+    kind, reason = FAILURES[int(status[k, t])]
     raise kind(f"{where}: {reason}{more}")

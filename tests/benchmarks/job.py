@@ -17,7 +17,7 @@ import numpy as np
 import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.compliance import flank_compliance
-from flankload.sweep import sweep
+from flankload.sweep import Sweep, sweep
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 #: Wanted, seconds: both gears' elements, a position, the import over numpy, the demo.
@@ -64,16 +64,17 @@ def run() -> str:
     again = best(elements, 5, time.process_time)
     position_rad = np.linspace(0.0, pair.pairing.period_rad, 256, endpoint=False)
 
-    def positions() -> object:
-        return sweep(
+    def positions() -> Sweep:
+        (found,) = sweep(
             bodies,
             compliances=(compliances[0], compliances[1]),
             pairing=pair.pairing,
             position_rad=position_rad,
-            torque_Nmm=302e3,
+            torques_Nmm=[302e3],
             face_width_mm=14.0,
             grid=pair.resolution.grid,
         )
+        return found
 
     found = positions()
     each = best(positions, 5, time.process_time) / position_rad.size

@@ -112,15 +112,16 @@ class Job:
         self.period = pair.pairing.period_rad
 
     def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
-        return sweep(
+        (found,) = sweep(
             self.bodies,
             compliances=self.fields,
             pairing=self.pairing,
             position_rad=np.asarray(position_rad, dtype=float),
-            torque_Nmm=self.torque,
+            torques_Nmm=[self.torque],
             face_width_mm=self.width,
             grid=replace(Grid(), **grid),
         )
+        return found
 
 
 @cache

@@ -27,8 +27,7 @@ def test_rotation_and_forces_are_those_of_blind_cells(k: int) -> None:
     where = positions(k, 2)
     found = one.run(where)
     for p, position in enumerate(where):
-        pairs = found.pair_table[p, : found.n_pairs[p]]
-        site = found.pair_site[p, : found.n_pairs[p]]
+        site, pairs = found.pairs.at(p)
         forces = found.site_force_N[p]
         carrying = [j for j in range(forces.size) if forces[j] > 0.05 * forces.sum()]
         loaded = pairs[:, 7] > 0
@@ -47,15 +46,16 @@ def test_state_is_one_of_contact_at_every_position(k: int) -> None:
     found = one.run(one.period * np.arange(150) / 150)
     assert found.counters[:, 2].max() <= MOST_PASSES
     assert found.n_pairs.max() <= MOST_PAIRS
-    for p, n in enumerate(found.n_pairs):
-        force, gap, lever = found.pair_table[p, :n, [7, 9, 10]]
+    for p in range(len(found.n_pairs)):
+        site, pairs = found.pairs.at(p)
+        force, gap, lever = pairs.T[[7, 9, 10]]
         assert (force >= 0).all()
         assert (gap >= 0).all()
         assert not (force * gap).any()
         assert force @ lever == pytest.approx(one.torque, rel=1e-12)
         # no place of a flank has two cells
-        for j in np.unique(found.pair_site[p, :n]):
-            s, cell = found.pair_table[p, :n][found.pair_site[p, :n] == j][:, [0, 8]].T
+        for j in np.unique(site):
+            s, cell = pairs[site == j].T[[0, 8]]
             assert (np.diff(np.sort(s)) > 0.5 * cell.min()).all()
     # smooth but for the few places where a flank begins or ends to carry: no noise of the grids
     bend = np.abs(np.diff(found.rotation_rad, 2)) / np.abs(found.rotation_rad).max()

@@ -55,20 +55,21 @@ def contact(force_N_per_mm: float, grid: Grid):
         mesh=None,
         warnings=(),
     )
-    return sweep(
+    (found,) = sweep(
         (body[0], body[1]),
         compliances=(half_plane, half_plane),
         pairing=pairing,
         position_rad=np.zeros(1),
-        torque_Nmm=force_N_per_mm * LEVER,
+        torques_Nmm=[force_N_per_mm * LEVER],
         face_width_mm=1.0,
         grid=grid,
     )
+    return found
 
 
 def half_width(state) -> float:
     """Where the parabola through the squared pressures ends: half-width to better than a cell."""
-    table = state.pair_table[0, : state.n_pairs[0]]
+    _, table = state.pairs.at(0)
     x, squared = table[:, 3] - LEVER, (table[:, 7] / table[:, 8]) ** 2
     inside = np.abs(x) < 0.8 * np.abs(x[squared > 0]).max()
     curvature, slope, top = np.polyfit(x[inside], squared[inside], 2)
@@ -96,7 +97,7 @@ def test_pressure_converges_with_the_cells() -> None:
 
 def test_contact_at_rest_has_no_force_outside() -> None:
     state = contact(CASE["line_load_N_per_mm"], Grid())
-    table = state.pair_table[0, : state.n_pairs[0]]
+    _, table = state.pairs.at(0)
     outside = np.abs(table[:, 3] - LEVER) > 1.05 * CASE["half_width_mm"]
     assert outside.any()
     assert not table[outside, 7].any()

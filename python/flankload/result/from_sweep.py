@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
-from flankload.result.pairs import PairDrawing, PairTable
+from flankload.packed_pairs import COLUMNS
+from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
 
 if TYPE_CHECKING:
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.compliance import BodyCompliance
     from flankload.gear_mesh import Mesh
+    from flankload.packed_pairs import PackedPairs
     from flankload.pairing import Pairing
     from flankload.sweep import Sweep
 
@@ -70,7 +73,9 @@ def result_of(
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
         stiffness_tangent_Nm_per_rad=1e-3 / found.tangent_rad_per_Nmm,
         status=found.status,
-        pair_tables=tuple(_pair_tables(pair.pairing, found, width)),
+        pair_tables=PairTables(
+            len(found.n_pairs), partial(_pair_table, pair.pairing, found.pairs, width)
+        ),
         corner_contact=found.site_corner[:, carries] > 0,
         period_rad=pair.pairing.period_rad,
         closed=pair.closed,
@@ -83,23 +88,24 @@ def result_of(
     )
 
 
-def _pair_tables(pairing: Pairing, found: Sweep, width: float) -> Iterator[PairTable]:
-    for k, n in enumerate(found.n_pairs):
-        table = found.pair_table[k, :n].T
-        yield PairTable(
-            site=pairing.sites[found.pair_site[k, :n]],
-            arc_length_1_mm=table[0],
-            arc_length_2_mm=table[1],
-            radius_mm=table[2],
-            x_mm=table[3],
-            y_mm=table[4],
-            normal_x=table[5],
-            normal_y=table[6],
-            force_N=table[7],
-            pressure_MPa=table[7] / (table[8] * width),
-            gap_um=1000.0 * table[9],
-            cell_mm=table[8],
-        )
+def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> PairTable:
+    """Contact pairs of position p."""
+    site, table = pairs.at(p)
+    column = dict(zip(COLUMNS, table.T, strict=True))
+    return PairTable(
+        site=pairing.sites[site],
+        arc_length_1_mm=column["s_1"],
+        arc_length_2_mm=column["s_2"],
+        radius_mm=column["radius"],
+        x_mm=column["x"],
+        y_mm=column["y"],
+        normal_x=column["normal_x"],
+        normal_y=column["normal_y"],
+        force_N=column["force"],
+        pressure_MPa=column["force"] / (column["cell"] * width),
+        gap_um=1000.0 * column["gap"],
+        cell_mm=column["cell"],
+    )
 
 
 def _cost(
@@ -119,7 +125,7 @@ def _cost(
         "fe_degrees_of_freedom": [c.degrees_of_freedom for c in compliances],
         "bytes": {
             "compliance": sum(c.bytes for c in compliances),
-            "pairs": int(found.pair_table.nbytes + found.pair_site.nbytes),
+            "pairs": found.pairs.nbytes,
         },
         "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
         "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
@@ -151,8 +157,8 @@ def _warnings(
                 "no flank in its file and may carry, too: name their flanks"
             )
         low = body.mode_range_mm[0]
-        places = found.pair_table[..., z]
-        below = (places < low - 1e-9) & (found.pair_table[..., 7] > 0)
+        places = found.pairs.column(f"s_{z + 1}")
+        below = (places < low - 1e-9) & (found.pairs.column("force") > 0)
         if below.any():
             deepest = low - float(places[below].min())
             yield (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,37 @@ class PairTable:
     def columns(self) -> dict[str, NDArray[Any]]:
         """Columns by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+class PairTables(Sequence[PairTable]):
+    """The pair tables of all positions, each made when it is asked for.
+
+    Parameters
+    ----------
+    count : int
+        Number of positions.
+    table_of : callable
+        Makes the table of a position, counted from 0.
+    """
+
+    def __init__(self, count: int, table_of: Callable[[int], PairTable]) -> None:
+        self._count = count
+        self._table_of = table_of
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> PairTable: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[PairTable]: ...
+
+    def __getitem__(self, index: int | slice) -> PairTable | Sequence[PairTable]:
+        which = range(self._count)[index]
+        if isinstance(which, range):
+            return tuple(self._table_of(p) for p in which)
+        return self._table_of(which)
 
 
 @dataclass(frozen=True, eq=False)

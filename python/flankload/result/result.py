@@ -49,7 +49,7 @@ class Result:
     stiffness_tangent_Nm_per_rad : (P,) array
     status : (P,) array
         0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
-    pair_tables : tuple of PairTable, one per position
+    pair_tables : sequence of PairTable, one per position
     corner_contact : (P, S) array of bool
         The pair works on a sharp corner, where the peak pressure means nothing.
     estimate : dict or None
@@ -74,7 +74,7 @@ class Result:
     peak_pressure_MPa: Floats
     stiffness_tangent_Nm_per_rad: Floats
     status: NDArray[np.int64]
-    pair_tables: tuple[PairTable, ...]
+    pair_tables: Sequence[PairTable]
     corner_contact: NDArray[np.bool_]
     estimate: Mapping[str, Any] | None
     cost: Mapping[str, Any]
@@ -190,7 +190,7 @@ def make_result(
     peak_pressure_MPa: Floats,
     stiffness_tangent_Nm_per_rad: Floats,
     status: NDArray[np.int64],
-    pair_tables: tuple[PairTable, ...],
+    pair_tables: Sequence[PairTable],
     corner_contact: NDArray[np.bool_],
     period_rad: float,
     closed: bool,
@@ -247,7 +247,7 @@ def make_result(
             "stiffness_tangent_Nm_per_rad", stiffness_tangent_Nm_per_rad, along
         ),
         status=array("status", status, along, int),
-        pair_tables=tuple(pair_tables),
+        pair_tables=pair_tables,
         corner_contact=array("corner_contact", corner_contact, across, bool),
         estimate=estimate,
         cost=cost,

@@ -1,0 +1,229 @@
+!> The cells of a position under one torque: grids around the places of least gap, laid for the
+!> forces that are expected there, and laid anew where other forces were found.
+module flankload_position_cells
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
+        & part_neighbours, reserve_pairs, wanted_grid, zone_reach
+    use flankload_position, only: body_type, position_type, code_circle_misses
+    implicit none
+    private
+
+    public :: cells_type, grid_settings
+    public :: new_cells, lay_pairs, expected_pairs, check_grids
+    public :: least_half_width
+
+    !> How fine the cells are.
+    type :: grid_settings
+        !> Cells on the Hertz half-width
+        real(wp) :: strips_per_half_width = 10.0_wp
+        !> The same where a sharp corner lies inside the grid
+        real(wp) :: corner_strips_per_half_width = 30.0_wp
+        !> Half-width of the grid in Hertz half-widths
+        real(wp) :: zone_half_widths = 2.5_wp
+    end type grid_settings
+
+    !> For what the cells are laid, and how they lie.
+    type :: cells_type
+        !> Which zones have cells, shape (zones)
+        logical, allocatable :: joins(:)
+        !> Forces that the zones are expected to carry, and the least ones that cells are laid for
+        !> [N], shape (zones)
+        real(wp), allocatable :: estimate(:), least(:)
+        !> Forces for which the cells were laid [N], shape (zones)
+        real(wp), allocatable :: part(:)
+        !> How far the cells shall reach to both sides, in reaches of the contact; widened where a
+        !> force stands at an end, shape (2, zones)
+        real(wp), allocatable :: widths(:, :)
+        !> How far the contacts are expected to reach to both sides [mm], shape (2, zones)
+        real(wp), allocatable :: reach(:, :)
+        !> Grids of the zones, shape (zones)
+        type(grid_type), allocatable :: grids(:)
+    end type cells_type
+
+    !> Grids are widened by this factor when a force stands at their end.
+    real(wp), parameter :: widening = 1.6_wp
+    !> A zone that carries little gets cells as if it carried this part of the whole load.
+    real(wp), parameter :: least_part = 0.02_wp
+    !> Cells are never made for a half-width below this [mm]: gaps between them would drown in
+    !> rounding (x²/(2 rho) of a tenth of it against 1e-16 of the radius).
+    real(wp), parameter :: least_half_width = 1.0e-4_wp
+
+contains
+
+    !> No cells yet, only for what they shall be laid.
+    pure function new_cells(position, torque, estimate, joins, settings) result(cells)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces that the zones are expected to carry [N], shape (zones)
+        real(wp), intent(in) :: estimate(:)
+        !> Zones that shall have cells, shape (zones)
+        logical, intent(in) :: joins(:)
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        type(cells_type) :: cells
+
+        integer :: n
+
+        n = size(position%zones)
+        cells%joins = joins
+        cells%estimate = estimate
+        cells%least = least_part*torque/position%zones%lever
+        allocate (cells%part(n), cells%reach(2, n), source=0.0_wp)
+        allocate (cells%widths(2, n), source=settings%zone_half_widths)
+        allocate (cells%grids(n))
+    end function new_cells
+
+    !> Lay the cells and the pairs on them.
+    pure subroutine lay_pairs(body_1, body_2, position, settings, cells, pairs, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> For what the cells are laid, and how they lie
+        type(cells_type), intent(inout) :: cells
+        !> The pairs
+        type(pairs_type), intent(out) :: pairs
+        !> Set if a circle misses flank 2
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: z, site
+        logical :: found
+
+        cells%part = max(cells%estimate, cells%least)
+        cells%reach = 0.0_wp
+        associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
+            & frames_2 => position%frames_2)
+            do z = 1, size(zones)
+                if (.not. cells%joins(z)) cycle
+                site = zones(z)%site
+                cells%reach(:, z) = max(least_half_width, zone_reach(body_1%flank%curve, &
+                    & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), &
+                    & position%kernel*cells%part(z)))
+                grids(z) = wanted_grid(zones(z), cells%reach(:, z), cells%widths(:, z), &
+                    & settings%strips_per_half_width, settings%corner_strips_per_half_width)
+            end do
+            call part_grids(zones, cells%joins, cells%reach, grids)
+            do z = 1, size(zones)
+                if (cells%joins(z)) call lay_cells(zones(z), grids(z))
+            end do
+            call reserve_pairs(pairs, sum(grids%n, mask=cells%joins))
+            do z = 1, size(zones)
+                if (.not. cells%joins(z)) cycle
+                site = zones(z)%site
+                call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                    & frames_2(site), zones(z), z, grids(z), &
+                    & body_1%deviations(site) + body_2%deviations(site), &
+                    & corner_weight(zones(z), maxval(cells%reach(:, z))), pairs, found)
+                if (.not. found) then
+                    call fatal_error(error, code_circle_misses, &
+                        & 'a circle about O1 misses the flank of body 2 inside a zone')
+                    return
+                end if
+            end do
+        end associate
+    end subroutine lay_pairs
+
+    !> Part the grids of neighbouring zones of a site.
+    pure subroutine part_grids(zones, joins, reach, grids)
+        !> The zones, those of a site by ascending arc length, and which of them join
+        type(zone_type), intent(in) :: zones(:)
+        logical, intent(in) :: joins(:)
+        !> How far the contacts reach to both sides [mm], shape (2, zones)
+        real(wp), intent(in) :: reach(:, :)
+        !> Their grids
+        type(grid_type), intent(inout) :: grids(:)
+
+        integer :: z, last
+
+        last = 0
+        do z = 1, size(zones)
+            if (.not. joins(z)) cycle
+            if (last > 0) then
+                if (zones(last)%site == zones(z)%site) call part_neighbours(zones(last), zones(z), &
+                    & reach(:, last), reach(:, z), grids(last), grids(z))
+            end if
+            last = z
+        end do
+    end subroutine part_grids
+
+    !> How one-sided a contact is because of a sharp corner: 1 on it, 0 from a half-width on.
+    elemental function corner_weight(zone, half_width) result(weight)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Expected half-width of the contact [mm]
+        real(wp), intent(in) :: half_width
+        real(wp) :: weight
+
+        weight = max(0.0_wp, 1.0_wp - min(zone%to_corner_low, zone%to_corner_high)/half_width)
+        if (zone%corner > 0) weight = 1.0_wp
+    end function corner_weight
+
+    !> The pairs inside the contacts that are expected: the loop's warm set.
+    pure function expected_pairs(pairs, zones, cells) result(warm)
+        !> The pairs, their zones, and what is expected of these
+        type(pairs_type), intent(in) :: pairs
+        type(zone_type), intent(in) :: zones(:)
+        type(cells_type), intent(in) :: cells
+        integer, allocatable :: warm(:)
+
+        !> A little less than Hertz: pairs that must leave cost more than pairs that join.
+        real(wp), parameter :: part = 0.95_wp
+        integer :: i, z
+        real(wp) :: beyond
+        logical :: expected(pairs%n)
+
+        do i = 1, pairs%n
+            z = pairs%zone(i)
+            beyond = pairs%s_1(i) - zones(z)%nearest%s_1
+            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -part*cells%reach(1, z) &
+                & .and. beyond < part*cells%reach(2, z)
+        end do
+        warm = pack([(i, i=1, pairs%n)], expected)
+    end function expected_pairs
+
+    !> Widen grids at whose ends a force stands; learn the forces of the zones.
+    pure subroutine check_grids(forces, cells, settled)
+        !> Forces of the pairs on the cells [N], shape (pairs)
+        real(wp), intent(in) :: forces(:)
+        !> The cells
+        type(cells_type), intent(inout) :: cells
+        !> False if the cells must be laid anew
+        logical, intent(out) :: settled
+
+        !> Cells laid for this many times the force, or for so small a part, are laid anew: they
+        !> would be too coarse, or end too early.
+        real(wp), parameter :: too_far = 2.0_wp
+        integer :: z, first, last
+        real(wp) :: wanted
+
+        settled = .true.
+        cells%estimate = 0.0_wp
+        first = 1
+        do z = 1, size(cells%joins)
+            if (.not. cells%joins(z)) cycle
+            last = first + cells%grids(z)%n - 1
+            cells%estimate(z) = sum(forces(first:last))
+            if (cells%grids(z)%open_low .and. forces(first) > 0.0_wp) then
+                cells%widths(1, z) = widening*cells%widths(1, z)
+                settled = .false.
+            end if
+            if (cells%grids(z)%open_high .and. forces(last) > 0.0_wp) then
+                cells%widths(2, z) = widening*cells%widths(2, z)
+                settled = .false.
+            end if
+            wanted = max(cells%estimate(z), cells%least(z))
+            if (wanted > too_far*cells%part(z) .or. cells%part(z) > too_far*wanted) then
+                settled = .false.
+            end if
+            first = last + 1
+        end do
+    end subroutine check_grids
+
+end module flankload_position_cells

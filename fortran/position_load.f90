@@ -1,0 +1,261 @@
+!> A position under its torques: cells, influence numbers and contact loop; the cells are laid anew
+!> until every force lies inside them and no flank left out could touch.
+module flankload_position_load
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_pairs, only: pairs_type, reserve_pairs
+    use flankload_influence_number, only: influence_matrix
+    use flankload_contact_loop, only: contact_result, method_auto, method_single, &
+        & definite_matrix, symmetric_matrix, solve_contact_problem
+    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_position, only: body_type, look_at_position, position_type
+    use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
+        & lay_pairs, least_half_width, new_cells
+    implicit none
+    private
+
+    public :: position_state
+    public :: solve_position
+
+    !> What is found at a position under a torque.
+    type :: position_state
+        !> 0 … 3 of the contact loop, or a negative error code
+        integer :: status = 0
+        !> Rotation of body 1 [rad] and its growth with the torque [rad/(N mm)]
+        real(wp) :: rotation = 0.0_wp
+        real(wp) :: tangent = 0.0_wp
+        !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
+        type(pairs_type) :: pairs
+        real(wp), allocatable :: forces(:), gaps(:)
+        !> Force [N], peak of force over cell width [N/mm], and body whose corner works, shape
+        !> (sites)
+        real(wp), allocatable :: site_force(:), site_peak(:)
+        integer, allocatable :: site_corner(:)
+        !> Certificate of the contact loop
+        real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
+        !> Counters: pivots, influence columns, passes over the grid, refactorisations
+        integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
+    end type position_state
+
+    !> Error code of this stage, beside those of the stages before it.
+    integer, parameter :: code_unsettled = -13
+    !> Cells are laid so often at most; widened 12 times they cover any flank.
+    integer, parameter :: max_passes = 14
+    !> From so many pairs on the ladder chooses the loop, and uniqueness rests on K being elastic:
+    !> to factor all of it would cost more than the state.
+    integer, parameter :: many_pairs = 200
+    !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
+    !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
+    real(wp), parameter :: joining = 0.02_wp
+
+contains
+
+    !> Solve one position for several torques; no answer depends on the other torques.
+    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Their turns [rad]
+        real(wp), intent(in) :: angle_1
+        real(wp), intent(in) :: angle_2
+        !> Torques on body 1 [N mm]
+        real(wp), intent(in) :: torques(:)
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> What is found, shape (torques); without a state the status is an error code
+        type(position_state), intent(out) :: states(:)
+
+        integer :: t
+        logical :: known
+        type(position_type) :: position
+        type(error_type), allocatable :: error
+
+        known = .false.
+        do t = 1, size(torques)
+            if (.not. known) then
+                call look_at_position(body_1, body_2, angle_1, angle_2, torques(t), position, error)
+                known = .not. (allocated(error) .or. position%conforms)
+            end if
+            if (.not. allocated(error)) then
+                call solve_load(body_1, body_2, position, torques(t), settings, states(t), error)
+            end if
+            if (allocated(error)) then
+                states(t)%status = error%code
+                deallocate (error)
+            end if
+        end do
+    end subroutine solve_position
+
+    !> One torque.
+    subroutine solve_load(body_1, body_2, position, torque, settings, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> What is found
+        type(position_state), intent(out) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n_sites, pass
+        type(cells_type) :: cells
+        real(wp), allocatable :: estimate(:)
+        real(wp) :: rotation
+        logical, allocatable :: touches(:)
+        logical :: settled
+
+        n_sites = size(body_1%site_angles)
+        allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
+        allocate (state%site_corner(n_sites), source=0)
+        associate (zones => position%zones, gap => position%gap)
+            if (torque <= 0.0_wp) then
+                call unloaded_state(zones, gap, state)
+                return
+            end if
+            call lumped_contact(position%smooth, gap, zones%lever, zones%curvature, &
+                & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
+                & least_half_width, estimate, rotation, state%pivots, error)
+            if (allocated(error)) return
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
+                & .or. gap < rotation + joining*(rotation - minval(gap)), settings)
+            do pass = 1, max_passes
+                state%passes = pass
+                call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
+                if (allocated(error)) return
+                call solve_pairs(body_1, body_2, expected_pairs(state%pairs, zones, cells), &
+                    & torque, state, error)
+                if (allocated(error)) return
+                call check_grids(state%forces, cells, settled)
+                touches = would_touch(zones, gap, position%smooth, cells%estimate, state%rotation)
+                if (any(touches .and. .not. cells%joins)) settled = .false.
+                cells%joins = cells%joins .or. touches
+                if (settled) exit
+            end do
+            if (.not. settled) then
+                call fatal_error(error, code_unsettled, &
+                    & 'contact keeps reaching the end of its cells')
+                return
+            end if
+            call sum_over_sites(state, zones)
+        end associate
+    end subroutine solve_load
+
+    !> No torque: body 1 stands where the first pair touches.
+    pure subroutine unloaded_state(zones, gap, state)
+        !> The zones and their gap angles
+        type(zone_type), intent(in) :: zones(:)
+        real(wp), intent(in) :: gap(:)
+        !> What is found
+        type(position_state), intent(inout) :: state
+
+        integer :: z
+
+        z = minloc(gap, dim=1)
+        state%rotation = gap(z)
+        state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
+        state%site_corner(zones(z)%site) = max(0, zones(z)%corner)
+        call reserve_pairs(state%pairs, 0)
+        allocate (state%forces(0), state%gaps(0))
+    end subroutine unloaded_state
+
+    !> Build K of the pairs and solve.
+    subroutine solve_pairs(body_1, body_2, warm_pairs, torque, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The pairs on entry, then what is found
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n
+        real(wp), allocatable :: matrix(:, :), motions(:, :), load_rows(:, :)
+        type(contact_result) :: contact
+
+        n = state%pairs%n
+        allocate (matrix(n, n), motions(n, 1), load_rows(n, 1))
+        call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
+        motions(:, 1) = state%pairs%lever
+        load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
+        call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
+            & load_rows, [torque], merge(definite_matrix, symmetric_matrix, n > many_pairs), &
+            & merge(method_auto, method_single, n > many_pairs), warm_pairs, contact, error)
+        if (allocated(error)) return
+        state%status = contact%status
+        state%rotation = contact%motion(1)
+        state%tangent = contact%tangent(1, 1)
+        call move_alloc(contact%forces, state%forces)
+        call move_alloc(contact%gaps, state%gaps)
+        state%condition = contact%condition
+        state%backward_error = contact%backward_error
+        state%margin = contact%margin
+        state%pivots = state%pivots + contact%pivots
+        state%refactorisations = state%refactorisations + contact%refactorisations
+        state%columns = state%columns + n
+    end subroutine solve_pairs
+
+    !> Which zones close their gap: by the rotation, less what the forces of other sites push back
+    !> there (or pull near: where a rim is thin, a tooth may lean towards its mate).
+    pure function would_touch(zones, gap, smooth, forces, rotation) result(touches)
+        !> The zones and their gap angles [rad]
+        type(zone_type), intent(in) :: zones(:)
+        real(wp), intent(in) :: gap(:)
+        !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
+        real(wp), intent(in) :: smooth(:, :)
+        !> Forces of the zones [N]
+        real(wp), intent(in) :: forces(:)
+        !> Rotation [rad]
+        real(wp), intent(in) :: rotation
+        logical :: touches(size(zones))
+
+        integer :: z
+
+        do z = 1, size(zones)
+            ! the own site pushes back at any place; how much the cells will tell
+            touches(z) = zones(z)%lever*(gap(z) - rotation) + min(0.0_wp, &
+                & sum(smooth(z, :)*forces, mask=zones%site /= zones(z)%site)) < 0.0_wp
+        end do
+    end function would_touch
+
+    !> Forces, peaks and corners of the sites.
+    pure subroutine sum_over_sites(state, zones)
+        !> What was found
+        type(position_state), intent(inout) :: state
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+
+        integer :: i, z, site, worked
+        real(wp) :: peak, beyond
+
+        do i = 1, state%pairs%n
+            site = state%pairs%site(i)
+            z = state%pairs%zone(i)
+            peak = 2.0_wp*state%forces(i)/(state%pairs%cell_1(i) + state%pairs%cell_2(i))
+            state%site_force(site) = state%site_force(site) + state%forces(i)
+            state%site_peak(site) = max(state%site_peak(site), peak)
+            if (state%forces(i) <= 0.0_wp) cycle
+            ! a corner works where it makes the least gap, or where the contact has grown up to it
+            worked = max(0, zones(z)%corner)
+            beyond = state%pairs%s_1(i) - zones(z)%nearest%s_1
+            if (abs(zones(z)%to_corner_low + beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_low)
+            end if
+            if (abs(zones(z)%to_corner_high - beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_high)
+            end if
+            state%site_corner(site) = max(state%site_corner(site), worked)
+        end do
+    end subroutine sum_over_sites
+
+end module flankload_position_load
