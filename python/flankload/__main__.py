@@ -1,7 +1,50 @@
-"""`python -m flankload` is the command `flankload`."""
+"""The command `flankload` as a process, also `python -m flankload`; answers Ctrl-C from here on."""
 
+import os
+import signal
 import sys
+from types import FrameType
+from typing import NoReturn
 
-from flankload.cli import main
+INTERRUPTED = 130
+MESSAGE = b"flankload: interrupted\n"
+#: A progress bar has hidden the cursor of the terminal.
+SHOW_CURSOR = b"\x1b[?25h"
 
-sys.exit(main())
+
+def command() -> int:
+    """Run the command line of this process.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    # a shell that starts this in the background ignores Ctrl-C for it, and that stays so
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _on_interrupt)
+    try:
+        from flankload.cli import main
+
+        code = main()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done
+    except KeyboardInterrupt:
+        os.write(sys.__stderr__.fileno() if sys.__stderr__ else 2, MESSAGE)
+        return INTERRUPTED
+    return code
+
+
+def _on_interrupt(_: int, frame: FrameType | None) -> NoReturn:
+    """As in any Python program, but for imports: modules in C swallow what is raised there, or
+    print it. Nothing is being written while something is imported, so the process just ends.
+    """
+    while frame is not None:
+        if "importlib" in frame.f_code.co_filename:
+            os.write(2, (SHOW_CURSOR if os.isatty(2) else b"") + MESSAGE)
+            os._exit(INTERRUPTED)
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(command())

@@ -88,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="flankload",
         description="Load distribution on the flanks of two elastic bodies on parallel axes.",
-        epilog="exit codes: 0 done, 1 could not solve, 2 bad input",
+        epilog="exit codes: 0 done, 1 could not solve, 2 bad input, 130 interrupted",
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
