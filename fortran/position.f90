@@ -130,7 +130,7 @@ contains
         logical :: faces(size(body_1%site_angles))
 
         real(wp), parameter :: half_turn = acos(-1.0_wp)
-        real(wp) :: span_1, span_2, widest, polar
+        real(wp) :: span_1, span_2, widest, polar, meshing
         integer :: n
 
         n = size(faces)
@@ -141,10 +141,15 @@ contains
         widest = max(span_1, span_2)
         ! sites that go just once round span a pitch less than a turn
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
+        ! flanks meet between both axes, or beyond O1 where both bodies turn the same way
+        meshing = merge(half_turn, 0.0_wp, (body_1%site_angles(n) - body_1%site_angles(1)) &
+            & *(body_2%site_angles(n) - body_2%site_angles(1)) > 0.0_wp)
         associate (point => body_1%flank%point(:, size(body_1%flank%s)/2))
-            polar = atan2(point(2), point(1))
+            ! a flank stands beside its own axis or at the mesh: the cut is far from both
+            polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
+                & - 0.5_wp*half_turn
         end associate
-        faces = abs(polar + angle_1 + body_1%site_angles) <= half_turn*span_1/widest
+        faces = abs(polar - meshing + angle_1 + body_1%site_angles) <= half_turn*span_1/widest
     end function sites_that_face
 
 end module flankload_position

@@ -286,3 +286,31 @@ def test_pinion_tip_beyond_the_form_circle_of_the_ring_is_a_warning() -> None:
 
 def test_conjugate_flanks_do_not_overlap() -> None:
     assert swept_overlap(pair()) < 1e-3
+
+
+@pytest.mark.parametrize("turns", [1, -3])
+def test_positions_turns_apart_are_solved_as_each_alone(turns: int) -> None:
+    """Regression: inside a ring, angles a turn apart in one list took flanks for far ones."""
+    angles = [3.0, 3.0 + 360.0 * turns, 3.0 - 75.0]
+    together, alone = (
+        fl.solve(
+            fl.Scene.from_dict(
+                {
+                    "body_1": {**PINION, "rigid": True},
+                    "body_2": {**RING, "rigid": False},
+                    "pair": {"center_distance_mm": 53.93, "face_width_mm": 20},
+                    "load": {"torque_Nm": 300},
+                    "positions": {"angles_deg": wanted},
+                    "accuracy": {"estimate": False, "flank_element_mm": 2},
+                }
+            )
+        )
+        for wanted in (angles, angles[:1])
+    )
+    assert isinstance(together, fl.Result)
+    assert isinstance(alone, fl.Result)
+    np.testing.assert_allclose(together.rotation_rad, alone.rotation_rad[0], rtol=1e-8, atol=0)
+    shares = np.sort(alone.site_force_N[0])[::-1]
+    for forces in together.site_force_N:
+        found = np.sort(forces)[::-1]
+        np.testing.assert_allclose(found[: shares.size], shares, rtol=0, atol=1e-5 * shares.sum())
