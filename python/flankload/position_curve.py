@@ -1,0 +1,302 @@
+"""A quantity between the positions at which it is known: piecewise cubics that respect kinks.
+
+Where a flank pair begins or ends to carry, a curve over the positions has a kink; between kinks it
+is smooth. So no polynomial reaches over a change of the loaded pairs: in an interval in which they
+change, the curves from both sides go on until they meet.
+
+Every piece brings a doubt along: its difference to the polynomial of one degree less through the
+nearest of the same points. That is the error of the lower degree, so it is on the safe side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
+    Flags = NDArray[np.bool_]
+
+#: Highest degree of a piece.
+DEGREE = 3
+#: Nodes of the quadrature on a piece: a cubic times a wave is exact to rounding as long as the
+#: piece is no longer than one and a half waves.
+GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(16)
+#: Halvings on the way to where the curves from both sides meet: to rounding.
+MEETING_STEPS = 54
+
+
+@dataclass(frozen=True)
+class PositionCurve:
+    """K polynomials that follow each other over N intervals between positions.
+
+    Attributes
+    ----------
+    low, high : (K,) arrays
+        Ends of the pieces, rad.
+    interval : (K,) array
+        Interval that a piece lies in; two pieces that meet at a kink lie in one.
+    nodes, coefficients : (K, 4) arrays
+        Newton's form c0 + (x - n0) (c1 + (x - n1) (c2 + (x - n2) c3)).
+    doubts : (K, 4) array
+        The same of the difference to the lower degree.
+    n_intervals : int
+    """
+
+    low: Floats
+    high: Floats
+    interval: Integers
+    nodes: Floats
+    coefficients: Floats
+    doubts: Floats
+    n_intervals: int
+
+    @property
+    def length(self) -> float:
+        """From the first to the last end, rad."""
+        return float(self.high[-1] - self.low[0])
+
+    def values(self, position_rad: Floats) -> Floats:
+        """Values at positions between both ends."""
+        x = np.asarray(position_rad, dtype=float)
+        k = np.clip(np.searchsorted(self.low, x, side="right") - 1, 0, self.low.size - 1)
+        return _newton(self.nodes[k], self.coefficients[k], x[:, None])[:, 0]
+
+    def mean(self) -> float:
+        """Integral over length."""
+        x, weight = self._quadrature()
+        return float((weight * _newton(self.nodes, self.coefficients, x)).sum() / self.length)
+
+    def amplitudes(self, orders: Sequence[int]) -> Floats:
+        """Amplitudes of the waves that pass so many times between both ends (exact integrals)."""
+        x, weight = self._quadrature()
+        values = weight * _newton(self.nodes, self.coefficients, x)
+        turn = -2j * np.pi * x / self.length
+        waves = [(values * np.exp(order * turn)).sum() for order in orders]
+        return np.asarray(2.0 / self.length * np.abs(waves))
+
+    def doubt_integrals(self) -> Floats:
+        """(N,) Integral of the size of the doubt over each interval.
+
+        Twice their sum over the length bounds the error of every amplitude by the doubt's.
+        """
+        x, weight = self._quadrature()
+        size = (weight * np.abs(_newton(self.nodes, self.doubts, x))).sum(axis=1)
+        return np.asarray(np.bincount(self.interval, size, self.n_intervals), dtype=float)
+
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Two (N,) arrays: the least and the greatest value on each interval, with the doubt."""
+        x = np.column_stack([self.low, self._quadrature()[0], self.high])
+        values = _newton(self.nodes, self.coefficients, x)
+        size = np.abs(_newton(self.nodes, self.doubts, x))
+        least, greatest = np.full((2, self.n_intervals), [[np.inf], [-np.inf]])
+        np.minimum.at(least, self.interval, (values - size).min(axis=1))
+        np.maximum.at(greatest, self.interval, (values + size).max(axis=1))
+        return least, greatest
+
+    def kinks(self) -> Floats:
+        """(N,) Where both sides meet, rad; NaN in an interval without a kink."""
+        place = np.full(self.n_intervals, np.nan)
+        second = np.flatnonzero(np.diff(self.interval) == 0) + 1
+        place[self.interval[second]] = self.low[second]
+        return place
+
+    def _quadrature(self) -> tuple[Floats, Floats]:
+        """Places and weights (K, nodes)."""
+        half = 0.5 * (self.high - self.low)[:, None]
+        return 0.5 * (self.high + self.low)[:, None] + half * GAUSS_X, half * GAUSS_W
+
+
+def curve_through(
+    position_rad: Floats, values: Floats, changes: Flags, *, period_rad: float | None = None
+) -> PositionCurve:
+    """Curve through values at positions.
+
+    Parameters
+    ----------
+    position_rad, values : (n,) arrays
+        Positions ascending; n >= 2, or 1 with a period.
+    changes : (n,) array of bool
+        Whether the loaded pairs change between a position and the next; the last entry is for the
+        first position one period later, and without meaning where there is no period.
+    period_rad : float, optional
+        The curve goes from the first position to the same a period later. Absent: to the last one.
+
+    Returns
+    -------
+    PositionCurve
+        Of n intervals; n - 1 without a period.
+    """
+    n = len(position_rad)
+    x, y, broken = position_rad, values, changes[:-1]
+    first = 0
+    n_intervals = n - 1
+    if period_rad is not None:
+        index = np.arange(-DEGREE, n + DEGREE + 1)
+        x = position_rad[index % n] + period_rad * (index // n)
+        y, broken = values[index % n], changes[index % n][:-1]
+        first, n_intervals = DEGREE, n
+    # the first and the last point of the smooth stretch that a point lies on
+    stretch = np.concatenate([[0], np.cumsum(broken)])
+    start = np.searchsorted(stretch, stretch, side="left")
+    end = np.searchsorted(stretch, stretch, side="right") - 1
+    left = first + np.arange(n_intervals)
+    smooth = left[~broken[left]]
+    whole = _Polynomials.near(x, y, smooth, start, end, 0.5 * (x[smooth] + x[smooth + 1]))
+    kinked = left[broken[left]]
+    before = _Polynomials.near(x, y, kinked, start, end, x[kinked])
+    after = _Polynomials.near(x, y, kinked + 1, start, end, x[kinked + 1])
+    meeting, meets = _meeting(before, after, x[kinked], x[kinked + 1])
+    chord = _chords(before, after, x, y, kinked)
+    parts = (
+        (whole, x[smooth], x[smooth + 1], smooth),
+        (before.of(meets), x[kinked[meets]], meeting[meets], kinked[meets]),
+        (after.of(meets), meeting[meets], x[kinked[meets] + 1], kinked[meets]),
+        (chord.of(~meets), x[kinked[~meets]], x[kinked[~meets] + 1], kinked[~meets]),
+    )
+    low = np.concatenate([part[1] for part in parts])
+    order = np.argsort(low, kind="stable")
+    return PositionCurve(
+        low=low[order],
+        high=np.concatenate([part[2] for part in parts])[order],
+        interval=np.concatenate([part[3] for part in parts])[order] - first,
+        nodes=np.vstack([part[0].nodes for part in parts])[order],
+        coefficients=np.vstack([part[0].coefficients for part in parts])[order],
+        doubts=np.vstack([part[0].doubts for part in parts])[order],
+        n_intervals=n_intervals,
+    )
+
+
+def loaded_pair_changes(
+    loaded: Flags,
+    sites: Integers,
+    *,
+    pitches: int,
+    whole_circle: bool = False,
+    periods: Integers | None = None,
+) -> Flags:
+    """Where the loaded pairs change between positions.
+
+    Parameters
+    ----------
+    loaded : (n, S) array of bool
+        Positions in the order of the curve.
+    sites : (S,) array
+        Pair numbers.
+    pitches : int
+        Pitches in a period: a period on, pair j - pitches stands where pair j stood.
+    whole_circle : bool
+        The sites are all teeth, so that counting starts again after the last.
+    periods : (n,) array, optional
+        Periods by which each position has been moved back.
+
+    Returns
+    -------
+    (n,) array of bool
+        As `curve_through` takes it.
+    """
+    around = len(sites) if whole_circle else 0
+
+    def pairs(p: int, moved: int) -> frozenset[int]:
+        numbers = sites[loaded[p]] + moved * pitches
+        return frozenset((numbers % around if around else numbers).tolist())
+
+    moved = np.zeros(len(loaded), dtype=int) if periods is None else periods
+    there = [pairs(p, int(moved[p])) for p in range(len(loaded))]
+    a_period_on = pairs(0, int(moved[0]) - 1)
+    following = [*there[1:], a_period_on]
+    return np.array([now != then for now, then in zip(there, following, strict=True)])
+
+
+@dataclass(frozen=True)
+class _Polynomials:
+    """K polynomials in Newton's form."""
+
+    nodes: Floats
+    coefficients: Floats
+    doubts: Floats
+    degree: Integers
+
+    @classmethod
+    def near(
+        cls, x: Floats, y: Floats, at: Integers, start: Integers, end: Integers, reference: Floats
+    ) -> _Polynomials:
+        """Through up to four points around the interval behind each point `at`, of one stretch.
+
+        Points count from the one nearest to the reference, so that what the last one adds is the
+        difference to the degree below.
+        """
+        degree = np.minimum(DEGREE, end[at] - start[at])
+        lowest = np.clip(at - 1, start[at], end[at] - degree)
+        step = np.arange(DEGREE + 1)
+        there = step <= degree[:, None]
+        index = np.minimum(lowest[:, None] + step, len(x) - 1)
+        distance = np.where(there, np.abs(x[index] - reference[:, None]), np.inf)
+        order = np.argsort(distance, axis=1, kind="stable")
+        index = np.take_along_axis(index, order, axis=1)
+        # what is not there gets a place of its own; its coefficient is taken out below
+        nodes = np.where(there, x[index], x[-1] + 1.0 + step)
+        table = y[index].astype(float)
+        for d in range(1, DEGREE + 1):
+            table[:, d:] = (table[:, d:] - table[:, d - 1 : -1]) / (nodes[:, d:] - nodes[:, :-d])
+        coefficients = np.where(there, table, 0.0)
+        highest = (step == degree[:, None]) & (degree[:, None] > 0)
+        return cls(nodes, coefficients, np.where(highest, table, 0.0), degree)
+
+    def of(self, which: Flags) -> _Polynomials:
+        """Some of them."""
+        return _Polynomials(
+            self.nodes[which], self.coefficients[which], self.doubts[which], self.degree[which]
+        )
+
+    def values(self, x: Floats) -> Floats:
+        """One value of each."""
+        return _newton(self.nodes, self.coefficients, x[:, None])[:, 0]
+
+
+def _newton(nodes: Floats, coefficients: Floats, x: Floats) -> Floats:
+    """Values (K, m) at places (K, m)."""
+    values = coefficients[:, DEGREE, None]
+    for d in range(DEGREE - 1, -1, -1):
+        values = values * (x - nodes[:, d, None]) + coefficients[:, d, None]
+    return np.broadcast_to(values, x.shape)
+
+
+def _meeting(
+    before: _Polynomials, after: _Polynomials, low: Floats, high: Floats
+) -> tuple[Floats, Flags]:
+    """Where the curves from both sides meet inside an interval, and whether they do.
+
+    A single point between two kinks says nothing of the curve through it: that does not count.
+    """
+    at_low = before.values(low) - after.values(low)
+    at_high = before.values(high) - after.values(high)
+    meets = (at_low * at_high <= 0) & (before.degree > 0) & (after.degree > 0)
+    for _ in range(MEETING_STEPS):
+        middle = 0.5 * (low + high)
+        beyond = (before.values(middle) - after.values(middle)) * at_low <= 0
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return 0.5 * (low + high), meets
+
+
+def _chords(
+    before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Integers
+) -> _Polynomials:
+    """Straight lines over intervals; in doubt by what the curves from both sides miss the ends."""
+    nodes, coefficients, doubts = np.zeros((3, at.size, DEGREE + 1))
+    nodes[:, 0], nodes[:, 1] = x[at], x[at + 1]
+    coefficients[:, 0] = y[at]
+    coefficients[:, 1] = (y[at + 1] - y[at]) / (x[at + 1] - x[at])
+    missed = [
+        np.abs(before.values(x[at + 1]) - y[at + 1]),
+        np.abs(after.values(x[at]) - y[at]),
+    ]
+    doubts[:, 0] = np.maximum(*missed)
+    return _Polynomials(nodes, coefficients, doubts, np.ones(at.size, dtype=int))
