@@ -13,8 +13,12 @@ from flankload.effects import Effects, effects_of
 from flankload.errors import SceneError
 from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
+from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
 
+#: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
+#: the result may have.
+MOST_NUMBERS = 1e7
 #: Flanks in files that stay within this of their involute are not modified.
 LEAST_DEVIATION_UM = 1e-3
 
@@ -22,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.scene import Scene
+    from flankload.scene.tables import Positions
 
 
 @dataclass(frozen=True)
@@ -35,10 +40,13 @@ class BodyPair:
     resolution : Resolution
     effects : Effects
     position_rad : (P,) array
-        Angles of body 1 from position zero.
+        Angles of body 1 from position zero; of adaptive positions those to begin with.
+    pitches : int or None
+        Tooth pitches that the positions run over; None where they are single angles.
     closed : bool
-        The positions divide evenly a period after which all repeats (with pitch errors one tooth
-        pitch is none).
+        All repeats after them (with pitch errors one tooth pitch is no period).
+    adaptive : bool
+        More positions are looked for.
     notes : tuple of str
         What a user must know of bodies and pair.
     """
@@ -49,8 +57,17 @@ class BodyPair:
     resolution: Resolution
     effects: Effects
     position_rad: NDArray[np.float64]
+    pitches: int | None
     closed: bool
+    adaptive: bool
     notes: tuple[str, ...]
+
+    @property
+    def period_rad(self) -> float:
+        """Period of the curves: what the positions run over, where all repeats after it."""
+        if self.closed and self.pitches is not None:
+            return self.pitches * self.pairing.pitch_rad
+        return self.pairing.period_rad
 
     @property
     def turn_1(self) -> float:
@@ -91,7 +108,10 @@ def build_bodies(scene: Scene) -> BodyPair:
             )
             for spec, key in ((scene.body_1, "body_1"), (scene.body_2, "body_2"))
         )
-        position_rad, even = _positions(scene, 2 * np.pi / body_1.teeth)
+        period = period_of(body_1, body_2)
+        pitches = _pitches(scene.positions, period)
+        closed = pitches is not None and pitches % period.pitches == 0
+        position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
         position_rad, alike = _without_copies(scene, position_rad)
         pairing = pair_bodies(
             body_1,
@@ -111,13 +131,13 @@ def build_bodies(scene: Scene) -> BodyPair:
         flank_modifications=effects.flank_modifications
         or any(_is_modified_file(body) for body in (body_1, body_2)),
     )
-    uneven = effects.pitch_errors or any((*body_1.flank_turns_rad, *body_2.flank_turns_rad))
     notes = (
         *(f"body_1: {note}" for note in body_1.notes),
         *(f"body_2: {note}" for note in body_2.notes),
         *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
         *pairing.warnings,
         *alike,
+        *_beyond_window(pitches, period),
     )
     return BodyPair(
         body_1=body_1,
@@ -126,7 +146,9 @@ def build_bodies(scene: Scene) -> BodyPair:
         resolution=resolution,
         effects=effects,
         position_rad=position_rad,
-        closed=even and position_rad.size > 1 and not uneven,
+        pitches=pitches,
+        closed=closed and position_rad.size > 1,
+        adaptive=scene.positions.adaptive and position_rad.size > 1,
         notes=notes,
     )
 
@@ -139,12 +161,42 @@ def _is_modified_file(body: Body) -> bool:
     )
 
 
-def _positions(scene: Scene, period_rad: float) -> tuple[NDArray[np.float64], bool]:
-    """Angles of body 1 (P,), and whether they divide one tooth pitch evenly."""
-    wanted = scene.positions
+def _pitches(wanted: Positions, period: Period) -> int | None:
+    """Tooth pitches that the positions run over; None for single angles."""
     if wanted.angles_deg is not None:
-        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), False
-    return period_rad * np.arange(wanted.count) / wanted.count, True
+        return None
+    pitches = period.pitches if wanted.pitches == "hunting" else wanted.pitches
+    per_pitch = wanted.count if not wanted.adaptive else wanted.most_per_pitch
+    if per_pitch * pitches**2 > MOST_NUMBERS and pitches > 1:
+        raise SceneError(
+            key="positions.pitches",
+            expected="so few pitches that positions times flank pairs, of which each pitch brings "
+            f"a new one, stay below {MOST_NUMBERS:g}",
+            found=f"{pitches} pitches of {per_pitch} positions",
+        )
+    return pitches
+
+
+def _positions(
+    wanted: Positions, pitch_rad: float, pitches: int | None, *, closed: bool
+) -> NDArray[np.float64]:
+    """Angles of body 1 (P,); adaptive ones reach to the end of a window that does not close."""
+    if pitches is None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float))
+    last = 1 if wanted.adaptive and not closed else 0
+    return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
+
+
+def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
+    """What a window leaves out."""
+    if pitches is None or pitches % period.pitches == 0:
+        return ()
+    pitch = "pitch" if pitches == 1 else "pitches"
+    note = (
+        f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, these "
+        f"positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+    )
+    return (note,)
 
 
 def _without_copies(

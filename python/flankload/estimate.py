@@ -17,6 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flankload.adaptive_positions import PositionErrors
     from flankload.compliance import BodyCompliance
     from flankload.resolution import Grid
     from flankload.sweep import Sweep
@@ -40,13 +41,22 @@ class Estimate:
     peak_pressure: float
     by_source: dict[str, dict[str, float]]
 
-    def as_dict(self) -> dict[str, object]:
-        """The form of the result: one number per quantity, and the table by source."""
+    def as_dict(self, *, positions: PositionErrors | None = None) -> dict[str, object]:
+        """The form of the result: one number per quantity, and the table by source.
+
+        Adaptive positions are a source of its own, of what follows from the whole curve.
+        """
+        by_source = dict(self.by_source)
+        if positions is not None:
+            by_source["positions"] = {
+                "transmission_error_harmonics": positions.harmonics,
+                "transmission_error_peak_to_peak": positions.peak_to_peak,
+            }
         return {
             "transmission_error": self.transmission_error,
             "load_share": self.load_share,
             "peak_pressure": self.peak_pressure,
-            "by_source": self.by_source,
+            "by_source": by_source,
         }
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 #: Columns of the core's table of pairs: arc lengths on both flanks, radius, place and normal (out
@@ -65,3 +67,27 @@ class PackedPairs:
         """Bytes of the pairs under this torque."""
         each = self.site.itemsize + self.table.itemsize * len(COLUMNS)
         return int(self.count.sum()) * each
+
+
+def join_pairs(parts: Sequence[PackedPairs], order: NDArray[np.int64]) -> PackedPairs:
+    """Pairs of all positions of several, without those of other torques.
+
+    Parameters
+    ----------
+    parts : sequence of PackedPairs
+    order : (P,) array
+        Numbers of the positions, as the parts have them one after the other, in their new order.
+
+    Returns
+    -------
+    PackedPairs
+    """
+    rows = [part._rows() for part in parts]
+    count = np.concatenate([part.count for part in parts])
+    first = np.cumsum(count) - count
+    return PackedPairs(
+        site=np.concatenate([part.site[own] for part, own in zip(parts, rows, strict=True)]),
+        table=np.concatenate([part.table[own] for part, own in zip(parts, rows, strict=True)]),
+        first=first[order],
+        count=count[order],
+    )

@@ -13,13 +13,14 @@ On a spline every tooth is a site: pair j is tooth j, counted in the sense of th
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, floor, pi
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.errors import SceneError
 from flankload.gear_mesh import Mesh, gear_mesh
+from flankload.period import Period, period_of
 from flankload.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ class Pairing:
         Turn of both bodies' frames at position zero.
     ratio : float
         Teeth of body 1 over teeth of body 2; negative where both turn the same way.
-    period_rad : float
-        One tooth pitch of body 1.
+    period : Period
+        What positions repeat after.
     sites : (S,) array
         Pair numbers.
     site_teeth : two (S,) arrays
@@ -62,7 +63,7 @@ class Pairing:
     center_distance_mm: float
     turns_at_zero_rad: tuple[float, float]
     ratio: float
-    period_rad: float
+    period: Period
     sites: NDArray[np.int64]
     site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
     site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -70,6 +71,16 @@ class Pairing:
     mesh: Mesh | None
     warnings: tuple[str, ...]
     fit: SplineFit | None = None
+
+    @property
+    def pitch_rad(self) -> float:
+        """One tooth pitch of body 1."""
+        return self.period.pitch_rad
+
+    @property
+    def period_rad(self) -> float:
+        """Turn of body 1 after which all repeats."""
+        return self.period.rad
 
     @property
     def whole_circle(self) -> bool:
@@ -146,7 +157,7 @@ def pair_bodies(
         center_distance_mm=center_distance_mm,
         turns_at_zero_rad=turns,
         ratio=sense * body_1.teeth / body_2.teeth,
-        period_rad=2 * pi / body_1.teeth,
+        period=period_of(body_1, body_2),
         sites=sites,
         site_teeth=teeth,
         site_angles_rad=angles,
@@ -166,7 +177,7 @@ def _pair_spline(shaft: Body, hub: Body, offset: float) -> Pairing:
         center_distance_mm=offset,
         turns_at_zero_rad=(0.0, fit.turn_rad),
         ratio=-1.0,
-        period_rad=2 * pi / shaft.teeth,
+        period=period_of(shaft, hub),
         sites=sites,
         site_teeth=(sites, sites),
         site_angles_rad=(angles + _pitch_turns(shaft, sites), angles + _pitch_turns(hub, sites)),
@@ -189,17 +200,19 @@ def _sites(
 ) -> NDArray[np.int64]:
     """Pairs that come near the path of contact at any position, one to spare at each end."""
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
-    if mesh is None:
-        first = floor(-UNKNOWN_PATH_SITES - float(pitches.max()))
-        last = ceil(UNKNOWN_PATH_SITES - float(pitches.min()))
-    else:
-        first = floor(mesh.path_start_mm / mesh.base_pitch_mm - float(pitches.max())) - 1
-        last = ceil(mesh.path_end_mm / mesh.base_pitch_mm - float(pitches.min())) + 1
-    if last - first + 1 > min(teeth_1, teeth_2) and np.ptp(pitches) < 1.0:
-        spare = last - first + 1 - min(teeth_1, teeth_2)
-        first += spare // 2
-        last -= spare - spare // 2
-    return np.arange(first, last + 1)
+    start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
+    if mesh is not None:
+        start, end = mesh.path_start_mm / mesh.base_pitch_mm, mesh.path_end_mm / mesh.base_pitch_mm
+        spare = 1
+    first = np.floor(start - pitches).astype(int) - spare
+    last = np.ceil(end - pitches).astype(int) + spare
+    # positions may stand turns apart
+    runs = set(zip(first.tolist(), last.tolist(), strict=True))
+    sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))
+    extra = sites.size - min(teeth_1, teeth_2)
+    if extra > 0 and np.ptp(pitches) < 1.0:
+        sites = sites[extra // 2 : sites.size - (extra - extra // 2)]
+    return sites
 
 
 def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArray[np.int64]:

@@ -59,6 +59,10 @@ RESOLUTIONS: tuple[tuple[float, Resolution], ...] = (
 )
 
 
+#: Part of the scene's tolerance that positions may use up: solving a few more costs little.
+POSITIONS_PART = 0.3
+
+
 def choose_resolution(scene: Scene) -> Resolution:
     """Knobs for a scene.
 
@@ -83,3 +87,8 @@ def choose_resolution(scene: Scene) -> Resolution:
             accuracy.zone_half_widths or grid.zone_half_widths,
         ),
     )
+
+
+def position_tolerance(scene: Scene) -> float:
+    """What adaptive positions may leave in doubt of harmonics and peak to peak, as part of them."""
+    return scene.positions.tolerance or POSITIONS_PART * scene.accuracy.tolerance

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
+from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptively
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.errors import SceneError
 from flankload.estimate import Estimate, estimate_errors
 from flankload.given_compliance import given_compliance
-from flankload.resolution import choose_resolution
+from flankload.resolution import choose_resolution, position_tolerance
 from flankload.result import Result
 from flankload.result.from_sweep import result_of
 from flankload.sweep import sweep
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from flankload.bodies import Body
     from flankload.scene import Scene
@@ -28,6 +33,8 @@ if TYPE_CHECKING:
 #: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
 #: further apart is another tooth, or another centre distance.
 LARGEST_STANDING_GAP = 0.25
+#: A transmission error that varies less is rounding.
+LEAST_VARIATION_UM = 1e-3
 
 
 #: Steps of the progress: building the bodies, elements of each body, the sweep, each of the two
@@ -54,9 +61,17 @@ class _Clock:
             self._told = (name, done)
             self._progress(name, done, self._total)
 
-    def sweep_progress(self, name: str, before: int) -> Callable[[int, int], None]:
-        """Positions done in a sweep, as steps."""
-        return lambda done, total: self.tell(name, before + SWEEP_STEPS * done // max(1, total))
+    def sweep_progress(
+        self, name: str, before: int, number: int | None = None
+    ) -> Callable[[int, int], None]:
+        """Positions done in a sweep, as steps; of a round of unknown many half of what is left."""
+        left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))
+
+        def tell(done: int, total: int) -> None:
+            steps = SWEEP_STEPS * (1.0 - left + part * done / max(1, total))
+            self.tell(name, before + int(steps + 1e-9))
+
+        return tell
 
     def finish(self) -> None:
         self.tell("done", self._total)
@@ -107,16 +122,21 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         sweep,
         (pair.body_1, pair.body_2),
         pairing=pair.pairing,
-        position_rad=pair.position_rad,
         face_width_mm=scene.pair.face_width_mm,
     )
     with clock.stage("sweep", fixed):
-        found = run(
-            compliances=compliances,
-            grid=pair.resolution.grid,
-            torques_Nmm=[1000.0 * torque for torque in scene.torques_Nm],
-            progress=clock.sweep_progress("sweep", fixed),
-        )
+
+        def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
+            return run(
+                position_rad=position_rad,
+                compliances=compliances,
+                grid=pair.resolution.grid,
+                torques_Nmm=[1000.0 * torque for torque in scene.torques_Nm],
+                progress=clock.sweep_progress("sweep", fixed, number if pair.adaptive else None),
+            )
+
+        pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+    run = partial(run, position_rad=pair.position_rad)
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + SWEEP_STEPS):
@@ -128,9 +148,10 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
             compliances,
             name=scene.name,
             face_width_mm=scene.pair.face_width_mm,
-            estimate=estimates[t].as_dict() if t in estimates else None,
+            estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
             stages=clock.stages,
-            notes=standing,
+            notes=(*standing, *_not_enough(scene, pair, errors[t])),
+            rounds=rounds,
         )
         for t, part in enumerate(found)
     )
@@ -162,6 +183,44 @@ def _estimates(
     parts = tuple(found[t] for t in loaded)
     estimated = estimate_errors(parts, run_again, compliances, pair.resolution.grid)
     return dict(zip(loaded, estimated, strict=True))
+
+
+def _all_positions(
+    scene: Scene, pair: BodyPair, run: Callable[[NDArray[np.float64], int], tuple[Sweep, ...]]
+) -> tuple[BodyPair, tuple[Sweep, ...], tuple[PositionErrors | None, ...], int]:
+    """The pair at all its positions, what was found, what they leave in doubt, and the rounds."""
+    if not pair.adaptive:
+        return pair, run(pair.position_rad, 0), (None,) * len(scene.torques_Nm), 1
+    assert pair.pitches is not None
+    pairing = pair.pairing
+    swept = sweep_adaptively(
+        run,
+        pair.position_rad,
+        Window(
+            pitch_rad=pairing.pitch_rad,
+            pitches=pair.pitches,
+            closed=pair.closed,
+            sites=pairing.sites,
+            whole_circle=pairing.whole_circle,
+        ),
+        tolerance=position_tolerance(scene),
+        most=scene.positions.most_per_pitch * pair.pitches,
+        least_rad=LEAST_VARIATION_UM / 1000.0 / pair.body_1.reference_radius_mm,
+    )
+    return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+
+
+def _not_enough(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
+    """What adaptive positions leave in doubt beyond the tolerance."""
+    tolerance = position_tolerance(scene)
+    if error is None or error.largest <= tolerance:
+        return ()
+    note = (
+        f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
+        f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
+        f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+    )
+    return (note,)
 
 
 def _compliances(
@@ -216,7 +275,7 @@ def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"
-    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.period_rad * radius:
+    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
         raise SceneError(
             file=scene.file,
             key="pair.center_distance_mm",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ from flankload.errors import (
     PivotLimit,
     SingularContact,
 )
-from flankload.packed_pairs import COLUMNS, PackedPairs
+from flankload.packed_pairs import COLUMNS, PackedPairs, join_pairs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -161,6 +161,29 @@ def sweep(
             seconds=seconds,
         )
         for t, torque in enumerate(torques)
+    )
+
+
+def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
+    """One sweep of all positions of several, for the same torque and the same sites.
+
+    Parameters
+    ----------
+    parts : sequence of Sweep
+    order : (P,) array
+        Numbers of the positions, as the parts have them one after the other, in their new order.
+
+    Returns
+    -------
+    Sweep
+    """
+    single = ("torque_Nmm", "pairs", "seconds")
+    names = [item.name for item in fields(Sweep) if item.name not in single]
+    return Sweep(
+        torque_Nmm=parts[0].torque_Nmm,
+        pairs=join_pairs([part.pairs for part in parts], order),
+        seconds=sum(part.seconds for part in parts),
+        **{name: np.concatenate([getattr(part, name) for part in parts])[order] for name in names},
     )
 
 

@@ -62,7 +62,7 @@ def run() -> str:
     compliances = elements()
     first = time.process_time() - first
     again = best(elements, 5, time.process_time)
-    position_rad = np.linspace(0.0, pair.pairing.period_rad, 256, endpoint=False)
+    position_rad = np.linspace(0.0, pair.pairing.pitch_rad, 256, endpoint=False)
 
     def positions() -> Sweep:
         (found,) = sweep(

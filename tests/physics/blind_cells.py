@@ -109,7 +109,7 @@ class Job:
         self.fields = tuple(flank_compliance(b, n_modes=5, plane=plane) for b in self.bodies)
         self.torque = 1000.0 * scene["load"]["torque_Nm"]
         self.width = scene["pair"]["face_width_mm"]
-        self.period = pair.pairing.period_rad
+        self.period = pair.pairing.pitch_rad
 
     def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
         (found,) = sweep(

@@ -12,6 +12,7 @@ import pytest
 from flankload.compliance import BodyCompliance
 from flankload.flank_curve import CurvePiece, fit_flank_curve
 from flankload.pairing import Pairing
+from flankload.period import Period
 from flankload.resolution import Grid
 from flankload.sweep import sweep
 
@@ -47,7 +48,7 @@ def contact(force_N_per_mm: float, grid: Grid):
         center_distance_mm=DISTANCE,
         turns_at_zero_rad=(0.0, 0.0),
         ratio=1.0,
-        period_rad=1.0,
+        period=Period(1.0),
         sites=np.zeros(1, int),
         site_teeth=(np.zeros(1, int), np.zeros(1, int)),
         site_angles_rad=(none, none),

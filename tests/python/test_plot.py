@@ -336,3 +336,49 @@ def test_deviation_counts_along_the_normal_of_the_involute() -> None:
     roll_length, deviation = deviation_at(involute, places)
     np.testing.assert_allclose(roll_length, 34.0 * roll, rtol=ROUND_OFF, atol=0)
     np.testing.assert_allclose(deviation, -0.03, rtol=0, atol=34.0 * ROUND_OFF)
+
+
+def test_uneven_positions_are_marked_on_the_curve_through_them() -> None:
+    """The curve has a point on each piece, the marks are the positions and the closing one."""
+    base = made_up_result(count=40)
+    keep = np.delete(np.arange(40), [3, 4, 11, 30])
+    result = made_up_result(
+        count=40,
+        position_rad=base.position_rad[keep],
+        rotation_rad=base.rotation_rad[keep],
+        site_force_N=base.site_force_N[keep],
+        peak_pressure_MPa=base.peak_pressure_MPa[keep],
+        stiffness_tangent_Nm_per_rad=base.stiffness_tangent_Nm_per_rad[keep],
+        status=base.status[keep],
+        corner_contact=base.corner_contact[keep],
+        pair_tables=tuple(base.pairs(int(k)) for k in keep),
+    )
+    curve, marks, *_ = plot_transmission_error(result).axes[0].get_lines()
+    assert marks.get_linestyle() == "None"
+    assert marks.get_marker() == "o"
+    angles = np.degrees(np.append(result.position_rad, result.period_rad))
+    np.testing.assert_allclose(marks.get_xdata(), angles, rtol=ROUND_OFF, atol=0)
+    drawn = np.asarray(curve.get_xdata())
+    assert drawn.size > 5 * angles.size
+    assert drawn[-1] == pytest.approx(angles[-1], rel=ROUND_OFF)
+    even = plot_transmission_error(base).axes[0].get_lines()[0]
+    assert even.get_marker() == "None"
+
+
+def test_many_pairs_share_one_name() -> None:
+    base = made_up_result()
+    forces = np.zeros((32, 20))
+    forces[np.arange(32), np.arange(32) % 20] = 1000.0
+    result = made_up_result(
+        sites=-np.arange(20)[::-1],
+        site_force_N=forces,
+        peak_pressure_MPa=forces,
+        corner_contact=forces < 0,
+        period_rad=19 * base.period_rad,
+        pitch_rad=base.period_rad,
+    )
+    legend = plot_load_sharing(result).axes[0].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "pairs 0 to −19, from left to right"
+    ]
+    assert any("pair that carries" in line for line in result.table().splitlines())

@@ -109,8 +109,12 @@ def test_harmonics_beyond_the_positions_are_not_claimed() -> None:
 
 
 def test_open_curves_have_no_harmonics_and_no_contact_ratio() -> None:
-    summary = made_up_result(closed=False).summary
+    period = made_up_result().period_rad
+    window = made_up_result(closed=False, period_rad=48 * period, pitch_rad=period)
+    summary = window.summary
+    assert window.period_pitches == 48
     assert summary["transmission_error_harmonics_um"] is None
+    assert summary["transmission_error_mesh_harmonics_um"] is None
     assert summary["contact_ratio_under_load"] is None
 
 

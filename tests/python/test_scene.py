@@ -222,12 +222,6 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "no such key, since this version does not simulate helical gears",
             "10",
         ),
-        (
-            {"positions__adaptive": True},
-            "positions.adaptive",
-            "no such key, since this version does not simulate adaptive positions",
-            "true",
-        ),
         # missing keys and tables
         (
             {"body_1__teeth": ABSENT},
@@ -442,6 +436,67 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "'shell'",
         ),
         # impossible combinations name both keys
+        (
+            {"positions": {"adaptive": True, "angles_deg": [0.0, 3.0]}},
+            "positions.angles_deg",
+            "nothing beside positions.adaptive: one of the two",
+            "[0.0, 3.0]",
+        ),
+        (
+            {"positions": {"pitches": "hunting", "angles_deg": [0.0]}},
+            "positions.angles_deg",
+            "nothing beside positions.pitches: one of the two",
+            "[0.0]",
+        ),
+        (
+            {"positions__pitches": "all"},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "'all'",
+        ),
+        (
+            {"positions__pitches": 0},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "0",
+        ),
+        (
+            {"positions__pitches": [2, 3]},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "[2, 3]",
+        ),
+        ({"positions__adaptive": 1}, "positions.adaptive", "true or false", "1"),
+        (
+            {"positions__tolerance": 0.01},
+            "positions.tolerance",
+            "nothing, unless positions.adaptive is true",
+            "0.01",
+        ),
+        (
+            {"positions": {"adaptive": True, "tolerance": 0}},
+            "positions.tolerance",
+            "a number from 1e-05 to 0.1",
+            "0",
+        ),
+        (
+            {"positions__max_count": 100},
+            "positions.max_count",
+            "nothing, unless positions.adaptive is true",
+            "100",
+        ),
+        (
+            {"positions": {"adaptive": True, "max_count": 31}},
+            "positions.max_count",
+            "at least positions.count (32)",
+            "31",
+        ),
+        (
+            {"positions": {"adaptive": True, "count": 7}},
+            "positions.count",
+            "at least 8 to begin adaptive positions with",
+            "7",
+        ),
         (
             {"positions": {"count": 4, "angles_deg": [0.0]}},
             "positions.angles_deg",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.style import (
@@ -22,6 +23,7 @@ from flankload.plot.style import (
     pair_name,
     subtitle,
 )
+from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +35,12 @@ if TYPE_CHECKING:
 #: below is rounding.
 LEAST_SPAN_UM = 1e-3
 LEAST_SPAN_PART = 5e-3
+#: So many positions are marked where they are uneven; more are a line of their own.
+MOST_MARKS = 400
+#: More pairs are not named one by one.
+MOST_NAMED = 12
+#: Points of a drawn curve on each of its pieces.
+CURVE_STEPS = 8
 
 
 def plot_transmission_error(result: Result) -> Figure:
@@ -49,7 +57,11 @@ def plot_transmission_error(result: Result) -> Figure:
     with rc_context(STYLE):
         figure, axes = _figure(result, "Transmission error")
         angle, error = _curve(result, result.transmission_error_um)
-        axes.plot(angle, error, color=COLOURS[0], **_marks(result))
+        if (smooth := _through_uneven(result, result.transmission_error_um)) is not None:
+            axes.plot(*smooth, color=COLOURS[0])
+            axes.plot(angle, error, color=COLOURS[0], linestyle="none", **_marks(result))
+        else:
+            axes.plot(angle, error, color=COLOURS[0], **_marks(result))
         summary = result.summary
         mean = summary["transmission_error_mean_um"]
         span = summary["transmission_error_peak_to_peak_um"]
@@ -62,8 +74,8 @@ def plot_transmission_error(result: Result) -> Figure:
                 y,
                 linestyle="none",
                 marker="o",
-                markersize=6,
-                markerfacecolor="white",
+                markersize=6 if corner.size <= MOST_MARKS else 1.5,
+                markerfacecolor="white" if corner.size <= MOST_MARKS else COLOURS[1],
                 markeredgecolor=COLOURS[1],
                 label="a pair carries on a sharp corner",
             )
@@ -187,9 +199,9 @@ def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
     axes.set_xlabel("angle of body 1 in degrees")
     angles = np.degrees(result.position_rad)
     if _is_closed(result):
-        pitch = degrees(result.period_rad)
-        axes.set_xlim(0, pitch)
+        axes.set_xlim(0, degrees(result.period_rad))
         axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
+        pitch = degrees(result.pitch_rad)
         axes.set_xlabel(f"angle of body 1 in degrees (one pitch = {pitch:.4g}°)")
     elif np.ptp(angles) > 0:
         margin = 0.02 * np.ptp(angles)  # the marks at both ends are whole
@@ -198,9 +210,11 @@ def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
 
 
 def _marks(result: Result) -> dict[str, Any]:
-    """Marks where positions are few: a line through them would hide how few."""
+    """Marks where positions are few or uneven: a line through them would hide where they are."""
     if result.position_rad.size > 12 and (_is_closed(result) or not _gaps(result).size):
-        return {}
+        if result.position_rad.size > MOST_MARKS or over_positions(result).regular:
+            return {}
+        return {"marker": "o", "markersize": 2.5}
     return {"marker": "o", "markersize": 4.5}
 
 
@@ -214,6 +228,20 @@ def _curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[
     return np.insert(angle[order], gaps, np.nan), np.insert(1.0 * values[order], gaps, np.nan)
 
 
+def _through_uneven(
+    result: Result, values: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any]] | None:
+    """Angles in degrees and values of the curve through uneven positions, with its kinks."""
+    over = over_positions(result)
+    curve = over.curve(values)
+    if curve is None or not (result.closed or over.contiguous):
+        return None
+    steps = np.linspace(0.0, 1.0, CURVE_STEPS, endpoint=False)
+    places = (curve.low[:, None] + (curve.high - curve.low)[:, None] * steps).ravel()
+    places = np.append(places, curve.high[-1])
+    return np.degrees(places), curve.values(places)
+
+
 def _is_closed(result: Result) -> bool:
     """One position is a point: a line over the period from it would be made up."""
     return result.closed and result.position_rad.size > 1
@@ -222,16 +250,16 @@ def _is_closed(result: Result) -> bool:
 def _gaps(result: Result) -> NDArray[np.int64]:
     """Where a line would bridge more than half a pitch, about which nothing is known."""
     steps = np.diff(np.sort(result.position_rad))
-    return np.asarray(np.flatnonzero(steps > 0.5001 * result.period_rad) + 1)
+    return np.asarray(np.flatnonzero(steps > 0.5001 * result.pitch_rad) + 1)
 
 
 def _curve_of_pair(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Curve of one pair: after a period it stands where the pair one further along stood at 0."""
+    """Curve of one pair: a period on it stands where the pair so many pitches further stood."""
     if not _is_closed(result):
         return _curve(result, values[:, s])
-    after = np.flatnonzero(result.sites == result.sites[s] + 1)
+    after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
     end = values[0, after[0]] if after.size else closing
     angle, _ = _curve(result, values[:, s])
     return angle, np.append(values[:, s], end)
@@ -247,5 +275,19 @@ def _lifted(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _legend_of_pairs(axes: Axes) -> None:
-    if handles := axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=min(len(handles), 5))
+    handles, labels = axes.get_legend_handles_labels()
+    shown = dict(zip(labels, handles, strict=True))
+    pairs = [label for label in labels if label.startswith("pair ")]
+    if len(pairs) > MOST_NAMED:
+        # one name for all: their curves follow each other
+        shown = {label: handle for label, handle in shown.items() if label not in pairs}
+        ends = " to ".join(pair.removeprefix("pair ") for pair in (pairs[-1], pairs[0]))
+        shown = {f"pairs {ends}, from left to right": Line2D([], [], color=GREY), **shown}
+    if shown:
+        axes.legend(
+            shown.values(),
+            shown.keys(),
+            loc="upper center",
+            bbox_to_anchor=(0.5, -0.16),
+            ncols=min(len(shown), 5),
+        )

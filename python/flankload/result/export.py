@@ -41,6 +41,7 @@ SINGLE_NUMBERS = {
     "torque_Nm": "N m",
     "reference_radius_mm": "mm",
     "face_width_mm": "mm",
+    "pitch_rad": "rad",
     "period_rad": "rad",
 }
 

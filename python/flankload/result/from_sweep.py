@@ -35,6 +35,7 @@ def result_of(
     estimate: Mapping[str, object] | None,
     stages: Mapping[str, Mapping[str, float]],
     notes: tuple[str, ...] = (),
+    rounds: int = 1,
 ) -> Result:
     """Make the result of one torque.
 
@@ -53,6 +54,8 @@ def result_of(
         Seconds of each stage.
     notes : tuple of str
         More that a user must know.
+    rounds : int
+        Sweeps in which the positions were found.
 
     Returns
     -------
@@ -77,12 +80,13 @@ def result_of(
             len(found.n_pairs), partial(_pair_table, pair.pairing, found.pairs, width)
         ),
         corner_contact=found.site_corner[:, carries] > 0,
-        period_rad=pair.pairing.period_rad,
+        pitch_rad=pair.pairing.pitch_rad,
+        period_rad=pair.period_rad,
         closed=pair.closed,
         whole_circle=circle,
         face_width_mm=width,
         estimate=estimate,
-        cost=_cost(compliances, found, stages),
+        cost=_cost(compliances, found, stages, rounds),
         warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
         drawing=_drawing(pair),
     )
@@ -112,12 +116,15 @@ def _cost(
     compliances: tuple[BodyCompliance, BodyCompliance],
     found: Sweep,
     stages: Mapping[str, Mapping[str, float]],
+    rounds: int,
 ) -> dict[str, object]:
     pivots, columns, passes, refactorisations = found.counters.sum(axis=0).tolist()
     return {
         "fe_factorisations": sum(c.fe_factorisations for c in compliances),
         "unit_loads_normal": sum(c.unit_loads_normal for c in compliances),
         "unit_loads_tangential": 0,
+        "positions": found.status.size,
+        "position_rounds": rounds,
         "influence_columns": columns,
         "pivots": pivots,
         "contact_passes": passes,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.table import text_of
 
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 Floats = NDArray[np.float64]
-
-#: Harmonics of the transmission error that the summary names.
-N_HARMONICS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +36,13 @@ class Result:
         recess.
     position_rad, rotation_rad : (P,) arrays
         Angle of body 1 from position zero, and how much further it has turned under load.
-    reference_radius_mm, face_width_mm, period_rad : float
-        Radius that turns rotation into transmission error; width; one tooth pitch of body 1.
+    reference_radius_mm, face_width_mm : float
+        Radius that turns rotation into transmission error; width.
+    pitch_rad, period_rad : float
+        One tooth pitch of body 1; the turn of body 1 after which all repeats.
     closed : bool
-        Whether the positions divide one period evenly.
+        Whether the positions, ascending, cover the period once from the first on: what follows the
+        last is the first again, a period later.
     whole_circle : bool
         Whether the sites are all teeth of the bodies (splines), also those that carry nothing.
     site_force_N, peak_pressure_MPa : (P, S) arrays
@@ -67,6 +68,7 @@ class Result:
     rotation_rad: Floats
     reference_radius_mm: float
     face_width_mm: float
+    pitch_rad: float
     period_rad: float
     closed: bool
     whole_circle: bool
@@ -93,6 +95,11 @@ class Result:
         share = np.zeros_like(self.site_force_N)
         np.divide(self.site_force_N, total, out=share, where=total > 0)
         return _frozen(share)
+
+    @property
+    def period_pitches(self) -> int:
+        """Tooth pitches of body 1 in a period."""
+        return round(self.period_rad / self.pitch_rad)
 
     @cached_property
     def loaded_pairs(self) -> NDArray[np.int64]:
@@ -125,21 +132,28 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """What a report quotes.
 
-        `transmission_error_mean_um`, `transmission_error_peak_to_peak_um`;
-        `transmission_error_harmonics_um` (amplitudes of the first five) and
-        `contact_ratio_under_load` (mean number of loaded pairs), both None where the positions do
-        not divide one period evenly; `loaded_pairs_min`, `loaded_pairs_max`; `peak_pressure_MPa`
+        `transmission_error_mean_um` (over the period; weighted by the turn that each position
+        stands for where they are uneven), `transmission_error_peak_to_peak_um` (of the positions);
+        `transmission_error_harmonics_um` (amplitudes of the first five of the period),
+        `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
+        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None
+        where the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
+        `peak_pressure_MPa`
         with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
         the same of `peak_pressure_off_corners`, the largest that means something.
         """
         error = self.transmission_error_um
         loaded = self.loaded_pairs
         smooth = np.where(self.corner_contact, 0.0, self.peak_pressure_MPa)
+        over = over_positions(self)
         return {
-            "transmission_error_mean_um": float(error.mean()),
+            "transmission_error_mean_um": over.mean(error),
             "transmission_error_peak_to_peak_um": float(np.ptp(error)),
-            "transmission_error_harmonics_um": _harmonics(error) if self.closed else None,
-            "contact_ratio_under_load": float(loaded.mean()) if self.closed else None,
+            "transmission_error_harmonics_um": over.harmonics(error),
+            "transmission_error_mesh_harmonics_um": over.harmonics(
+                error, every=self.period_pitches
+            ),
+            "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
             "loaded_pairs_min": int(loaded.min()),
             "loaded_pairs_max": int(loaded.max()),
             **self._largest("peak_pressure", self.peak_pressure_MPa),
@@ -199,6 +213,7 @@ def make_result(
     cost: Mapping[str, Any],
     warnings: Sequence[str],
     drawing: PairDrawing,
+    pitch_rad: float | None = None,
     whole_circle: bool = False,
 ) -> Result:
     """Put a result together; arrays are copied and frozen.
@@ -206,7 +221,7 @@ def make_result(
     Parameters
     ----------
     name, torque_Nm, …
-        The attributes of `Result`, of P positions and S sites.
+        The attributes of `Result`, of P positions and S sites; without a pitch the period is one.
 
     Returns
     -------
@@ -238,6 +253,7 @@ def make_result(
         rotation_rad=array("rotation_rad", rotation_rad, along),
         reference_radius_mm=float(reference_radius_mm),
         face_width_mm=float(face_width_mm),
+        pitch_rad=float(period_rad if pitch_rad is None else pitch_rad),
         period_rad=float(period_rad),
         closed=bool(closed),
         whole_circle=bool(whole_circle),
@@ -259,10 +275,3 @@ def make_result(
 def _frozen(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array
-
-
-def _harmonics(values: Floats) -> list[float | None]:
-    """Amplitudes of the first harmonics over one period; None where the positions are too few."""
-    n = len(values)
-    amplitudes = 2.0 / n * np.abs(np.fft.rfft(values))
-    return [float(amplitudes[k]) if 2 * k < n else None for k in range(1, N_HARMONICS + 1)]

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 HEAD = ("position", "transm. error", "tangent stiffness", "secant stiffness")
 UNITS = ("deg", "um", "N/um", "N/um")
 
+#: Pairs that have a column each; of more a row shows those that carry.
+MOST_COLUMNS = 8
 #: What stands behind a pressure that a sharp corner carries.
 CORNER_MARK = "*"
 #: What the contact solver certifies of a position, beyond "solved" (0).
@@ -38,7 +40,11 @@ def text_of(result: Result) -> str:
     str
         Lines without a line break at the end.
     """
-    rows = _rows_of_circle(result) if result.whole_circle else _rows(result)
+    rows = _rows(result)
+    if result.whole_circle:
+        rows = _rows_of_circle(result)
+    elif result.sites.size > MOST_COLUMNS:
+        rows = _rows_of_loaded(result)
     lines = [_title(result), "", *rows, "", *_footer(result)]
     return "\n".join(line.rstrip() for line in lines)
 
@@ -47,7 +53,9 @@ def _title(result: Result) -> str:
     count = result.position_rad.size
     where = f"{count} position{'s' * (count != 1)}"
     if result.closed:
-        where += f" over one pitch of {degrees(result.period_rad):g} deg"
+        pitches = result.period_pitches
+        where += f" over {'one pitch' if pitches == 1 else f'{pitches} pitches'}"
+        where += f" of {degrees(result.pitch_rad):g} deg"
     return f"{result.name}: {result.torque_Nm:g} N m, {where}"
 
 
@@ -83,6 +91,18 @@ def _position_cells(result: Result) -> Iterator[list[str]]:
             f"{value:>{len(name)}{form}}" if isfinite(value) else f"{'-':>{len(name)}}"
             for value, name, form in zip(row, HEAD, formats, strict=True)
         ]
+
+
+def _rows_of_loaded(result: Result) -> Iterator[str]:
+    """A row per position with the pairs that carry there, of many."""
+    most = int(result.loaded_pairs.max())
+    yield "  ".join([*HEAD, *(f"{'pair that carries':^22}" for _ in range(most))])
+    titles = [f"{unit:>{len(name)}}" for unit, name in zip(UNITS, HEAD, strict=True)]
+    yield "  ".join([*titles, *(f"{'pair':>6} {'share %':>7} {'MPa':>6} " for _ in range(most))])
+    for p, cells in enumerate(_position_cells(result)):
+        for s in np.flatnonzero(result.site_force_N[p] > 0):
+            cells.append(f"{result.sites[s]:>6} {_site_cell(result, p, int(s))}")
+        yield "  ".join(cells)
 
 
 def _rows_of_circle(result: Result) -> Iterator[str]:
@@ -122,15 +142,17 @@ def _site_cell(result: Result, p: int, s: int) -> str:
 
 def _footer(result: Result) -> Iterator[str]:
     summary = result.summary
-    harmonics = summary["transmission_error_harmonics_um"]
     text = (
         f"mean {summary['transmission_error_mean_um']:.3f} um, "
         f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
     )
+    harmonics = summary["transmission_error_mesh_harmonics_um"]
     if harmonics is not None:
-        amplitudes = " ".join("-" if a is None else f"{a:.3f}" for a in harmonics)
-        text += f", harmonics 1 to {len(harmonics)}: {amplitudes} um"
+        text += f", harmonics 1 to {len(harmonics)}: {_amplitudes(harmonics)} um"
     yield _labelled("transmission error", text)
+    if harmonics is not None and result.period_pitches > 1:
+        whole = _amplitudes(summary["transmission_error_harmonics_um"])
+        yield _labelled("", f"harmonics of {result.period_pitches} pitches: {whole} um")
     least, most = summary["loaded_pairs_min"], summary["loaded_pairs_max"]
     text = f"{least}" if least == most else f"{least} to {most}"
     if summary["contact_ratio_under_load"] is not None:
@@ -142,6 +164,9 @@ def _footer(result: Result) -> Iterator[str]:
         yield _labelled("largest pressure", _largest_pressure(summary))
     if result.estimate is not None:
         yield _labelled("estimated error", _estimate(result.estimate))
+        if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
+            text = _estimate({key.split("_", 2)[-1]: error for key, error in left.items()})
+            yield _labelled("left by positions", text)
     yield _labelled("cost", _cost(result.cost))
     for status, words in STATUS_WORDS.items():
         positions = np.flatnonzero(result.status == status)
@@ -150,6 +175,10 @@ def _footer(result: Result) -> Iterator[str]:
             yield _labelled(f"status {status}", f"{words}: positions {listed}")
     for warning in result.warnings:
         yield _labelled("warning", warning)
+
+
+def _amplitudes(harmonics: list[float | None]) -> str:
+    return " ".join("-" if a is None else f"{a:.3f}" for a in harmonics)
 
 
 def _labelled(label: str, text: str) -> str:

@@ -58,6 +58,8 @@ BodySpec = Gear | Ring | SplineShaft | SplineHub | MeshBody | ComplianceBody
 LEAST_BORE = 1e-3
 #: Pitch error over base pitch: beyond it the teeth of one space would change places.
 LARGEST_PITCH_ERROR = 0.1
+#: Fewer positions to begin with overlook pairs that carry on a part of a pitch only.
+LEAST_START = 8
 
 
 @dataclass(frozen=True)
@@ -346,12 +348,7 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_kinds(asked)
-    if asked.positions.angles_deg is not None and "count" in given["positions"]:
-        _refuse(
-            "positions.angles_deg",
-            "nothing beside positions.count: one of the two",
-            asked.positions.angles_deg,
-        )
+    _check_positions(asked.positions, given.get("positions", {}))
     torque = asked.load.torque_Nm
     loaded = any(torque) if isinstance(torque, tuple) else torque > 0
     if loaded and asked.body_1.rigid and asked.body_2.rigid:
@@ -360,6 +357,37 @@ def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
             "false, since body_1.rigid is true: where neither body yields, nothing says how the "
             "flanks share the torque",
             True,
+        )
+
+
+def _check_positions(positions: Positions, given: Mapping[str, Any]) -> None:
+    """Angles stand alone; what steers adaptive positions stands with them."""
+    if positions.angles_deg is not None:
+        for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
+            if key in given:
+                _refuse(
+                    "positions.angles_deg",
+                    f"nothing beside positions.{key}: one of the two",
+                    positions.angles_deg,
+                )
+    if not positions.adaptive:
+        for key in ("tolerance", "max_count"):
+            if key in given:
+                _refuse(
+                    f"positions.{key}", "nothing, unless positions.adaptive is true", given[key]
+                )
+        return
+    if positions.count < LEAST_START:
+        _refuse(
+            "positions.count",
+            f"at least {LEAST_START} to begin adaptive positions with",
+            positions.count,
+        )
+    if positions.max_count is not None and positions.max_count < positions.count:
+        _refuse(
+            "positions.max_count",
+            f"at least positions.count ({positions.count})",
+            positions.max_count,
         )
 
 

@@ -36,7 +36,6 @@ NOT_YET = {
         "coast_flank": "contact on the coast flank",
         "choose": "the choice of effects",
     },
-    "positions": {"adaptive": "adaptive positions"},
     "body": {
         "helix_angle_deg": "helical gears",
         "hand": "helical gears",
@@ -166,12 +165,19 @@ def _member(union: inspect.UnionType, value: Any, key: str) -> inspect.Type:
         return tagged[found]
     if len(members) > 1:
         is_list = isinstance(value, Sequence) and not isinstance(value, str)
-        for member in members:
-            if isinstance(member, inspect.VarTupleType) == is_list:
-                if not is_list and not _fits(member, value):
-                    raise SceneError(key=key, expected=expected_of(union), found=shown(value))
+        single = [m for m in members if not isinstance(_bare(m), inspect.VarTupleType)]
+        if is_list and len(single) < len(members):
+            return next(member for member in members if member not in single)
+        for member in single:
+            if not is_list and _fits(_bare(member), value):
                 return member
+        raise SceneError(key=key, expected=expected_of(union), found=shown(value))
     return members[0]
+
+
+def _bare(kind: inspect.Type) -> inspect.Type:
+    """A type without what is said about it."""
+    return kind.type if isinstance(kind, inspect.Metadata) else kind
 
 
 def _read_list(kind: inspect.VarTupleType | inspect.TupleType, value: Any, key: str) -> Any:

@@ -347,16 +347,55 @@ class Positions(Table, frozen=True, kw_only=True):
         Annotated[int, Meta(ge=1, le=100000)],
         about(
             "-",
-            "positions, equally spaced over one period (a tooth pitch of body 1); concentric "
-            "splines have one",
+            "positions per tooth pitch of body 1, equally spaced; with adaptive those to begin "
+            "with; concentric splines have one",
         ),
     ] = 32
     angles_deg: Annotated[
         Angles | None, about("deg", "angles of body 1 from position zero, instead of count")
     ] = None
+    pitches: Annotated[
+        Annotated[int, Meta(ge=1, le=10000)] | Literal["hunting"],
+        about(
+            "-",
+            "tooth pitches of body 1 that the positions run over; 'hunting' = until all repeats: "
+            "with pitch errors on both bodies the least common multiple of their tooth numbers, "
+            "without any one pitch",
+        ),
+    ] = 1
+    adaptive: Annotated[
+        bool,
+        about(
+            "",
+            "true: more positions where the transmission error bends, the same for all torques, "
+            "until its harmonics 1 to 3 and its peak to peak are known to the tolerance",
+        ),
+    ] = False
+    tolerance: Annotated[
+        Annotated[float, Meta(ge=1e-5, le=0.1)] | None,
+        about(
+            "-",
+            "with adaptive: what the positions may leave in doubt of a harmonic (of a tenth of "
+            "the largest, where it is smaller) and of the peak to peak; absent = 0.3 of "
+            "accuracy.tolerance",
+        ),
+    ] = None
+    max_count: Annotated[
+        Annotated[int, Meta(ge=1, le=100000)] | None,
+        about(
+            "-",
+            "with adaptive: most positions per tooth pitch; where they do not suffice a warning "
+            "says what is left in doubt; absent = 8 count",
+        ),
+    ] = None
     driver: Annotated[
         Literal["body_1", "body_2"], about("", "the driving body; decides the sliding direction")
     ] = "body_1"
+
+    @property
+    def most_per_pitch(self) -> int:
+        """Most adaptive positions per tooth pitch."""
+        return self.max_count or 8 * self.count
 
 
 class EffectsAsked(Table, frozen=True, kw_only=True):

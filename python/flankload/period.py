@@ -1,0 +1,66 @@
+"""After how much turning of body 1 all repeats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import lcm, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flankload.bodies.body import Body
+
+
+@dataclass(frozen=True)
+class Period:
+    """What positions repeat after.
+
+    Attributes
+    ----------
+    pitch_rad : float
+        After this turn of body 1 the next tooth stands where one stood: one tooth pitch.
+    pitches : int
+        After so many pitches teeth alike meet again: 1 where all teeth of a body are alike; where
+        they are not, the number of them, or of the least group that repeats; of two such bodies the
+        least common multiple.
+    """
+
+    pitch_rad: float
+    pitches: int = 1
+
+    @property
+    def rad(self) -> float:
+        """Turn of body 1 after which all repeats."""
+        return self.pitches * self.pitch_rad
+
+
+def period_of(body_1: Body, body_2: Body) -> Period:
+    """Period of a pair.
+
+    Parameters
+    ----------
+    body_1, body_2 : Body
+
+    Returns
+    -------
+    Period
+    """
+    return Period(
+        pitch_rad=2 * pi / body_1.teeth,
+        pitches=lcm(_teeth_until_alike(body_1), _teeth_until_alike(body_2)),
+    )
+
+
+def _teeth_until_alike(body: Body) -> int:
+    """Teeth after which the places of the flanks repeat around a body."""
+    places = np.zeros((2, body.teeth))
+    if body.pitch_errors_um:
+        places[0] = body.pitch_errors_um
+    if body.flank_turns_rad:
+        places[1] = body.flank_turns_rad
+    return next(
+        group
+        for group in range(1, body.teeth + 1)
+        if body.teeth % group == 0 and np.array_equal(np.roll(places, group, axis=1), places)
+    )
