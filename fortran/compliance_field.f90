@@ -6,7 +6,7 @@ module flankload_compliance_field
     private
 
     public :: compliance_type
-    public :: mode_values, strip_kernel, mean_strip_kernel
+    public :: mode_values, strip_kernel, mean_strip_kernel, strip_jump
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
@@ -16,6 +16,12 @@ module flankload_compliance_field
         real(wp) :: kernel = 0.0_wp
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
         real(wp), allocatable :: smooth(:, :, :)
+        !> Smooth part for modes of load along the flank [mm/N], shape (n_modes, n_tangential,
+        !> n_blocks); not allocated without friction
+        real(wp), allocatable :: tangential(:, :, :)
+        !> Near field of these: a half-plane moves by -jump in front of the load, jump behind it
+        !> [mm/N]
+        real(wp) :: jump = 0.0_wp
         !> Block of the smooth part for displacement at site i, load at site j, shape (sites, sites)
         integer, allocatable :: block(:, :)
     end type compliance_type
@@ -90,6 +96,20 @@ contains
             & - twice_integrated(distance - 0.5_wp*(cell - other)) &
             & + twice_integrated(distance - 0.5_wp*(cell + other)))
     end function mean_strip_kernel
+
+    !> Displacement along the normal at a distance in front of the centre of a strip that carries a
+    !> unit load along the flank evenly [mm/N].
+    elemental function strip_jump(distance, cell, jump) result(displacement)
+        !> Distance along the flank, positive where the load points to [mm]
+        real(wp), intent(in) :: distance
+        !> Width of the strip [mm]
+        real(wp), intent(in) :: cell
+        !> Strength of the jump [mm/N]
+        real(wp), intent(in) :: jump
+        real(wp) :: displacement
+
+        displacement = -jump*max(-1.0_wp, min(1.0_wp, 2.0_wp*distance/cell))
+    end function strip_jump
 
     !> Second integral of ln|x|.
     elemental function twice_integrated(x) result(value)

@@ -40,9 +40,12 @@ module flankload_contact_pairs
         real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
         !> Radius of the circle about O1 [mm], gap angle [rad], shape (n)
         real(wp), allocatable :: radius(:), gap_angle(:)
-        !> Lever arms about O1 [mm]: of the force on body 1 (torque row), and of the pair (row
-        !> scale)
+        !> Lever arms about O1 [mm]: of the force on body 1, friction included (torque row), and of
+        !> the pair (row scale)
         real(wp), allocatable :: torque_lever(:), lever(:)
+        !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
+        !> sign, shape (n); not allocated without friction
+        real(wp), allocatable :: sliding(:), friction(:)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type

@@ -14,11 +14,13 @@ module flankload
     use flankload_column_demand, only: column_source, solve_on_demand, solve_known_columns
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_circle_pair, only: flank_type, new_flank
+    use flankload_friction, only: friction_type, new_friction
     use flankload_compliance_field, only: compliance_type
     use flankload_position, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: position_state, solve_position
-    use flankload_sweep, only: sweep_positions, sweep_type, pair_columns
+    use flankload_sweep, only: sweep_positions, sweep_type, pair_columns, &
+        & pair_columns_with_friction
     implicit none
     private
 
@@ -34,6 +36,7 @@ module flankload
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: body_type, grid_settings, position_state, solve_position
-    public :: sweep_positions, sweep_type, pair_columns
+    public :: friction_type, new_friction
+    public :: sweep_positions, sweep_type, pair_columns, pair_columns_with_friction
 
 end module flankload

@@ -8,6 +8,7 @@ module flankload_influence_number
     use flankload_compliance_field, only: compliance_type, mode_values, mean_strip_kernel, &
         & strip_kernel
     use flankload_contact_pairs, only: pairs_type
+    use flankload_tangential_influence, only: add_tangential
     implicit none
     private
 
@@ -15,7 +16,7 @@ module flankload_influence_number
 
 contains
 
-    !> K = diag(b) A of all pairs, without friction; symmetric.
+    !> K = diag(b) A of all pairs; symmetric without friction.
     pure subroutine influence_matrix(body_1, body_2, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -30,6 +31,11 @@ contains
             & pairs%cell_1(:pairs%n), matrix)   ! Eq. (5), (13)
         call add_recession(body_2, pairs%site(:pairs%n), pairs%s_2(:pairs%n), &
             & pairs%cell_2(:pairs%n), matrix)   ! Eq. (6), (10)
+        if (.not. allocated(pairs%friction)) return
+        call add_tangential(body_1, pairs%site(:pairs%n), pairs%s_1(:pairs%n), &
+            & pairs%cell_1(:pairs%n), pairs%friction(:pairs%n), matrix)   ! Eq. (14), (15)
+        call add_tangential(body_2, pairs%site(:pairs%n), pairs%s_2(:pairs%n), &
+            & pairs%cell_2(:pairs%n), pairs%friction(:pairs%n), matrix)
     end subroutine influence_matrix
 
     !> Add what one body recedes; only the lower triangle is computed, then mirrored.

@@ -4,6 +4,7 @@ module flankload_position
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: frame_type, new_frame
+    use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
@@ -25,6 +26,8 @@ module flankload_position
         real(wp), allocatable :: site_angles(:)
         !> Metal that touches early at each site, along the normal [mm], shape (sites)
         real(wp), allocatable :: deviations(:)
+        !> Friction of its flanks with those of body 2 (body 1 alone); not allocated without
+        type(friction_type), allocatable :: friction
     end type body_type
 
     !> Where the flanks stand and come nearest to each other.
@@ -41,6 +44,9 @@ module flankload_position
         real(wp) :: kernel = 0.0_wp
         !> The zones hold for the torque only for which they were found: flanks conform
         logical :: conforms = .false.
+        !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
+        !> them
+        real(wp) :: speeds(2) = 0.0_wp
     end type position_type
 
     !> Error codes of this stage.

@@ -6,6 +6,7 @@ module flankload_position_cells
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
+    use flankload_friction, only: rub_pairs
     use flankload_position, only: body_type, position_type, code_circle_misses
     implicit none
     private
@@ -93,7 +94,8 @@ contains
         !> Set if a circle misses flank 2
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: z, site
+        integer :: z, site, first
+        real(wp) :: weight
         logical :: found
 
         cells%part = max(cells%estimate, cells%least)
@@ -117,14 +119,20 @@ contains
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
+                first = pairs%n + 1
+                weight = corner_weight(zones(z), maxval(cells%reach(:, z)))
                 call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
                     & frames_2(site), zones(z), z, grids(z), &
-                    & body_1%deviations(site) + body_2%deviations(site), &
-                    & corner_weight(zones(z), maxval(cells%reach(:, z))), pairs, found)
+                    & body_1%deviations(site) + body_2%deviations(site), weight, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
                     return
+                end if
+                if (allocated(body_1%friction)) then
+                    call rub_pairs(body_1%friction, position%speeds, body_1%flank%curve, &
+                        & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), weight, &
+                        & first, pairs)
                 end if
             end do
         end associate

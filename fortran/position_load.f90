@@ -3,12 +3,12 @@
 module flankload_position_load
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error
+    use flankload_error, only: error_type, fatal_error, invalid_scale, no_contact_state
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_influence_number, only: influence_matrix
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
-        & definite_matrix, symmetric_matrix, solve_contact_problem
+        & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
@@ -37,6 +37,10 @@ module flankload_position_load
         real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
         !> Counters: pivots, influence columns, passes over the grid, refactorisations
         integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
+        !> Without a state: part of the torque that can be held, and whether there is none for
+        !> certain
+        real(wp) :: largest_part = 0.0_wp
+        logical :: none_proven = .false.
     end type position_state
 
     !> Error code of this stage, beside those of the stages before it.
@@ -53,7 +57,7 @@ module flankload_position_load
 contains
 
     !> Solve one position for several torques; no answer depends on the other torques.
-    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states)
+    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -66,6 +70,8 @@ contains
         type(grid_settings), intent(in) :: settings
         !> What is found, shape (torques); without a state the status is an error code
         type(position_state), intent(out) :: states(:)
+        !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
+        real(wp), intent(in), optional :: speeds(2)
 
         integer :: t
         logical :: known
@@ -77,6 +83,7 @@ contains
             if (.not. known) then
                 call look_at_position(body_1, body_2, angle_1, angle_2, torques(t), position, error)
                 known = .not. (allocated(error) .or. position%conforms)
+                if (present(speeds)) position%speeds = speeds
             end if
             if (.not. allocated(error)) then
                 call solve_load(body_1, body_2, position, torques(t), settings, states(t), error)
@@ -179,7 +186,7 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n
+        integer :: n, structure
         real(wp), allocatable :: matrix(:, :), motions(:, :), load_rows(:, :)
         type(contact_result) :: contact
 
@@ -188,10 +195,23 @@ contains
         call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
         motions(:, 1) = state%pairs%lever
         load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
+        structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
+        ! with friction several states may exist: all of K is looked at
+        if (allocated(state%pairs%friction)) structure = general_matrix
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
-            & load_rows, [torque], merge(definite_matrix, symmetric_matrix, n > many_pairs), &
-            & merge(method_auto, method_single, n > many_pairs), warm_pairs, contact, error)
-        if (allocated(error)) return
+            & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
+            & warm_pairs, contact, error)
+        if (allocated(error)) then
+            state%largest_part = contact%largest_part
+            state%none_proven = contact%none_proven
+            if (error%code == invalid_scale .and. allocated(state%pairs%friction)) then
+                ! friction turns every lever against the torque: nothing can be held
+                error%code = no_contact_state
+                state%largest_part = 0.0_wp
+                state%none_proven = .true.
+            end if
+            return
+        end if
         state%status = contact%status
         state%rotation = contact%motion(1)
         state%tangent = contact%tangent(1, 1)

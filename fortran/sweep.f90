@@ -7,6 +7,7 @@
 module flankload_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
+    use flankload_error, only: no_contact_state
     use flankload_position, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: position_state, solve_position
@@ -15,7 +16,7 @@ module flankload_sweep
 
     public :: sweep_type
     public :: sweep_positions
-    public :: pair_columns, code_no_room, code_stopped
+    public :: pair_columns, pair_columns_with_friction, code_no_room, code_stopped
 
     !> What is found in a sweep; NaN where there is no state.
     type :: sweep_type
@@ -23,7 +24,8 @@ module flankload_sweep
         integer, allocatable :: status(:, :)
         !> Rotation [rad] and its growth with the torque [rad/(N mm)], shape (positions, torques)
         real(wp), allocatable :: rotation(:, :), tangent(:, :)
-        !> Backward error, condition, margin, shape (3, positions, torques)
+        !> Backward error, condition, margin, shape (3, positions, torques); where contact has no
+        !> state, part of the torque that can be held and 1 if there is none for certain
         real(wp), allocatable :: certificate(:, :, :)
         !> Pivots, influence columns, passes over the grid, refactorisations, shape (4, positions,
         !> torques)
@@ -38,8 +40,9 @@ module flankload_sweep
     end type sweep_type
 
     !> Columns of a pair: s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm], lever of
-    !> the torque row.
-    integer, parameter :: pair_columns = 11
+    !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
+    !> coefficient times its sign.
+    integer, parameter :: pair_columns = 11, pair_columns_with_friction = 13
     !> The caller's room for pairs was full: the position wants another call.
     integer, parameter :: code_no_room = -15
     !> The caller asked to stop before the position was begun.
@@ -48,14 +51,17 @@ module flankload_sweep
 contains
 
     !> Solve every position for every torque.
-    subroutine sweep_positions(body_1, body_2, angles_1, angles_2, torques, settings, control, &
-            & pair_site, pair_table, found)
+    subroutine sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, &
+            & control, pair_site, pair_table, found)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Turns of the bodies [rad], shape (positions)
         real(wp), intent(in) :: angles_1(:)
         real(wp), intent(in) :: angles_2(:)
+        !> Speeds of both bodies [rad per rad of the position], shape (2, positions), or (2, 0)
+        !> without friction
+        real(wp), intent(in) :: speeds(:, :)
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
         !> How fine the cells are
@@ -63,8 +69,9 @@ contains
         !> Shared with the caller while this runs. (1): anything but 0 asks to stop, positions not
         !> yet begun are left out; (2): grows by one with each position that is done
         integer, volatile, intent(inout) :: control(2)
-        !> Site of each pair, and its columns, shape (room) and (pair_columns, room); the pairs of a
-        !> state stand together. No room: pairs are not wanted
+        !> Site of each pair, and its columns, shape (room) and (pair_columns or
+        !> pair_columns_with_friction, room); the pairs of a state stand together. No room: pairs
+        !> are not wanted
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
         !> What is found
@@ -95,8 +102,13 @@ contains
             !$omp atomic read
             before = used
             if (before > room) return
-            call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                & states)
+            if (size(speeds, 2) > 0) then
+                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
+                    & states, speeds(:, at))
+            else
+                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
+                    & states)
+            end if
             needed = 0
             if (room > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
             !$omp atomic capture
@@ -150,6 +162,10 @@ contains
         do t = 1, size(states)
             associate (state => states(t))
                 found%status(k, t) = state%status
+                if (state%status == no_contact_state) then
+                    found%certificate(:2, k, t) = [state%largest_part, &
+                        & merge(1.0_wp, 0.0_wp, state%none_proven)]
+                end if
                 if (state%status < 0) cycle
                 found%rotation(k, t) = state%rotation
                 found%tangent(k, t) = state%tangent
@@ -188,11 +204,15 @@ contains
                 do i = 1, pairs%n
                     at = at + 1
                     pair_site(at) = pairs%site(i)
-                    pair_table(:, at) = [pairs%s_1(i), pairs%s_2(i), pairs%radius(i), &
+                    pair_table(:pair_columns, at) = [pairs%s_1(i), pairs%s_2(i), pairs%radius(i), &
                         & pairs%point(:, i), pairs%normal(:, i), state%forces(i), &
                         & 0.5_wp*(pairs%cell_1(i) + pairs%cell_2(i)), state%gaps(i), &
                         & pairs%torque_lever(i)]
                 end do
+                if (allocated(pairs%friction)) then
+                    pair_table(pair_columns + 1, at - pairs%n + 1:at) = pairs%sliding(:pairs%n)
+                    pair_table(pair_columns + 2, at - pairs%n + 1:at) = pairs%friction(:pairs%n)
+                end if
             end associate
         end do
     end subroutine pack_pairs

@@ -16,11 +16,13 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, &
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
-        & grid, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
+        & grid, n_speeds, speeds, n_mu, mu_places, mu_values, &
+        & n_tangential_1, tangential_1, jump_1, n_tangential_2, tangential_2, jump_2, &
+        & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, pair_columns, &
-        & sweep_positions, sweep_type
+    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, new_friction, &
+        & pair_columns, pair_columns_with_friction, sweep_positions, sweep_type
     implicit none
     !> Numbers of positions and torques, and the turns of both bodies [rad]
     integer, intent(in) :: n_positions
@@ -67,21 +69,43 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: block_2(n_sites, n_sites)
     !> Cells per Hertz half-width, the same at sharp corners, half-width of the grid in half-widths
     double precision, intent(in) :: grid(3)
+    !> Friction: speeds with which both bodies turn [rad per rad of the position], at every position
+    !> (n_speeds = n_positions; 0 without friction)
+    integer, intent(in) :: n_speeds
+    double precision, intent(in) :: speeds(2, n_speeds)
+    !> Friction coefficient of the sites at ascending arc lengths of flank 1 [mm], linear between
+    !> (n_mu = 0: no friction)
+    integer, intent(in) :: n_mu
+    double precision, intent(in) :: mu_places(n_mu)
+    double precision, intent(in) :: mu_values(n_mu, n_sites)
+    !> Compliance of body 1 against loads along its flank: modes (0: none), smooth part [mm/N], near
+    !> field -jump in front of the load, jump behind it [mm/N]
+    integer, intent(in) :: n_tangential_1
+    double precision, intent(in) :: tangential_1(n_modes_1, n_tangential_1, n_blocks_1)
+    double precision, intent(in) :: jump_1
+    !> That of body 2
+    integer, intent(in) :: n_tangential_2
+    double precision, intent(in) :: tangential_2(n_modes_2, n_tangential_2, n_blocks_2)
+    double precision, intent(in) :: jump_2
+    !> Columns of the table of pairs: 11, with friction 13
+    integer, intent(in) :: n_columns
     !> Room for pairs
     integer, intent(in) :: room
     !> (1): anything but 0 asks to stop: positions not yet begun are left out, status -16; (2):
     !> grows by one with each position that is done
     integer, volatile, intent(inout) :: control(2)
     !> Pairs: site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
-    !> lever of the torque row
+    !> lever of the torque row, with friction sliding speed [mm per rad of the position] and
+    !> friction coefficient times its sign
     integer, intent(inout) :: pair_site(room)
-    double precision, intent(inout) :: pair_table(pair_columns, room)
+    double precision, intent(inout) :: pair_table(n_columns, room)
     !> Status of the contact loop, or a negative error code
     integer, intent(out) :: status(n_positions, n_torques)
     !> Rotation [rad], its growth with the torque [rad/(N mm)]
     double precision, intent(out) :: rotation(n_positions, n_torques)
     double precision, intent(out) :: tangent(n_positions, n_torques)
-    !> Backward error, condition, margin of the final state
+    !> Backward error, condition, margin of the final state; where contact has no state (status
+    !> -1), part of the torque that can be held, and 1 if there is none for certain
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
     !> Pivots, influence columns, passes over the grid, refactorisations
     integer, intent(out) :: counters(4, n_positions, n_torques)
@@ -119,6 +143,10 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -27
     if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -33
     if (.not. all(grid > 0.0d0)) info = -34
+    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -35
+    if (.not. all(ieee_is_finite(speeds))) info = -36
+    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -39
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -46
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -139,11 +167,16 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%compliance%kernel = kernel_2
     body_2%compliance%smooth = smooth_2
     body_2%compliance%block = block_2
+    if (n_mu > 0) body_1%friction = new_friction(mu_places, mu_values)
+    if (n_tangential_1 > 0) body_1%compliance%tangential = tangential_1
+    body_1%compliance%jump = jump_1
+    if (n_tangential_2 > 0) body_2%compliance%tangential = tangential_2
+    body_2%compliance%jump = jump_2
     settings%strips_per_half_width = grid(1)
     settings%corner_strips_per_half_width = grid(2)
     settings%zone_half_widths = grid(3)
 
-    call sweep_positions(body_1, body_2, angles_1, angles_2, torques, settings, control, &
+    call sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, control, &
         & pair_site, pair_table, found)
 
     status = found%status

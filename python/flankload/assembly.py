@@ -11,6 +11,12 @@ from flankload.bodies import Body, build_body
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.effects import Effects, effects_of
 from flankload.errors import SceneError
+from flankload.friction import (
+    Friction,
+    coefficients_by_tooth,
+    friction_notes,
+    friction_of,
+)
 from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
@@ -49,6 +55,8 @@ class BodyPair:
         More positions are looked for.
     notes : tuple of str
         What a user must know of bodies and pair.
+    friction : Friction or None
+        None where the scene has no friction.
     """
 
     body_1: Body
@@ -61,6 +69,7 @@ class BodyPair:
     closed: bool
     adaptive: bool
     notes: tuple[str, ...]
+    friction: Friction | None = None
 
     @property
     def period_rad(self) -> float:
@@ -108,7 +117,8 @@ def build_bodies(scene: Scene) -> BodyPair:
             )
             for spec, key in ((scene.body_1, "body_1"), (scene.body_2, "body_2"))
         )
-        period = period_of(body_1, body_2)
+        by_tooth = coefficients_by_tooth(scene, body_1)
+        period = period_of(body_1, body_2, by_tooth=by_tooth)
         pitches = _pitches(scene.positions, period)
         closed = pitches is not None and pitches % period.pitches == 0
         position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
@@ -119,6 +129,8 @@ def build_bodies(scene: Scene) -> BodyPair:
             center_distance_mm=scene.pair.axes_apart_mm,
             position_rad=position_rad,
         )
+        pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
+        friction = friction_of(scene, body_1, pairing)
     except SceneError as error:
         if error.file is not None or scene.file is None:
             raise
@@ -138,6 +150,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         *pairing.warnings,
         *alike,
         *_beyond_window(pitches, period),
+        *friction_notes(friction, pairing),
     )
     return BodyPair(
         body_1=body_1,
@@ -150,6 +163,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         closed=closed and position_rad.size > 1,
         adaptive=scene.positions.adaptive and position_rad.size > 1,
         notes=notes,
+        friction=friction,
     )
 
 

@@ -18,12 +18,13 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.elasticity import condensed, degrees_of, stiffness
 from flankload.near_field import (
+    jump_strength,
     logarithm_strength,
-    mode_loads,
     mode_norms,
     projected_logarithm,
+    projected_sign,
 )
-from flankload.whole_body import whole_response
+from flankload.whole_body import unit_loads, whole_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,10 +51,15 @@ class BodyCompliance:
         Arc lengths of the flank curve between which the modes live.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
+    tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
+        In the same places, displacements out of the material by q modes of load along the flank
+        towards growing arc length, without the jump; mm²/N.
+    jump : float
+        Strength j of the jump, mm²/N; 0 without friction.
     asymmetry : float
         Largest relative difference of a response and its transposed counterpart before both were
         averaged.
-    degrees_of_freedom, fe_factorisations, unit_loads_normal : int
+    degrees_of_freedom, fe_factorisations, unit_loads_normal, unit_loads_tangential : int
     bytes : int
     seconds : dict of str to float
         CPU seconds of assembly, factorisation, solution, ring closure; "wall" for the whole.
@@ -63,10 +69,13 @@ class BodyCompliance:
     kernel: float
     mode_range_mm: tuple[float, float]
     flanks: tuple[int, ...] = ()
+    tangential: NDArray[np.float64] | None = None
+    jump: float = 0.0
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
     fe_factorisations: int = 0
     unit_loads_normal: int = 0
+    unit_loads_tangential: int = 0
     bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
 
@@ -102,7 +111,8 @@ class BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal."""
         if self.smooth.shape[1] < 2:
             return self
-        return replace(self, smooth=self.smooth[:, :-1, :-1])
+        tangential = None if self.tangential is None else self.tangential[:, :-1, :-1]
+        return replace(self, smooth=self.smooth[:, :-1, :-1], tangential=tangential)
 
 
 def no_compliance(body: Body) -> BodyCompliance:
@@ -132,7 +142,9 @@ class CondensedSector:
     factorisations: int = 1
 
 
-def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
+def flank_compliance(
+    body: Body, *, n_modes: int, plane: str, friction: bool = False
+) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
     Parameters
@@ -142,6 +154,8 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
     n_modes : int
         Pressure modes of a flank; their degree should be at most half the number of flank elements.
     plane : {"strain", "stress"}
+    friction : bool
+        As many modes of load along the flank are solved, too.
 
     Returns
     -------
@@ -165,11 +179,13 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
     if isinstance(mesh, WholeMesh):
         lap("assembly")
         flanks = tuple(flank.tooth for flank in mesh.flanks)
-        response, free = whole_response(matrix, mesh, body.mode_range_mm, n_modes, lap)
+        response, free = whole_response(
+            matrix, mesh, body.mode_range_mm, n_modes, lap, friction=friction
+        )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
     else:
-        loads = mode_loads(mesh, body.mode_range_mm, n_modes)
+        loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction)
         lap("assembly")
         sector, free = condense(matrix, loads, mesh, lap)
         factorisations = sector.factorisations
@@ -178,23 +194,35 @@ def flank_compliance(body: Body, *, n_modes: int, plane: str) -> BodyCompliance:
         across = -np.arange(mesh.teeth) % mesh.teeth
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
-    response[own] += strength * projected_logarithm(n_modes, high - low)
+    response[own, :n_modes, :n_modes] += strength * projected_logarithm(n_modes, high - low)
     norms = mode_norms(body.mode_range_mm, n_modes)
+    jump = 0.0
+    if friction:
+        jump = jump_strength(body.material, plane)
+        sign = jump * projected_sign(n_modes, high - low)
+        response[own, :n_modes, n_modes:] += sign
+        response[own, n_modes:, :n_modes] += sign.T
+        norms = np.tile(norms, 2)
     response /= norms[:, None] * norms[None, :]
     # the response the other way is the transposed one (Betti); the halves of rounding are shared
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    response = 0.5 * (response + mirrored)
     lap("ring")
     seconds["wall"] = perf_counter() - wall
+    count = n_modes * max(1, len(flanks))
     return BodyCompliance(
-        smooth=0.5 * (response + mirrored),
+        smooth=response[:, :n_modes, :n_modes],
         kernel=strength,
         mode_range_mm=body.mode_range_mm,
         flanks=flanks,
+        tangential=response[:, :n_modes, n_modes:] if friction else None,
+        jump=jump,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
         fe_factorisations=factorisations,
-        unit_loads_normal=n_modes * max(1, len(flanks)),
+        unit_loads_normal=count,
+        unit_loads_tangential=count if friction else 0,
         bytes=response.nbytes + matrix.data.nbytes + matrix.indices.nbytes,
         seconds=seconds,
     )

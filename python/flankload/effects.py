@@ -24,7 +24,7 @@ class Effects:
     several_torques : bool
         One result per torque.
     friction : bool
-        False: this version has none.
+        Flanks rub on each other: their compliance along the tangent is solved, too.
     """
 
     elastic_body_1: bool
@@ -32,7 +32,7 @@ class Effects:
     flank_modifications: bool
     pitch_errors: bool
     several_torques: bool
-    friction: bool = False
+    friction: bool
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -54,6 +54,7 @@ def effects_of(scene: Scene) -> Effects:
         flank_modifications=any(_is_modified(body) for body in bodies),
         pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
         several_torques=scene.has_torque_list,
+        friction=scene.has_friction,
     )
 
 

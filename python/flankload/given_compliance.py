@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 
 #: Largest difference of a response and the one the other way round, relative to the largest.
 LARGEST_ASYMMETRY = 1e-6
+FRICTION_KEY = "effects.friction_coefficient"
 
 
 def given_compliance(
-    body: Body, *, modes: int | None, default_modes: int, plane: str
+    body: Body, *, modes: int | None, default_modes: int, plane: str, friction: bool = False
 ) -> BodyCompliance:
     """Compliance of a body that has brought it along.
 
@@ -42,6 +43,8 @@ def given_compliance(
         file that holds modes gives them all.
     plane : {"strain", "stress"}
         Of the scene: the same as in the file.
+    friction : bool
+        The response to loads along the flank is wanted, too.
 
     Returns
     -------
@@ -51,7 +54,8 @@ def given_compliance(
     Raises
     ------
     ComplianceFileError
-        If the file's plane is another one, or the compliance is not symmetric and positive.
+        If the file's plane is another one, the compliance is not symmetric and positive, or the
+        response to loads along the flank is wanted and the file has none.
     """
     given = body.given
     assert given is not None
@@ -62,13 +66,24 @@ def given_compliance(
             expected=f"'{plane}', as in accuracy.plane",
             found=f"'{given.plane}'",
         )
+    if friction and given.tangential is None:
+        modal = isinstance(given, ModalCompliance)
+        raise ComplianceFileError(
+            file=given.file,
+            key="smooth_nt" if modal else "format",
+            expected=f"the response to loads along the flank, since the scene has {FRICTION_KEY}: "
+            "as flankload compliance writes it for a scene with friction",
+            found="nothing" if modal else "a matrix of normal displacements and forces alone",
+        )
     if isinstance(given, ModalCompliance):
-        return _of_modes(body, given, modes or given.smooth.shape[1])
+        return _of_modes(body, given, modes or given.smooth.shape[1], friction=friction)
     enough = max(2, min(default_modes, given.flank_elements // 2 + 1))
     return _of_nodes(body, given, modes or enough, plane)
 
 
-def _of_modes(body: Body, given: ModalCompliance, n_modes: int) -> BodyCompliance:
+def _of_modes(
+    body: Body, given: ModalCompliance, n_modes: int, *, friction: bool
+) -> BodyCompliance:
     """As it stands in the file, symmetric and positive; the lower modes are a block of all."""
     smooth, f = given.smooth, len(given.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
@@ -102,6 +117,10 @@ def _of_modes(body: Body, given: ModalCompliance, n_modes: int) -> BodyComplianc
         kernel=given.kernel,
         mode_range_mm=body.mode_range_mm,
         flanks=given.flanks,
+        tangential=given.tangential[:, :n_modes, :n_modes]
+        if friction and given.tangential is not None
+        else None,
+        jump=given.jump if friction else 0.0,
         asymmetry=max(given.asymmetry, asymmetry),
         bytes=smooth.nbytes,
     )

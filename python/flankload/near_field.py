@@ -4,11 +4,15 @@ The compliance of a flank is split: a half-plane's
 logarithm K(s, s') = -c0 ln|s - s'| on the same flank, and a smooth remainder that a few Legendre
 modes over the flank's arc length carry. The unit loads of the finite elements are these modes,
 never forces on nodes: the self term of a nodal load has no limit under refinement.
+
+Where flanks rub, loads along the flank move it along its normal, too: there the half-plane has a
+jump, -j sign(s - s') (the surface in front of the load sinks, that behind it rises), and the modes
+carry the smooth remainder as before.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
@@ -34,6 +38,28 @@ def logarithm_strength(material: Material, plane: str) -> float:
     """
     factor = 1.0 - material.poisson_ratio**2 if plane == "strain" else 1.0
     return 2.0 * factor / (np.pi * material.young_modulus_MPa)
+
+
+def jump_strength(material: Material, plane: str) -> float:
+    """j (mm²/N): normal displacement of a half-plane beside a load along its surface.
+
+    Out of the material it is -j in front of the load and j behind it, per force and width, at any
+    distance.
+
+    Parameters
+    ----------
+    material : Material
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    float
+        (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L. Johnson,
+        Contact Mechanics, (2.23).
+    """
+    ratio = material.poisson_ratio
+    factor = (1.0 - 2.0 * ratio) * (1.0 + ratio) if plane == "strain" else 1.0 - ratio
+    return factor / (2.0 * material.young_modulus_MPa)
 
 
 def mode_values(
@@ -64,9 +90,13 @@ def mode_norms(mode_range_mm: tuple[float, float], n_modes: int) -> NDArray[np.f
 
 
 def mode_loads(
-    mesh: SectorMesh | MeshedFlank, mode_range_mm: tuple[float, float], n_modes: int
+    mesh: SectorMesh | MeshedFlank,
+    mode_range_mm: tuple[float, float],
+    n_modes: int,
+    *,
+    along: Literal["normal", "tangent"] = "normal",
 ) -> NDArray[np.float64]:
-    """Consistent nodal loads of the pressure modes along the normal out of the material.
+    """Consistent nodal loads of the modes along the normal out of the material, or the tangent.
 
     B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
     geometry and shape functions; s is interpolated like the place.
@@ -76,6 +106,8 @@ def mode_loads(
     mesh : SectorMesh or MeshedFlank
     mode_range_mm : (float, float)
     n_modes : int
+    along : {"normal", "tangent"}
+        The tangent points to growing arc length.
 
     Returns
     -------
@@ -90,10 +122,12 @@ def mode_loads(
     edges = mesh.flank_edges
     place = mesh.nodes[edges]  # (m, 3, 2)
     tangent = np.einsum("gk,mkd->mgd", slope, place)
-    normal = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)  # times ds
+    direction = tangent  # times ds, as the normal is
+    if along == "normal":
+        direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
     s = mesh.flank_arc_length[edges] @ shape.T  # (m, g)
     modes = mode_values(s.ravel(), mode_range_mm, n_modes).reshape(*s.shape, n_modes)
-    local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, modes, normal)
+    local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, modes, direction)
     loads = np.zeros((len(mesh.nodes), 2, n_modes))
     np.add.at(loads, edges, local)
     return loads.reshape(-1, n_modes)
@@ -134,6 +168,29 @@ def projected_logarithm(n_modes: int, length_mm: float) -> NDArray[np.float64]:
         # ln of the length itself meets only the constant mode: (int P_0)² = length²
         result[0, 0] += np.log(half) * length_mm**2
     return result
+
+
+def projected_sign(n_modes: int, length_mm: float) -> NDArray[np.float64]:
+    """<P_a, sign(s - s') P_b> over a flank, in closed form; antisymmetric.
+
+    With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and
+    2 P_1 for n = 0: only neighbouring modes meet.
+
+    Parameters
+    ----------
+    n_modes : int
+    length_mm : float
+        Length of the modes' range.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+        mm².
+    """
+    n = np.arange(n_modes - 1)
+    below = 4.0 / ((2 * n + 1) * (2 * n + 3))
+    on_unit = np.diag(below, -1) - np.diag(below, 1)
+    return np.asarray((0.5 * length_mm) ** 2 * on_unit)
 
 
 def strip_kernel(

@@ -27,6 +27,9 @@ COLUMNS = (
     "gap",
     "lever",
 )
+#: What stands behind them with friction: sliding speed [mm per rad of the position], friction
+#: coefficient times its sign.
+FRICTION_COLUMNS = ("sliding", "friction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +40,7 @@ class PackedPairs:
     ----------
     site : (N,) array
         Number of each pair's site in the sweep, from 0; N pairs, of other torques too.
-    table : (N, len(COLUMNS)) array
+    table : (N, len(COLUMNS)) array; with friction FRICTION_COLUMNS stand behind them
     first, count : (P,) arrays
         Where the pairs of a position begin, and how many there are.
     """
@@ -54,7 +57,22 @@ class PackedPairs:
 
     def column(self, name: str) -> NDArray[np.float64]:
         """One column of all pairs under this torque, position by position; a copy."""
-        return self.table[self._rows(), COLUMNS.index(name)]
+        return self.table[self._rows(), self.names.index(name)]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return (*COLUMNS, *FRICTION_COLUMNS)[: self.table.shape[1]]
+
+    @property
+    def position(self) -> NDArray[np.int64]:
+        """(n,) Number of the position of all pairs under this torque."""
+        return np.repeat(np.arange(self.count.size), self.count)
+
+    @property
+    def sites(self) -> NDArray[np.intc]:
+        """(n,) Number of the site of all pairs under this torque, from 0; a copy."""
+        return self.site[self._rows()]
 
     def _rows(self) -> NDArray[np.int64]:
         """Rows of all pairs under this torque."""
@@ -65,7 +83,7 @@ class PackedPairs:
     @property
     def nbytes(self) -> int:
         """Bytes of the pairs under this torque."""
-        each = self.site.itemsize + self.table.itemsize * len(COLUMNS)
+        each = self.site.itemsize + self.table.itemsize * self.table.shape[1]
         return int(self.count.sum()) * each
 
 

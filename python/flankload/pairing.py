@@ -94,6 +94,16 @@ class Pairing:
         turn_1, turn_2 = self.turns_at_zero_rad
         return turn_1 + position_rad, turn_2 - position_rad * self.ratio
 
+    def speeds(
+        self, position_rad: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Speeds of both bodies' frames at positions, rad per rad of the position.
+
+        As the positions count: in the sense of body 1's torque, whoever drives.
+        """
+        one = np.ones_like(np.asarray(position_rad, dtype=float))
+        return one, -self.ratio * one
+
 
 def pair_bodies(
     body_1: Body,

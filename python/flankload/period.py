@@ -35,12 +35,14 @@ class Period:
         return self.pitches * self.pitch_rad
 
 
-def period_of(body_1: Body, body_2: Body) -> Period:
+def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -> Period:
     """Period of a pair.
 
     Parameters
     ----------
     body_1, body_2 : Body
+    by_tooth : tuple of float
+        What else differs between the teeth of body 1 (friction), one number for each.
 
     Returns
     -------
@@ -48,13 +50,15 @@ def period_of(body_1: Body, body_2: Body) -> Period:
     """
     return Period(
         pitch_rad=2 * pi / body_1.teeth,
-        pitches=lcm(_teeth_until_alike(body_1), _teeth_until_alike(body_2)),
+        pitches=lcm(_teeth_until_alike(body_1, by_tooth), _teeth_until_alike(body_2)),
     )
 
 
-def _teeth_until_alike(body: Body) -> int:
-    """Teeth after which the places of the flanks repeat around a body."""
-    places = np.zeros((2, body.teeth))
+def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
+    """Teeth after which the places of the flanks, and another number, repeat around a body."""
+    places = np.zeros((3, body.teeth))
+    if by_tooth:
+        places[2] = by_tooth
     if body.pitch_errors_um:
         places[0] = body.pitch_errors_um
     if body.flank_turns_rad:

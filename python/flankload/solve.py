@@ -123,6 +123,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         (pair.body_1, pair.body_2),
         pairing=pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
+        friction=pair.friction,
     )
     with clock.stage("sweep", fixed):
 
@@ -255,8 +256,19 @@ def compliance_of(body: Body, scene: Scene) -> BodyCompliance:
     asked, plane = scene.accuracy.modes, scene.accuracy.plane
     default = choose_resolution(scene).modes
     if body.given is not None:
-        return given_compliance(body, modes=asked, default_modes=default, plane=plane)
-    return flank_compliance(body, n_modes=asked or _modes_of(body, default), plane=plane)
+        return given_compliance(
+            body,
+            modes=asked,
+            default_modes=default,
+            plane=plane,
+            friction=scene.has_friction,
+        )
+    return flank_compliance(
+        body,
+        n_modes=asked or _modes_of(body, default),
+        plane=plane,
+        friction=scene.has_friction,
+    )
 
 
 def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:

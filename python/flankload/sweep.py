@@ -16,7 +16,7 @@ from flankload.errors import (
     PivotLimit,
     SingularContact,
 )
-from flankload.packed_pairs import COLUMNS, PackedPairs, join_pairs
+from flankload.packed_pairs import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.compliance import BodyCompliance
+    from flankload.friction import Friction
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
 
@@ -95,6 +96,7 @@ def sweep(
     torques_Nmm: Sequence[float],
     face_width_mm: float,
     grid: Grid,
+    friction: Friction | None = None,
     keep_pairs: bool = True,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Sweep, ...]:
@@ -116,6 +118,8 @@ def sweep(
         Width over which both bodies touch.
     grid : Grid
         How fine the cells are.
+    friction : Friction, optional
+        Of the flanks; the compliances must have their tangential parts then.
     keep_pairs : bool
         Whether the single pairs are wanted; the numbers of the sites are there in any case.
     progress : callable, optional
@@ -128,7 +132,8 @@ def sweep(
     Raises
     ------
     FlankloadError
-        If a position has no answer for a torque; the message names the first one.
+        If a position has no answer for a torque; the message names the first one. `NoContactState`
+        carries the largest torque that can be held there.
     """
     start = perf_counter()
     torques = np.asarray(torques_Nmm, dtype=float)
@@ -139,11 +144,12 @@ def sweep(
         torques=torques,
         arguments=_core_arguments(bodies, compliances, pairing, face_width_mm),
         grid=grid,
+        rubbing=_Rubbing.of(friction, compliances, pairing, positions, face_width_mm),
         progress=progress,
     )
     found = call.all_positions(FIRST_ROOM if keep_pairs else 0)
     (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
-    _raise_first_failure(status, positions, torques)
+    _raise_first_failure(status, positions, torques, certificate, rubs=friction is not None)
     seconds = perf_counter() - start
     return tuple(
         Sweep(
@@ -219,6 +225,56 @@ def _core_arguments(
     return arguments
 
 
+@dataclass(frozen=True)
+class _Rubbing:
+    """Friction in the layout of the flat door; empty without friction.
+
+    Speeds (2, P), places (n,) and coefficients (n S,) on flank 1; for each body the number of modes
+    of load along the flank, their smooth part and the strength of the jump, mm/N.
+    """
+
+    speeds: NDArray[np.float64]
+    table: tuple[NDArray[np.float64], NDArray[np.float64]]
+    fields: tuple[NDArray[np.float64] | float, ...]
+
+    @classmethod
+    def of(
+        cls,
+        friction: Friction | None,
+        compliances: tuple[BodyCompliance, BodyCompliance],
+        pairing: Pairing,
+        position_rad: NDArray[np.float64],
+        face_width_mm: float,
+    ) -> _Rubbing:
+        none = np.empty(0)
+        if friction is None:
+            return cls(np.empty((2, 0)), (none, none), (0, none, 0.0) * 2)
+        fields: list[NDArray[np.float64] | float] = []
+        for compliance in compliances:
+            part = compliance.tangential
+            if part is None:
+                fields += [0, none, 0.0]
+                continue
+            smooth = part.transpose(1, 2, 0).ravel(order="F") / face_width_mm
+            fields += [part.shape[2], smooth, compliance.jump / face_width_mm]
+        return cls(
+            friction.speeds(pairing, position_rad),
+            (friction.places_mm, friction.coefficients.ravel(order="F")),
+            tuple(fields),
+        )
+
+    @property
+    def columns(self) -> int:
+        """Columns of the table of pairs."""
+        return len(COLUMNS) + (len(FRICTION_COLUMNS) if self.table[0].size else 0)
+
+    def at(self, which: NDArray[np.int64]) -> tuple[Any, ...]:
+        """Arguments of the door for some positions."""
+        speeds = self.speeds[:, which] if self.table[0].size else self.speeds
+        flat = speeds.ravel(order="F")
+        return speeds.shape[1], flat, *self.table, *self.fields, self.columns
+
+
 @dataclass
 class _Found:
     """Outputs of the core: numbers with shape (…, P, T), and the packed pairs."""
@@ -252,6 +308,7 @@ class _CoreCall:
     torques: NDArray[np.float64]
     arguments: list[tuple[NDArray[Any] | float, ...]]
     grid: Grid
+    rubbing: _Rubbing
     progress: Callable[[int, int], None] | None
 
     def all_positions(self, room: int) -> _Found:
@@ -280,7 +337,8 @@ class _CoreCall:
         control = np.zeros(2, dtype=np.intc)
         room *= len(self.torques)
         site = np.empty(room, dtype=np.intc)
-        table = np.empty(room * len(COLUMNS))
+        columns = self.rubbing.columns
+        table = np.empty(room * columns)
 
         def call() -> tuple[Any, ...]:
             found: tuple[Any, ...] = _core.flankload_sweep(
@@ -297,6 +355,7 @@ class _CoreCall:
                 *field_1,
                 *field_2,
                 np.array(knobs),
+                *self.rubbing.at(which),
                 control,
                 site,
                 table,
@@ -317,12 +376,17 @@ class _CoreCall:
             numbers=tuple(numbers),
             first_pair=first_pair - 1,
             pair_site=site[:used],
-            pair_table=table.reshape(-1, len(COLUMNS))[:used],
+            pair_table=table.reshape(-1, columns)[:used],
         )
 
 
 def _raise_first_failure(
-    status: NDArray[np.int64], position_rad: NDArray[np.float64], torques: NDArray[np.float64]
+    status: NDArray[np.int64],
+    position_rad: NDArray[np.float64],
+    torques: NDArray[np.float64],
+    certificate: NDArray[np.float64],
+    *,
+    rubs: bool,
 ) -> None:
     failed = np.argwhere(status < 0)
     if failed.size == 0:
@@ -333,4 +397,13 @@ def _raise_first_failure(
     )
     more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
     kind, reason = FAILURES[int(status[k, t])]
-    raise kind(f"{where}: {reason}{more}")
+    if status[k, t] != NoContactState.code:
+        raise kind(f"{where}: {reason}{more}")
+    part, proven = certificate[:2, k, t]
+    held = float(torques[t] * part)
+    jams = "the pair jams by friction, " if rubs else ""
+    raise NoContactState(
+        f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
+        proven=bool(proven),
+        largest_torque=held,
+    )

@@ -15,7 +15,34 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_matrix
 
-    from flankload.bodies.body import WholeMesh
+    from flankload.bodies.body import MeshedFlank, SectorMesh, WholeMesh
+
+
+def unit_loads(
+    mesh: SectorMesh | MeshedFlank,
+    mode_range_mm: tuple[float, float],
+    n_modes: int,
+    *,
+    friction: bool,
+) -> NDArray[np.float64]:
+    """Loads of the modes along the normal; with friction followed by those along the tangent.
+
+    Parameters
+    ----------
+    mesh : SectorMesh or MeshedFlank
+    mode_range_mm : (float, float)
+    n_modes : int
+    friction : bool
+
+    Returns
+    -------
+    (2 N, n_modes) or (2 N, 2 n_modes) array
+    """
+    normal = mode_loads(mesh, mode_range_mm, n_modes)
+    if not friction:
+        return normal
+    tangent = mode_loads(mesh, mode_range_mm, n_modes, along="tangent")
+    return np.hstack([normal, tangent])
 
 
 def whole_response(
@@ -24,6 +51,8 @@ def whole_response(
     mode_range_mm: tuple[float, float],
     n_modes: int,
     tell: Callable[[str], None],
+    *,
+    friction: bool = False,
 ) -> tuple[NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -37,10 +66,12 @@ def whole_response(
     n_modes : int
     tell : callable
         Told the name of each step when it is done.
+    friction : bool
+        Modes of load along the flanks follow those along the normals.
 
     Returns
     -------
-    response : (f * f, p, p) array
+    response : (f * f, p, p) array, p twice n_modes with friction
         response[i * f + j] is that of flank i to the modes on flank j.
     degrees_of_freedom : int
         Those that are not held.
@@ -50,16 +81,16 @@ def whole_response(
     tell("factorisation")
     loads = []
     for flank in mesh.flanks:
-        column = mode_loads(flank, mode_range_mm, n_modes)[free]
+        column = unit_loads(flank, mode_range_mm, n_modes, friction=friction)[free]
         rows = np.flatnonzero(column.any(axis=1))
         loads.append((rows, column[rows]))
-    f = len(loads)
-    response = np.empty((f, f, n_modes, n_modes))
+    f, p = len(loads), loads[0][1].shape[1]
+    response = np.empty((f, f, p, p))
     for j, (rows, column) in enumerate(loads):
-        right = np.zeros((free.size, n_modes))
+        right = np.zeros((free.size, p))
         right[rows] = column
         moved = solve(right)
         for i, (seen, weight) in enumerate(loads):
             response[i, j] = weight.T @ moved[seen]
     tell("solution")
-    return response.reshape(f * f, n_modes, n_modes), free.size
+    return response.reshape(f * f, p, p), free.size

@@ -45,8 +45,8 @@ class Hats:
         return found
 
 
-def hat_loads(mesh: SectorMesh) -> np.ndarray:
-    """Consistent loads of hats of sum 1 at the element ends along the flank, (2N, p)."""
+def hat_loads(mesh: SectorMesh, *, along_flank: bool = False) -> np.ndarray:
+    """Consistent loads (2N, p) of hats of sum 1 at the element ends, out of or along the flank."""
     points, weights = np.polynomial.legendre.leggauss(8)
     shape = np.stack([points * (points - 1) / 2, points * (points + 1) / 2, 1 - points**2])
     slope = np.stack([points - 0.5, points + 0.5, -2 * points])
@@ -55,9 +55,9 @@ def hat_loads(mesh: SectorMesh) -> np.ndarray:
     loads, sums = np.zeros((len(mesh.nodes), 2, count + 1)), np.zeros(count + 1)
     for e, edge in enumerate(mesh.flank_edges):
         tangent = slope.T @ mesh.nodes[edge]
-        normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        across = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
         loads[edge[:, None], :, [e, e + 1]] += np.einsum(
-            "g,qg,hg,gd->qhd", weights, shape, hats, normal
+            "g,qg,hg,gd->qhd", weights, shape, hats, tangent if along_flank else across
         )
         sums[e : e + 2] += (weights * hats) @ np.linalg.norm(tangent, axis=1)
     return (loads / sums).reshape(-1, count + 1)
@@ -106,7 +106,7 @@ def _state(
     columns = [
         rows[:, rows[3] < 1.3 * expected]
         for site in range(pairing.sites.size)
-        if (rows := _blind_pairs(pair, site, position, cell)).size
+        if (rows := blind_pairs(pair, site, position, cell)).size
     ]
     site, s_1, s_2, gap, lever_1, lever_2 = np.concatenate(columns, axis=1)
     site, lever = site.astype(int), 0.5 * (lever_1 + lever_2)
@@ -125,7 +125,7 @@ def _state(
     return state.rotation, np.bincount(site, state.normal_forces, pairing.sites.size)
 
 
-def _blind_pairs(pair: BodyPair, site: int, position: float, cell: float) -> np.ndarray:
+def blind_pairs(pair: BodyPair, site: int, position: float, cell: float) -> np.ndarray:
     """Site, arc lengths, gap angle, levers of cells on all places that circles have in common."""
     turns = pair.pairing.turns(np.array([position]))
     centers = (np.zeros(2), np.array([pair.pairing.center_distance_mm, 0.0]))

@@ -199,12 +199,6 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "the unknown key 'x'",
         ),
         (
-            {"effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
-            "no such key, since this version does not simulate friction",
-            "0.1",
-        ),
-        (
             {"effects__root_stress": True},
             "effects.root_stress",
             "no such key, since this version does not simulate stress in the tooth root",
@@ -213,7 +207,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"effects__wind": 1},
             "effects.wind",
-            "no such key: this table has none yet",
+            "a known key (friction_coefficient)",
             "the unknown key 'wind'",
         ),
         (

@@ -32,6 +32,10 @@ class ModalCompliance:
         What was found, relative, before both directions were averaged.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone.
+    tangential : array or None
+        Like smooth, by modes of load along the flank; None where the file has no such part.
+    jump : float
+        Strength of the jump, mm²/N.
     """
 
     file: Path
@@ -40,6 +44,8 @@ class ModalCompliance:
     kernel: float
     asymmetry: float
     flanks: tuple[int, ...] = ()
+    tangential: NDArray[np.float64] | None = None
+    jump: float = 0.0
 
     @property
     def description(self) -> str:
@@ -78,6 +84,10 @@ class NodalCompliance:
     offsets: NDArray[np.int64]
     matrix: NDArray[np.float64]
     asymmetry: float
+
+    @property
+    def tangential(self) -> None:
+        """No response to loads along the flank."""
 
     @property
     def flank_elements(self) -> int:

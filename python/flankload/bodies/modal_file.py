@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-VERSION = 1
+#: The latest version; a file without friction is of version 1, which earlier flankloads read, too.
+VERSION = 2
 
-#: The arrays of version 1, beside those of the involute.
+#: The arrays, beside those of the involute.
 NAMES = (
     "format",
     "version",
@@ -43,6 +44,8 @@ NAMES = (
     "mode_range_mm",
     "smooth",
     "kernel",
+    "smooth_nt",
+    "kernel_nt",
     "asymmetry",
     "reference_radius_mm",
     "flank_angle_known",
@@ -82,7 +85,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": 1 if compliance.tangential is None else 2,
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -106,6 +109,8 @@ def modal_arrays(
         "bore_radius_mm": body.bore_radius_mm,
         "notes": np.array(body.notes, dtype=np.str_),
     }
+    if compliance.tangential is not None:
+        arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
@@ -149,6 +154,7 @@ def read_modal(found: NamedArrays) -> Body:
     smooth = found.numbers("smooth", blocks, None, None)
     if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
         found.refuse("smooth", f"an array of shape ({blocks}, p, p), p >= 1", f"{smooth.shape}")
+    tangential, jump = _read_tangential(found, smooth.shape)
     given = ModalCompliance(
         file=found.file,
         plane=found.text("plane", "strain", "stress"),
@@ -156,6 +162,8 @@ def read_modal(found: NamedArrays) -> Body:
         kernel=found.number("kernel", above=0.0),
         asymmetry=found.number("asymmetry", least=0.0),
         flanks=flanks,
+        tangential=tangential,
+        jump=jump,
     )
     material = Material(
         found.number("young_modulus_MPa", above=0.0), found.number("poisson_ratio", least=0.0)
@@ -182,6 +190,19 @@ def read_modal(found: NamedArrays) -> Body:
         named_teeth=named,
         given=given,
     )
+
+
+def _read_tangential(
+    found: NamedArrays, shape: tuple[int, ...]
+) -> tuple[NDArray[np.float64] | None, float]:
+    """Response to loads along the flank and strength of its jump, both or neither."""
+    names = ("smooth_nt", "kernel_nt")
+    if not any(name in found.arrays for name in names):
+        return None, 0.0
+    tangential = found.numbers("smooth_nt", None, None, None)
+    if tangential.shape != shape:
+        found.refuse("smooth_nt", f"an array of shape {shape} like smooth", f"{tangential.shape}")
+    return tangential, found.number("kernel_nt", least=0.0)
 
 
 def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.friction import ALONG_POSITIONS as FRICTION
+
 if TYPE_CHECKING:
     from flankload.result.result import Result
 
@@ -127,6 +129,7 @@ def _tree(result: Result) -> dict[str, Any]:
     ]
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
+    tree["friction"] = result.friction.as_dict() if result.friction is not None else None
     tree["pairs"] = [table.columns() for table in result.pair_tables]
     return tree
 
@@ -162,16 +165,23 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
         cell is not a number.
     """
     several = results if isinstance(results, Sequence) else (results,)
+    rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
     sites = sorted({int(site) for result in several for site in result.sites})
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(
-        ["torque_Nm", *ALONG_POSITIONS, *(f"{key}_pair_{j}" for j in sites for key in OVER_SITES)]
+        [
+            "torque_Nm",
+            *ALONG_POSITIONS,
+            *(f"friction_{key}" for key in rubs),
+            *(f"{key}_pair_{j}" for j in sites for key in OVER_SITES),
+        ]
     )
     for result in several:
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
             row = [result.torque_Nm, *(getattr(result, key)[p] for key in ALONG_POSITIONS)]
+            row += [getattr(result.friction, key)[p] for key in rubs]
             for j in sites:
                 # A pair that no position of this torque loads carries nothing.
                 row += [
@@ -224,6 +234,10 @@ def to_xarray(result: Result) -> Any:
         for key, unit in ALONG_POSITIONS.items()
         if key != "position_rad"
     }
+    if result.friction is not None:
+        for key, unit in FRICTION.items():
+            values = getattr(result.friction, key)
+            along[f"friction_{key}"] = (("position",), values, {"units": unit})
     over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
     return xarray.Dataset(
         {**along, **over},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from math import sin
 from typing import TYPE_CHECKING
@@ -9,12 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
-from flankload.packed_pairs import COLUMNS
+from flankload.result.friction import FrictionResult, friction_result
+from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from numpy.typing import NDArray
 
     from flankload.assembly import BodyPair
     from flankload.bodies.profile_deviation import ProfileDeviation
@@ -65,7 +69,7 @@ def result_of(
     loaded = (found.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = face_width_mm
-    return make_result(
+    result = make_result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
         sites=pair.pairing.sites[carries],
@@ -90,12 +94,15 @@ def result_of(
         warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
         drawing=_drawing(pair),
     )
+    if pair.friction is None:
+        return result
+    return replace(result, friction=_friction(pair, found, carries, result))
 
 
 def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> PairTable:
     """Contact pairs of position p."""
     site, table = pairs.at(p)
-    column = dict(zip(COLUMNS, table.T, strict=True))
+    column = dict(zip(pairs.names, table.T, strict=True))
     return PairTable(
         site=pairing.sites[site],
         arc_length_1_mm=column["s_1"],
@@ -109,7 +116,34 @@ def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> P
         pressure_MPa=column["force"] / (column["cell"] * width),
         gap_um=1000.0 * column["gap"],
         cell_mm=column["cell"],
+        sliding_mm_per_rad=column.get("sliding"),
+        friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
     )
+
+
+def _friction(
+    pair: BodyPair, found: Sweep, carries: NDArray[np.int64], result: Result
+) -> FrictionResult:
+    """What friction does."""
+    assert pair.friction is not None
+    names = ("x", "y", "normal_x", "normal_y", "force", "sliding", "friction")
+    whole = over_positions(result)
+
+    def over_period(values: NDArray[np.float64]) -> float | None:
+        return whole.mean(values) * result.period_rad if whole.covers_period else None
+
+    summed = friction_result(
+        {name: found.pairs.column(name) for name in names},
+        found.pairs.position,
+        found.pairs.sites,
+        n_sites=pair.pairing.sites.size,
+        center_distance_mm=pair.pairing.center_distance_mm,
+        speeds=pair.friction.speeds(pair.pairing, result.position_rad),
+        driver=pair.friction.driver,
+        torque_1_Nm=result.torque_Nm,
+        over_period=over_period,
+    )
+    return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
 
 
 def _cost(
@@ -122,7 +156,7 @@ def _cost(
     return {
         "fe_factorisations": sum(c.fe_factorisations for c in compliances),
         "unit_loads_normal": sum(c.unit_loads_normal for c in compliances),
-        "unit_loads_tangential": 0,
+        "unit_loads_tangential": sum(c.unit_loads_tangential for c in compliances),
         "positions": found.status.size,
         "position_rounds": rounds,
         "influence_columns": columns,

@@ -38,6 +38,11 @@ class PairTable:
         Final gap along the normal.
     cell_mm : (n,) array
         Length of the pair's cell on the flank.
+    sliding_mm_per_rad : (n,) array or None
+        Speed of flank 2 on flank 1, towards growing arc length of flank 1, per rad of the position;
+        None without friction.
+    friction_force_N : (n,) array or None
+        Friction force on body 1, towards growing arc length of its flank; None without friction.
     """
 
     site: NDArray[np.int64]
@@ -52,13 +57,16 @@ class PairTable:
     pressure_MPa: Floats
     gap_um: Floats
     cell_mm: Floats
+    sliding_mm_per_rad: Floats | None = None
+    friction_force_N: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.site)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        """Columns by name; without those of friction where there is none."""
+        every = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: column for name, column in every.items() if column is not None}
 
 
 class PairTables(Sequence[PairTable]):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.table import text_of
@@ -59,6 +60,8 @@ class Result:
         Seconds by stage and counters.
     warnings : tuple of str
     drawing : PairDrawing
+    friction : FrictionResult or None
+        Friction forces, losses, torque on body 2; None without friction.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Result:
     cost: Mapping[str, Any]
     warnings: tuple[str, ...]
     drawing: PairDrawing
+    friction: FrictionResult | None = None
 
     @cached_property
     def transmission_error_um(self) -> Floats:

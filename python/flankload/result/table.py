@@ -10,6 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flankload.result.friction import FrictionResult
     from flankload.result.result import Result
 
 #: Columns of a position and their units.
@@ -162,6 +163,8 @@ def _footer(result: Result) -> Iterator[str]:
     yield _labelled("loaded pairs", text)
     if summary["peak_pressure_pair"] is not None:
         yield _labelled("largest pressure", _largest_pressure(summary))
+    if result.friction is not None:
+        yield _labelled("friction", _friction(result.friction))
     if result.estimate is not None:
         yield _labelled("estimated error", _estimate(result.estimate))
         if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
@@ -201,6 +204,17 @@ def _largest_pressure(summary: dict[str, Any]) -> str:
     return "; ".join(parts)
 
 
+def _friction(friction: FrictionResult) -> str:
+    least, most = friction.torque_2_Nm.min(), friction.torque_2_Nm.max()
+    text = f"{friction.driver} drives, torque on body 2 {least:.4g} to {most:.4g} N m"
+    if friction.efficiency is None or friction.loss_work_J is None:
+        return text
+    return (
+        f"{text}; loss {friction.loss_work_J:.4g} J a period, efficiency "
+        f"{100 * friction.efficiency:.3f} %"
+    )
+
+
 def _estimate(estimate: Any) -> str:
     return ", ".join(
         f"{quantity.replace('_', ' ')} {100 * error:.2g} %"
@@ -221,6 +235,11 @@ def _cost(cost: Any) -> str:
         for key, words in (
             ("fe_factorisations", "FE factorisations"),
             ("unit_loads_normal", "unit loads"),
+            *(
+                [("unit_loads_tangential", "along the flanks")]
+                if cost.get("unit_loads_tangential")
+                else []
+            ),
             ("pivots", "pivots"),
         )
         if key in cost

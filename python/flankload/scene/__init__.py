@@ -20,6 +20,7 @@ from flankload.errors import SceneError
 from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
+    LARGEST_COEFFICIENT,
     Accuracy,
     ComplianceBody,
     EffectsAsked,
@@ -108,6 +109,14 @@ class Scene:
     def has_torque_list(self) -> bool:
         """Whether the scene has a list of torques, so that there is a result for each."""
         return isinstance(self.load.torque_Nm, tuple)
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether flanks rub anywhere: a coefficient that is not 0."""
+        asked = self.effects.friction_coefficient
+        if not isinstance(asked, tuple):
+            return bool(asked)
+        return any(row[1] if isinstance(row, tuple) else row for row in asked)
 
     @classmethod
     def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:
@@ -348,6 +357,7 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_kinds(asked)
+    _check_friction(asked)
     _check_positions(asked.positions, given.get("positions", {}))
     torque = asked.load.torque_Nm
     loaded = any(torque) if isinstance(torque, tuple) else torque > 0
@@ -389,6 +399,26 @@ def _check_positions(positions: Positions, given: Mapping[str, Any]) -> None:
             f"at least positions.count ({positions.count})",
             positions.max_count,
         )
+
+
+def _check_friction(asked: SceneFile) -> None:
+    """A list has one number per tooth, or rows of ascending roll position and coefficient."""
+    given = asked.effects.friction_coefficient
+    if not isinstance(given, tuple):
+        return
+    key = "effects.friction_coefficient"
+    rows = [row for row in given if isinstance(row, tuple)]
+    if rows and len(rows) < len(given):
+        _refuse(key, "numbers, one per tooth, or rows of roll position and coefficient", "both")
+    for i, (roll, coefficient) in enumerate(rows):
+        if not 0.0 <= coefficient <= LARGEST_COEFFICIENT:
+            _refuse(f"{key}[{i}][1]", f"a number from 0 to {LARGEST_COEFFICIENT:g}", coefficient)
+        if i and roll <= rows[i - 1][0]:
+            _refuse(
+                f"{key}[{i}][0]",
+                f"more than the roll position of the row before, {rows[i - 1][0]:g}",
+                roll,
+            )
 
 
 def _check_kinds(asked: SceneFile) -> None:

@@ -22,7 +22,6 @@ T = TypeVar("T", bound=Table)
 #: Keys that later versions know, and what this one does not do; where they stand, by table.
 NOT_YET = {
     "effects": {
-        "friction_coefficient": "friction",
         "influence": "finite-load influence numbers",
         "body": "a segment or a single tooth instead of the whole body",
         "segment_teeth": "a segment of teeth instead of the whole body",
@@ -188,7 +187,7 @@ def _read_list(kind: inspect.VarTupleType | inspect.TupleType, value: Any, key: 
         fits = len(value) == len(items)
     else:
         items = [kind.item_type] * len(value)
-        fits = len(value) >= (kind.min_length or 0)
+        fits = (kind.min_length or 0) <= len(value) <= (kind.max_length or len(value))
     if not fits:
         raise SceneError(key=key, expected=expected_of(kind), found=shown(value))
     return tuple(
@@ -239,6 +238,8 @@ def expected_of(kind: inspect.Type) -> str:
     if isinstance(kind, inspect.TupleType):
         return f"a list of {len(kind.item_types)} {_plural(kind.item_types[0])}"
     if isinstance(kind, inspect.VarTupleType):
+        if kind.max_length is not None and kind.max_length == kind.min_length:
+            return f"a list of {kind.min_length} {_plural(kind.item_type)}"
         return f"a {'non-empty ' if kind.min_length else ''}list of {_plural(kind.item_type)}"
     if isinstance(kind, inspect.StrType | inspect.IntType | inspect.FloatType):
         noun, bounds = _noun(kind)
@@ -257,6 +258,10 @@ def _noun(kind: inspect.Type) -> tuple[str, str]:
 
 
 def _plural(kind: inspect.Type) -> str:
+    if isinstance(kind, inspect.UnionType):
+        return " or ".join(_plural(member) for member in kind.types)
+    if isinstance(kind, inspect.VarTupleType):
+        return f"lists of {kind.min_length} {_plural(kind.item_type)}"
     noun, bounds = _noun(kind)
     return f"{noun}s{bounds}"
 

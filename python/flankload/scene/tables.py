@@ -398,8 +398,26 @@ class Positions(Table, frozen=True, kw_only=True):
         return self.max_count or 8 * self.count
 
 
+LARGEST_COEFFICIENT = 2.0
+Coefficient = Annotated[float, Meta(ge=0, le=LARGEST_COEFFICIENT)]
+#: Roll position and coefficient there. (msgspec crashes on tuple[float, float] in a list.)
+CoefficientRow = Annotated[tuple[float, ...], Meta(min_length=2, max_length=2)]
+Coefficients = Annotated[tuple[Coefficient | CoefficientRow, ...], Meta(min_length=1)]
+
+
 class EffectsAsked(Table, frozen=True, kw_only=True):
-    """Effects beyond elastic bodies and their given geometry; this version knows none."""
+    """Effects beyond elastic bodies and their given geometry; what is absent is not simulated."""
+
+    friction_coefficient: Annotated[
+        Coefficient | Coefficients | None,
+        about(
+            "-",
+            "Coulomb friction between the flanks: a number; or one per tooth of body 1, in the "
+            "order in which the teeth come into contact, from the tooth of pair 0; or rows of roll "
+            "position in mm (along the line of action from the pitch point, positive towards "
+            "recess, ascending) and coefficient, linear between; 0 = no friction",
+        ),
+    ] = None
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
