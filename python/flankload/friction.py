@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
     from flankload.scene import Scene
 
@@ -50,6 +51,63 @@ class Friction:
     def speeds(self, pairing: Pairing, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
         """Speeds (2, P) of both bodies, rad per rad of the position, as they really turn."""
         return self.sense * np.array(pairing.speeds(position_rad))
+
+
+@dataclass(frozen=True)
+class FrictionArguments:
+    """Friction in the layout of the core's sweep; everything is empty without friction.
+
+    Attributes
+    ----------
+    speeds : (2, P) array
+        Of both bodies, rad per rad of the position.
+    table : (n,) and (n * S,) arrays
+        Arc lengths on flank 1, mm, and coefficients there, site by site.
+    fields : tuple
+        For each body number of modes of load along its flank, their smooth part (flat) and the
+        strength of the jump, mm/N.
+    """
+
+    speeds: NDArray[np.float64]
+    table: tuple[NDArray[np.float64], NDArray[np.float64]]
+    fields: tuple[NDArray[np.float64] | float, ...]
+
+    @classmethod
+    def of(
+        cls,
+        friction: Friction | None,
+        compliances: tuple[BodyCompliance, BodyCompliance],
+        pairing: Pairing,
+        position_rad: NDArray[np.float64],
+        face_width_mm: float,
+    ) -> FrictionArguments:
+        """Arguments of a sweep; rigid bodies have no fields."""
+        none = np.empty(0)
+        if friction is None:
+            return cls(np.empty((2, 0)), (none, none), (0, none, 0.0) * 2)
+        fields: list[NDArray[np.float64] | float] = []
+        for compliance in compliances:
+            part = compliance.tangential
+            if part is None:
+                fields += [0, none, 0.0]
+                continue
+            smooth = part.transpose(1, 2, 0).ravel(order="F") / face_width_mm
+            fields += [part.shape[2], smooth, compliance.jump / face_width_mm]
+        return cls(
+            friction.speeds(pairing, position_rad),
+            (friction.places_mm, friction.coefficients.ravel(order="F")),
+            tuple(fields),
+        )
+
+    @property
+    def present(self) -> bool:
+        """Whether there is friction."""
+        return self.table[0].size > 0
+
+    def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
+        """Arguments for some of the positions, in the order of the core's door."""
+        speeds = self.speeds[:, which] if self.present else self.speeds
+        return speeds.shape[1], speeds.ravel(order="F"), *self.table, *self.fields
 
 
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:

@@ -16,6 +16,7 @@ from flankload.errors import (
     PivotLimit,
     SingularContact,
 )
+from flankload.friction import FrictionArguments
 from flankload.packed_pairs import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
 
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ def sweep(
         torques=torques,
         arguments=_core_arguments(bodies, compliances, pairing, face_width_mm),
         grid=grid,
-        rubbing=_Rubbing.of(friction, compliances, pairing, positions, face_width_mm),
+        rubbing=FrictionArguments.of(friction, compliances, pairing, positions, face_width_mm),
         progress=progress,
     )
     found = call.all_positions(FIRST_ROOM if keep_pairs else 0)
@@ -225,56 +226,6 @@ def _core_arguments(
     return arguments
 
 
-@dataclass(frozen=True)
-class _Rubbing:
-    """Friction in the layout of the flat door; empty without friction.
-
-    Speeds (2, P), places (n,) and coefficients (n S,) on flank 1; for each body the number of modes
-    of load along the flank, their smooth part and the strength of the jump, mm/N.
-    """
-
-    speeds: NDArray[np.float64]
-    table: tuple[NDArray[np.float64], NDArray[np.float64]]
-    fields: tuple[NDArray[np.float64] | float, ...]
-
-    @classmethod
-    def of(
-        cls,
-        friction: Friction | None,
-        compliances: tuple[BodyCompliance, BodyCompliance],
-        pairing: Pairing,
-        position_rad: NDArray[np.float64],
-        face_width_mm: float,
-    ) -> _Rubbing:
-        none = np.empty(0)
-        if friction is None:
-            return cls(np.empty((2, 0)), (none, none), (0, none, 0.0) * 2)
-        fields: list[NDArray[np.float64] | float] = []
-        for compliance in compliances:
-            part = compliance.tangential
-            if part is None:
-                fields += [0, none, 0.0]
-                continue
-            smooth = part.transpose(1, 2, 0).ravel(order="F") / face_width_mm
-            fields += [part.shape[2], smooth, compliance.jump / face_width_mm]
-        return cls(
-            friction.speeds(pairing, position_rad),
-            (friction.places_mm, friction.coefficients.ravel(order="F")),
-            tuple(fields),
-        )
-
-    @property
-    def columns(self) -> int:
-        """Columns of the table of pairs."""
-        return len(COLUMNS) + (len(FRICTION_COLUMNS) if self.table[0].size else 0)
-
-    def at(self, which: NDArray[np.int64]) -> tuple[Any, ...]:
-        """Arguments of the door for some positions."""
-        speeds = self.speeds[:, which] if self.table[0].size else self.speeds
-        flat = speeds.ravel(order="F")
-        return speeds.shape[1], flat, *self.table, *self.fields, self.columns
-
-
 @dataclass
 class _Found:
     """Outputs of the core: numbers with shape (…, P, T), and the packed pairs."""
@@ -308,7 +259,7 @@ class _CoreCall:
     torques: NDArray[np.float64]
     arguments: list[tuple[NDArray[Any] | float, ...]]
     grid: Grid
-    rubbing: _Rubbing
+    rubbing: FrictionArguments
     progress: Callable[[int, int], None] | None
 
     def all_positions(self, room: int) -> _Found:
@@ -337,7 +288,7 @@ class _CoreCall:
         control = np.zeros(2, dtype=np.intc)
         room *= len(self.torques)
         site = np.empty(room, dtype=np.intc)
-        columns = self.rubbing.columns
+        columns = len(COLUMNS) + (len(FRICTION_COLUMNS) if self.rubbing.present else 0)
         table = np.empty(room * columns)
 
         def call() -> tuple[Any, ...]:
@@ -356,6 +307,7 @@ class _CoreCall:
                 *field_2,
                 np.array(knobs),
                 *self.rubbing.at(which),
+                columns,
                 control,
                 site,
                 table,

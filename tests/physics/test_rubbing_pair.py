@@ -227,6 +227,58 @@ def test_internal_pair_balances_its_work() -> None:
     assert 0.99 < friction.efficiency < 0.998
 
 
+def spline(mu: float, **pair: Any) -> fl.Scene:
+    """A spline of 18 teeth, all of them in contact."""
+    spline = {"teeth": 18, "module_mm": 2.0, "young_modulus_MPa": 210000.0}
+    return fl.Scene.from_dict(
+        {
+            "body_1": {
+                "kind": "spline_shaft",
+                **spline,
+                "profile_shift": 0.45,
+                "tip_diameter_mm": 39.6,
+                "root_diameter_mm": 35.4,
+                "bore_diameter_mm": 20.0,
+            },
+            "body_2": {
+                "kind": "spline_hub",
+                **spline,
+                "profile_shift": 0.45,
+                "tip_diameter_mm": 36.0,
+                "root_diameter_mm": 40.4,
+                "outer_diameter_mm": 60.0,
+            },
+            "pair": {"face_width_mm": 20.0, **pair},
+            "load": {"torque_Nm": 500.0},
+            "positions": {"count": 1},
+            "effects": {"friction_coefficient": mu},
+            "accuracy": {"estimate": False},
+        }
+    )
+
+
+def test_spline_on_common_axes_does_not_slide() -> None:
+    rubbed, plain = (fl.solve(spline(mu)) for mu in (0.2, 0.0))
+    np.testing.assert_allclose(rubbed.rotation_rad, plain.rotation_rad, rtol=SOLVER, atol=0)
+    np.testing.assert_allclose(
+        rubbed.site_force_N, plain.site_force_N, rtol=0, atol=1e-8 * plain.site_force_N.max()
+    )
+    assert any("friction does nothing" in note for note in rubbed.warnings)
+    assert abs(rubbed.friction.loss_J_per_rad[0]) < 1e-9 * 500.0
+
+
+def test_spline_on_axes_apart_rubs() -> None:
+    """Each flank slides to and fro by the offset; what the shaft gives the hub does not get."""
+    result = fl.solve(spline(0.2, center_offset_mm=0.02))
+    friction = result.friction
+    assert not any("friction does nothing" in note for note in result.warnings)
+    assert friction.loss_J_per_rad[0] > 0.0
+    # no flank slides faster than the offset
+    total = result.site_force_N.sum() / 1000.0
+    assert friction.loss_J_per_rad[0] < 0.2 * 0.02 * total
+    assert friction.torque_2_Nm[0] + friction.loss_J_per_rad[0] == pytest.approx(500.0, rel=ENERGY)
+
+
 def test_state_is_smooth_through_the_pitch_point() -> None:
     """Steps of force and rotation halve with the steps of the position."""
     steps = []

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mesh_files import PINION, whole_of
 from plane_sectors import STEEL, ring_sector
 from scipy.integrate import dblquad
 from test_compliance_files import FROM_FILE_1, FROM_FILE_2, assert_same, scene_of, solved, toml_of
 from test_sweep import ONE, TWO
+from test_whole_body import sector, whole
 from tolerances import ROUND_OFF
 
 import flankload as fl
@@ -21,6 +23,7 @@ from flankload.cli import main
 from flankload.compliance import close_ring, condense, flank_compliance
 from flankload.elasticity import degrees_of, factored, stiffness
 from flankload.errors import ComplianceFileError, SceneError
+from flankload.mesh_io import read_mesh, write_mesh
 from flankload.near_field import jump_strength, mode_loads, mode_norms, projected_sign
 from flankload.whole_body import unit_loads
 
@@ -99,6 +102,18 @@ def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
     np.testing.assert_allclose(
         plain.smooth, found.smooth, rtol=0, atol=1e-12 * np.abs(plain.smooth).max()
     )
+
+
+def test_whole_body_rubs_as_its_sector_does(tmp_path: Path) -> None:
+    """One computation of the whole pinion against the ring closed over its sectors."""
+    write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(PINION), 16))
+    sides = []
+    for body in (sector("body_1", PINION), whole("body_1", tmp_path / "whole.msh")):
+        tables = {"body_1": {"reference_radius_mm": 33.8289343, **body}, "body_2": TWO}
+        sides.append(solved(effects={"friction_coefficient": 0.3}, **tables))
+    one, other = sides
+    np.testing.assert_allclose(one.rotation_rad, other.rotation_rad, rtol=1e-9, atol=0)
+    assert other.cost["unit_loads_tangential"] > 16 * 4
 
 
 # --- scene ----------------------------------------------------------------------------------------
