@@ -5,7 +5,8 @@
 module flankload_friction
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
-    use flankload_polar_geometry, only: cross
+    use flankload_polar_geometry, only: angle_between, cross
+    use flankload_circle_pair, only: pair_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
     implicit none
@@ -70,8 +71,8 @@ contains
     !> Each surface runs along its own flank there, so that the speed changes its sign inside a
     !> contact that lies over the pitch point. Inside the cell in which it does, the factor is the
     !> mean over the cell: the state stays smooth in the position.
-    pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
-            & corner_weight, first, pairs)
+    pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, first, &
+            & pairs)
         !> What the scene says
         type(friction_type), intent(in) :: friction
         !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
@@ -84,78 +85,76 @@ contains
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> 0: each body has its own normal; 1: both have the mean, where the contact is one-sided
-        real(wp), intent(in) :: corner_weight
         !> Its first pair; the others follow up to the last one that there is
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
 
-        integer :: i, last
-        real(wp) :: speed_1, speed_2, mean(2), normal(2), point_2(2), lever, largest
+        integer :: i
+        real(wp) :: turn, speed_1, speed_2, largest, lever
+        real(wp), dimension(2) :: point_1, point_2, normal_1, normal_2
         real(wp) :: change(pairs%n - first + 1)
 
         if (.not. allocated(pairs%sliding)) then
             allocate (pairs%sliding(size(pairs%site)), pairs%friction(size(pairs%site)), &
                 & source=0.0_wp)
         end if
-        last = pairs%n
+        turn = half_turn_between(zone%nearest)
         largest = 0.0_wp
-        do i = first, last
-            call normals_at(i, mean, point_2)
-            normal = pairs%normal(:, i)
-            ! v.t of a body that turns about O is -w (P - O).n, since t is n turned back
-            speed_1 = -speeds(1)*dot_product(pairs%point(:, i) - frame_1%origin, normal)
-            speed_2 = -speeds(2)*dot_product(point_2 - frame_2%origin, mean)
+        do i = first, pairs%n
+            call placed_point(flank_1, frame_1, pairs%s_1(i), point_1, normal_1)
+            call placed_point(flank_2, frame_2, pairs%s_2(i), point_2, normal_2)
+            point_1 = point_1 - frame_1%origin
+            ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
+            normal_1 = turned([-normal_1(2), normal_1(1)], turn)
+            if (zone%level_high > zone%level_low) then
+                ! flanks that lie upon each other have one normal, which turns with its point until
+                ! both meet
+                normal_2 = turned(normal_1, angle_between(point_1, point_2 - frame_1%origin))
+            else
+                normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
+            end if
+            point_2 = point_2 - frame_2%origin
+            ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
+            speed_1 = -speeds(1)*dot_product(point_1, normal_1)
+            speed_2 = -speeds(2)*dot_product(point_2, normal_2)
             pairs%sliding(i) = speed_2 - speed_1
-            largest = max(largest, abs(speeds(1))*norm2(pairs%point(:, i) - frame_1%origin) &
-                & + abs(speeds(2))*norm2(point_2 - frame_2%origin))
+            largest = max(largest, abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2))
         end do
-        call sliding_changes(pairs%sliding(first:last), change)
-        do i = first, last
+        call sliding_changes(pairs%sliding(first:pairs%n), change)
+        do i = first, pairs%n
             pairs%friction(i) = coefficient_at(friction, pairs%site(i), pairs%s_1(i)) &
                 & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
                 & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
-            normal = pairs%normal(:, i)
-            lever = dot_product(pairs%point(:, i) - frame_1%origin, normal)
-            ! m = b + mu sigma P.n: P x t = -P.n
-            pairs%torque_lever(i) = pairs%torque_lever(i) + pairs%friction(i)*lever &
-                & *sign(1.0_wp, cross(pairs%point(:, i) - frame_1%origin, normal))
+            point_1 = pairs%point(:, i) - frame_1%origin
+            normal_1 = pairs%normal(:, i)
+            lever = dot_product(point_1, normal_1)
+            ! m = b - mu sigma sign(P x n) P x t, with P x t = -P.n
+            pairs%torque_lever(i) = pairs%torque_lever(i) &
+                & + pairs%friction(i)*sign(lever, lever*cross(point_1, normal_1))
         end do
-
-    contains
-
-        !> Normal of flank 2 for the sliding speed, out of body 1, and the point of flank 2.
-        pure subroutine normals_at(k, normal_2, at_2)
-            !> The pair
-            integer, intent(in) :: k
-            !> Unit normal, shape (2)
-            real(wp), intent(out) :: normal_2(2)
-            !> Point [mm], shape (2)
-            real(wp), intent(out) :: at_2(2)
-
-            real(wp) :: at_1(2), tangent_1(2), tangent_2(2), weight, turn(2)
-
-            call placed_point(flank_2, frame_2, pairs%s_2(k), at_2, tangent_2)
-            if (zone%level_high > zone%level_low) then
-                ! Flanks that lie upon each other have one normal: that of body 1, turned with its
-                ! point until it meets the other.
-                at_1 = pairs%point(:, k) - frame_1%origin
-                turn = [dot_product(at_1, at_2 - frame_1%origin), &
-                    & cross(at_1, at_2 - frame_1%origin)]/dot_product(at_1, at_1)
-                normal_2 = [turn(1)*pairs%normal(1, k) - turn(2)*pairs%normal(2, k), &
-                    & turn(2)*pairs%normal(1, k) + turn(1)*pairs%normal(2, k)]
-                return
-            end if
-            normal_2 = [tangent_2(2), -tangent_2(1)]
-            weight = 0.5_wp*corner_weight
-            if (weight <= 0.0_wp) return
-            call placed_point(flank_1, frame_1, pairs%s_1(k), at_1, tangent_1)
-            normal_2 = (1.0_wp - weight)*normal_2 + weight*[-tangent_1(2), tangent_1(1)]
-            normal_2 = normal_2/norm2(normal_2)
-        end subroutine normals_at
-
     end subroutine rub_pairs
+
+    !> Half the angle from the normal of flank 1 to that of flank 2 at a place of least gap, once it
+    !> is closed: 0, but where a corner works and both turn towards each other by half of it.
+    pure function half_turn_between(nearest) result(turn)
+        !> The pair of least gap
+        type(pair_type), intent(in) :: nearest
+        real(wp) :: turn
+
+        turn = 0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) - nearest%gap_angle)
+    end function half_turn_between
+
+    !> A vector turned to the left.
+    pure function turned(vector, angle) result(other)
+        !> The vector
+        real(wp), intent(in) :: vector(2)
+        !> Angle [rad]
+        real(wp), intent(in) :: angle
+        real(wp) :: other(2)
+
+        other = cos(angle)*vector + sin(angle)*[-vector(2), vector(1)]
+    end function turned
 
     !> By how much the sliding speed changes over each cell of a zone.
     pure subroutine sliding_changes(sliding, change)

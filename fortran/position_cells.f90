@@ -95,7 +95,6 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z, site, first
-        real(wp) :: weight
         logical :: found
 
         cells%part = max(cells%estimate, cells%least)
@@ -120,10 +119,10 @@ contains
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
                 first = pairs%n + 1
-                weight = corner_weight(zones(z), maxval(cells%reach(:, z)))
                 call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
                     & frames_2(site), zones(z), z, grids(z), &
-                    & body_1%deviations(site) + body_2%deviations(site), weight, pairs, found)
+                    & body_1%deviations(site) + body_2%deviations(site), &
+                    & corner_weight(zones(z), maxval(cells%reach(:, z))), pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -131,8 +130,8 @@ contains
                 end if
                 if (allocated(body_1%friction)) then
                     call rub_pairs(body_1%friction, position%speeds, body_1%flank%curve, &
-                        & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), weight, &
-                        & first, pairs)
+                        & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), first, &
+                        & pairs)
                 end if
             end do
         end associate
