@@ -21,6 +21,7 @@ from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
+from flankload.root_fillet import RootFillets, root_fillets
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
 #: the result may have.
@@ -57,6 +58,8 @@ class BodyPair:
         What a user must know of bodies and pair.
     friction : Friction or None
         None where the scene has no friction.
+    fillets : two RootFillets or None
+        Where stress is asked for.
     """
 
     body_1: Body
@@ -70,6 +73,7 @@ class BodyPair:
     adaptive: bool
     notes: tuple[str, ...]
     friction: Friction | None = None
+    fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
 
     @property
     def period_rad(self) -> float:
@@ -131,6 +135,7 @@ def build_bodies(scene: Scene) -> BodyPair:
         )
         pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
         friction = friction_of(scene, body_1, pairing)
+        fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
     except SceneError as error:
         if error.file is not None or scene.file is None:
             raise
@@ -151,6 +156,11 @@ def build_bodies(scene: Scene) -> BodyPair:
         *alike,
         *_beyond_window(pitches, period),
         *friction_notes(friction, pairing),
+        *(
+            f"{key}: rigid, so there is no stress in its roots"
+            for key, body in (("body_1", body_1), ("body_2", body_2))
+            if effects.root_stress and body.rigid
+        ),
     )
     return BodyPair(
         body_1=body_1,
@@ -164,7 +174,13 @@ def build_bodies(scene: Scene) -> BodyPair:
         adaptive=scene.positions.adaptive and position_rad.size > 1,
         notes=notes,
         friction=friction,
+        fillets=fillets,
     )
+
+
+def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
+    """Root fillets of a body that yields, where their stress is asked for."""
+    return root_fillets(body, key) if effects.root_stress and not body.rigid else None
 
 
 def _is_modified_file(body: Body) -> bool:

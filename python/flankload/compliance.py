@@ -33,6 +33,28 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
     from flankload.bodies.body import Body, SectorMesh
+    from flankload.root_fillet import RootFillets, RootPoints
+
+
+@dataclass(frozen=True, eq=False)
+class RootResponse:
+    """Stress along the root fillets under pressure modes.
+
+    Attributes
+    ----------
+    points : RootPoints
+        The q places of a tooth.
+    response : (z, q, p) array, or (f * f, q, p) array as `BodyCompliance.smooth`
+        response[t] maps the pressure modes of tooth 0 (MPa, pulling out of the material) to the
+        stress in the root of tooth t, MPa; with friction followed by as many modes of load along
+        the flank, towards growing arc length.
+    recoveries : int
+        Solutions that it took beside those of the unit loads.
+    """
+
+    points: RootPoints
+    response: NDArray[np.float64]
+    recoveries: int
 
 
 @dataclass(frozen=True)
@@ -63,6 +85,8 @@ class BodyCompliance:
     bytes : int
     seconds : dict of str to float
         CPU seconds of assembly, factorisation, solution, ring closure; "wall" for the whole.
+    root : RootResponse or None
+        Stress in the root fillets, where it is asked for.
     """
 
     smooth: NDArray[np.float64]
@@ -78,6 +102,7 @@ class BodyCompliance:
     unit_loads_tangential: int = 0
     bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
+    root: RootResponse | None = None
 
     @property
     def is_rigid(self) -> bool:
@@ -126,10 +151,12 @@ class CondensedSector:
 
     Attributes
     ----------
-    local : (p, p) array
-        Response of the loads with both cuts held.
-    carried : (2 m, p) array
-        Forces that the loads send to the cuts; first the left cut, then the right one.
+    local : (r, p) array
+        Response of the r readings to the p loads with both cuts held; the loads are the first p
+        readings.
+    carried : (2 m, r) array
+        Forces that the readings, taken as loads, send to the cuts; first the left cut, then the
+        right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
     factorisations : int
@@ -143,7 +170,12 @@ class CondensedSector:
 
 
 def flank_compliance(
-    body: Body, *, n_modes: int, plane: str, friction: bool = False
+    body: Body,
+    *,
+    n_modes: int,
+    plane: str,
+    friction: bool = False,
+    fillets: RootFillets | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
@@ -156,6 +188,8 @@ def flank_compliance(
     plane : {"strain", "stress"}
     friction : bool
         As many modes of load along the flank are solved, too.
+    fillets : RootFillets, optional
+        Where stress is wanted, too.
 
     Returns
     -------
@@ -176,22 +210,36 @@ def flank_compliance(
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
     factorisations = 1
+    stress = _stress_columns(fillets, body, plane, matrix.shape[0])
     if isinstance(mesh, WholeMesh):
         lap("assembly")
         flanks = tuple(flank.tooth for flank in mesh.flanks)
         response, free = whole_response(
-            matrix, mesh, body.mode_range_mm, n_modes, lap, friction=friction
+            matrix,
+            mesh,
+            body.mode_range_mm,
+            n_modes,
+            lap,
+            friction=friction,
+            readings=stress,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
     else:
         loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction)
         lap("assembly")
-        sector, free = condense(matrix, loads, mesh, lap)
+        sector, free = condense(matrix, loads, mesh, lap, readings=stress(0) if stress else None)
         factorisations = sector.factorisations
         response = close_ring(sector, mesh.teeth)
         own = np.zeros(1, dtype=np.int64)
         across = -np.arange(mesh.teeth) % mesh.teeth
+    root = None
+    if fillets is not None:
+        # a whole body is read where its loads are solved for, a sector takes solutions more
+        more = 0 if flanks else fillets.points.arc_length_mm.size
+        count = response.shape[2]
+        root = RootResponse(fillets.points, response[:, count:], more)
+        response = response[:, :count]
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
     response[own, :n_modes, :n_modes] += strength * projected_logarithm(n_modes, high - low)
@@ -225,7 +273,20 @@ def flank_compliance(
         unit_loads_tangential=count if friction else 0,
         bytes=response.nbytes + matrix.data.nbytes + matrix.indices.nbytes,
         seconds=seconds,
+        root=root,
     )
+
+
+def _stress_columns(
+    fillets: RootFillets | None, body: Body, plane: str, size: int
+) -> Callable[[int], NDArray[np.float64]] | None:
+    """Columns that read stress at a flank: the strain times the modulus of a free surface."""
+    if fillets is None:
+        return None
+    modulus = body.material.young_modulus_MPa
+    if plane == "strain":
+        modulus /= 1 - body.material.poisson_ratio**2
+    return lambda flank: modulus * fillets.columns(flank, size)
 
 
 def condense(
@@ -233,6 +294,8 @@ def condense(
     loads: NDArray[np.float64],
     mesh: SectorMesh,
     lap: Callable[[str], None] | None = None,
+    *,
+    readings: NDArray[np.float64] | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -245,6 +308,8 @@ def condense(
     mesh : SectorMesh
     lap : callable, optional
         Told the name of each step when it is done.
+    readings : (2N, q) array, optional
+        Columns that only read the displacements.
 
     Returns
     -------
@@ -261,10 +326,14 @@ def condense(
     inside = np.flatnonzero(inner)
     solve, complement, factorisations = condensed(matrix, inside, cut)
     tell("factorisation")
-    solved = solve(loads[inside])
+    columns, solved = loads, solve(loads[inside])
+    if readings is not None:
+        # on their own, so that the loads' solutions stay what they are to the last bit
+        columns = np.hstack([loads, readings])
+        solved = np.hstack([solved, solve(readings[inside])])
     sector = CondensedSector(
-        local=loads[inside].T @ solved,
-        carried=loads[cut] - matrix[cut][:, inside] @ solved,
+        local=columns[inside].T @ solved[:, : loads.shape[1]],
+        carried=columns[cut] - matrix[cut][:, inside] @ solved,
         stiffness=complement,
         factorisations=factorisations,
     )
@@ -287,8 +356,9 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
 
     Returns
     -------
-    (z, p, p) array
-        Response on tooth t, in its frame, to the loads on tooth 0.
+    (z, r, p) array
+        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
+        readings are those of the loads.
     """
     m = sector.carried.shape[0] // 2
     pitch = 2 * np.pi / teeth
@@ -299,10 +369,10 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
     left_right = sector.stiffness[:m, m:] @ turn
     right_left = turn.T @ sector.stiffness[m:, :m]
     right_right = turn.T @ sector.stiffness[m:, m:] @ turn
-    load_left = sector.carried[:m]
-    load_right = turn.T @ sector.carried[m:]
-    p = sector.carried.shape[1]
-    response = np.zeros((teeth, p, p))
+    read_left = sector.carried[:m]
+    read_right = turn.T @ sector.carried[m:]
+    readings, loads = sector.local.shape
+    response = np.zeros((teeth, readings, loads))
     offsets = np.arange(teeth)
     for k in range(teeth // 2 + 1):
         weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
@@ -310,9 +380,9 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
         # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
         unknown = np.linalg.solve(
             left_left + right_right + left_right * shift + right_left / shift,
-            load_left + load_right / shift,
+            read_left[:, :loads] + read_right[:, :loads] / shift,
         )
-        seen = load_left.T @ unknown + (load_right.T @ unknown) * shift
+        seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
         response += (weight / teeth) * np.real(
             seen[None] * np.exp(1j * pitch * k * offsets)[:, None, None]
         )

@@ -23,6 +23,8 @@ class Effects:
         Teeth stand beside their place; the period of the result is then one of many.
     several_torques : bool
         One result per torque.
+    root_stress : bool
+        Stress in the tooth roots of the bodies that yield.
     friction : bool
         Flanks rub on each other: their compliance along the tangent is solved, too.
     """
@@ -33,6 +35,7 @@ class Effects:
     pitch_errors: bool
     several_torques: bool
     friction: bool
+    root_stress: bool = False
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -55,6 +58,7 @@ def effects_of(scene: Scene) -> Effects:
         pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
         several_torques=scene.has_torque_list,
         friction=scene.has_friction,
+        root_stress=loaded and scene.effects.root_stress,
     )
 
 

@@ -16,6 +16,7 @@ from flankload.given_compliance import given_compliance
 from flankload.resolution import choose_resolution, position_tolerance
 from flankload.result import Result
 from flankload.result.from_sweep import result_of
+from flankload.result.geometry import pair_geometry
 from flankload.sweep import sweep
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies import Body
+    from flankload.root_fillet import RootFillets
     from flankload.scene import Scene
     from flankload.sweep import Sweep
 
@@ -138,6 +140,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
 
         pair, found, errors, rounds = _all_positions(scene, pair, run_round)
     run = partial(run, position_rad=pair.position_rad)
+    geometry = pair_geometry(pair)
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + SWEEP_STEPS):
@@ -151,6 +154,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
             face_width_mm=scene.pair.face_width_mm,
             estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
             stages=clock.stages,
+            geometry=geometry,
             notes=(*standing, *_not_enough(scene, pair, errors[t])),
             rounds=rounds,
         )
@@ -235,11 +239,13 @@ def _compliances(
             found.append(no_compliance(body))
             continue
         with clock.stage(f"compliance body {z + 1}", BODY_STEPS + z * COMPLIANCE_STEPS):
-            found.append(compliance_of(body, scene))
+            found.append(compliance_of(body, scene, fillets=pair.fillets[z]))
     return found[0], found[1]
 
 
-def compliance_of(body: Body, scene: Scene) -> BodyCompliance:
+def compliance_of(
+    body: Body, scene: Scene, *, fillets: RootFillets | None = None
+) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
 
     Parameters
@@ -248,6 +254,8 @@ def compliance_of(body: Body, scene: Scene) -> BodyCompliance:
         That yields.
     scene : Scene
         Decides on plane and pressure modes.
+    fillets : RootFillets, optional
+        Where stress is wanted, too.
 
     Returns
     -------
@@ -268,6 +276,7 @@ def compliance_of(body: Body, scene: Scene) -> BodyCompliance:
         n_modes=asked or _modes_of(body, default),
         plane=plane,
         friction=scene.has_friction,
+        fillets=fillets,
     )
 
 

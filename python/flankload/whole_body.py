@@ -53,6 +53,7 @@ def whole_response(
     tell: Callable[[str], None],
     *,
     friction: bool = False,
+    readings: Callable[[int], NDArray[np.float64]] | None = None,
 ) -> tuple[NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -68,11 +69,13 @@ def whole_response(
         Told the name of each step when it is done.
     friction : bool
         Modes of load along the flanks follow those along the normals.
+    readings : callable, optional
+        Number of a flank to columns (2N, q) that only read the displacements.
 
     Returns
     -------
-    response : (f * f, p, p) array, p twice n_modes with friction
-        response[i * f + j] is that of flank i to the modes on flank j.
+    response : (f * f, p + q, p) array, p twice n_modes with friction
+        response[i * f + j] is that of flank i to the modes on flank j, that of its readings below.
     degrees_of_freedom : int
         Those that are not held.
     """
@@ -81,16 +84,26 @@ def whole_response(
     tell("factorisation")
     loads = []
     for flank in mesh.flanks:
-        column = unit_loads(flank, mode_range_mm, n_modes, friction=friction)[free]
-        rows = np.flatnonzero(column.any(axis=1))
-        loads.append((rows, column[rows]))
-    f, p = len(loads), loads[0][1].shape[1]
-    response = np.empty((f, f, p, p))
+        loads.append(_nonzero(unit_loads(flank, mode_range_mm, n_modes, friction=friction)[free]))
+    seen = loads
+    if readings is not None:
+        seen = []
+        for i, flank in enumerate(mesh.flanks):
+            own = unit_loads(flank, mode_range_mm, n_modes, friction=friction)
+            seen.append(_nonzero(np.hstack([own, readings(i)])[free]))
+    f, p, r = len(loads), loads[0][1].shape[1], seen[0][1].shape[1]
+    response = np.empty((f, f, r, p))
     for j, (rows, column) in enumerate(loads):
         right = np.zeros((free.size, p))
         right[rows] = column
         moved = solve(right)
-        for i, (seen, weight) in enumerate(loads):
-            response[i, j] = weight.T @ moved[seen]
+        for i, (places, weight) in enumerate(seen):
+            response[i, j] = weight.T @ moved[places]
     tell("solution")
-    return response.reshape(f * f, p, p), free.size
+    return response.reshape(f * f, r, p), free.size
+
+
+def _nonzero(columns: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Rows that hold something, and what they hold."""
+    rows = np.flatnonzero(columns.any(axis=1))
+    return rows, columns[rows]

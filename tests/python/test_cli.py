@@ -16,6 +16,7 @@ from made_up_result import made_up_result
 
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
+from flankload.result import stiffness_table
 
 SCENE = """
 name = "small job"
@@ -104,7 +105,7 @@ def test_run_solves_and_writes_everything(
     assert tree["cost"]["fe_factorisations"] == 2
     rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
     assert [float(row["transmission_error_um"]) for row in rows] == tree["transmission_error_um"]
-    assert len(os.listdir(tmp_path / "out")) == 5
+    assert len(os.listdir(tmp_path / "out")) == 6
 
 
 def test_installed_command_prints_no_progress_into_a_pipe(scene: Path) -> None:
@@ -252,6 +253,17 @@ def test_quiet_prints_nothing(
     assert run(capsys, "run", scene, "--quiet") == (0, "", "")
 
 
+def test_stiffness_of_all_torques_goes_to_one_file(
+    scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
+    expected = stiffness_table(solved[0]).to_csv()
+    path = tmp_path / "stiffness.csv"
+    assert run(capsys, "run", scene, "--stiffness-csv", path, "--quiet") == (0, "", "")
+    assert path.read_text(encoding="utf-8") == expected
+    assert run(capsys, "run", scene, "--stiffness-csv", "-") == (0, expected, "")
+
+
 @pytest.mark.parametrize(("option", "method"), [("--json", "to_json"), ("--csv", "to_csv")])
 def test_dash_sends_only_the_data_to_stdout(
     option: str, method: str, scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
@@ -284,6 +296,10 @@ def test_list_of_torques_gives_a_list_of_everything(
         (["--plot", "pair.toml/out"], "--plot: expected a folder, found the file pair.toml"),
         (["--csv", "-", "--json", "-"],
          "--csv: expected a file, since --json takes stdout, found -"),
+        (["--stiffness-csv", "-", "--csv", "-"],
+         "--stiffness-csv: expected a file, since --csv takes stdout, found -"),
+        (["--stiffness-csv", "no/a"],
+         "--stiffness-csv: expected a file in a folder that exists, found no folder no"),
     ],
 )  # fmt: skip
 def test_impossible_output_is_refused_before_the_work(

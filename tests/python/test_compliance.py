@@ -20,8 +20,13 @@ from flankload.scene import Gear, Ring
 CLOSURE = 1e-10
 
 
-def full_ring(mesh: SectorMesh, span: tuple[float, float], n_modes: int) -> np.ndarray:
-    """Response of all teeth of the whole meshed ring to the modes on tooth 0, (z, p, p)."""
+def full_ring(
+    mesh: SectorMesh, span: tuple[float, float], n_modes: int, more: np.ndarray | None = None
+) -> np.ndarray:
+    """Response of all teeth of the whole meshed ring to the modes on tooth 0, (z, p, p).
+
+    `more` columns (2N, q) of a sector's own frame only read: (z, p + q, p).
+    """
     pieces, count = [], len(mesh.nodes)
     for tooth in range(mesh.teeth):
         angle = 2 * np.pi * tooth / mesh.teeth
@@ -35,17 +40,22 @@ def full_ring(mesh: SectorMesh, span: tuple[float, float], n_modes: int) -> np.n
     ((kind, data),) = mesh.cells
     cells = number[np.vstack([data + tooth * count for tooth in range(mesh.teeth)])]
     matrix = stiffness(nodes, ((kind, cells),), STEEL, "strain")
+    own = mode_loads(mesh, span, n_modes)
+    if more is not None:
+        own = np.hstack([own, more])
     loads = []
-    for tooth, piece in enumerate(pieces):
-        turned = SectorMesh(**{**vars(mesh), "nodes": piece})
-        column = np.zeros((2 * len(nodes), n_modes))
+    for tooth in range(mesh.teeth):
+        angle = 2 * np.pi * tooth / mesh.teeth
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        column = np.zeros((2 * len(nodes), own.shape[1]))
         rows = degrees_of(number[tooth * count : (tooth + 1) * count])
-        np.add.at(column, rows, mode_loads(turned, span, n_modes))
+        turned = np.einsum("ncq,cd->ndq", own.reshape(count, 2, -1), turn)
+        np.add.at(column, rows, turned.reshape(2 * count, -1))
         loads.append(column)
     held = np.concatenate([number[mesh.fixed_nodes + t * count] for t in range(mesh.teeth)])
     free = np.setdiff1d(np.arange(2 * len(nodes)), degrees_of(np.unique(held)))
     moved = np.zeros((2 * len(nodes), n_modes))
-    moved[free] = splu(matrix[free][:, free].tocsc()).solve(loads[0][free])
+    moved[free] = splu(matrix[free][:, free].tocsc()).solve(loads[0][free, :n_modes])
     return np.array([column.T @ moved for column in loads])
 
 

@@ -20,13 +20,20 @@ from flankload.plot import (
     plot_loaded_pair,
     plot_peak_pressure,
     plot_profile_deviation,
+    plot_stiffness,
     plot_transmission_error,
 )
 from flankload.result import Result
 from flankload.scene import Load
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
-NAMES = ["load_sharing.png", "loaded_pair.png", "peak_pressure.png", "transmission_error.png"]
+NAMES = [
+    "load_sharing.png",
+    "loaded_pair.png",
+    "peak_pressure.png",
+    "stiffness.png",
+    "transmission_error.png",
+]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +51,7 @@ def words(axes: Axes) -> str:
     return " | ".join([*(text.get_text() for text in axes.texts), *titles])
 
 
-def test_plot_all_writes_four_pictures_into_a_new_folder(result: Result, tmp_path: Path) -> None:
+def test_plot_all_writes_its_pictures_into_a_new_folder(result: Result, tmp_path: Path) -> None:
     folder = tmp_path / "deep" / "out"
     paths = plot_all(result, folder)
     assert sorted(path.name for path in paths) == NAMES
@@ -241,11 +248,26 @@ def test_pairs_of_far_positions_have_colours_of_their_own() -> None:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
-    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 4
+    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 5
 
 
 def test_unloaded_pair_can_be_drawn(tmp_path: Path) -> None:
     assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 4
+
+
+def test_stiffness_is_drawn_along_the_line_of_action_and_about_the_axis(result: Result) -> None:
+    figure = plot_stiffness(result)
+    axes = figure.axes[0]
+    mean = result.stiffness_tangent_N_per_um.mean()
+    angle, tangent = curve(axes, f"tangent, mean {mean:.1f} N/µm")
+    np.testing.assert_array_equal(tangent[:-1], result.stiffness_tangent_N_per_um)
+    assert tangent[-1] == tangent[0]
+    assert angle[-1] == pytest.approx(np.degrees(result.period_rad))
+    (torsional,) = axes.child_axes
+    figure.canvas.draw()
+    assert torsional.get_ylim()[1] == pytest.approx(
+        axes.get_ylim()[1] * result.reference_radius_mm**2 / 1e3
+    )
 
 
 def test_ring_is_drawn_around_its_pinion() -> None:

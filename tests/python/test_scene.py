@@ -199,15 +199,15 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "the unknown key 'x'",
         ),
         (
-            {"effects__root_stress": True},
-            "effects.root_stress",
-            "no such key, since this version does not simulate stress in the tooth root",
+            {"effects__coast_flank": True},
+            "effects.coast_flank",
+            "no such key, since this version does not simulate contact on the coast flank",
             "true",
         ),
         (
             {"effects__wind": 1},
             "effects.wind",
-            "a known key (friction_coefficient)",
+            "a known key (friction_coefficient, root_stress)",
             "the unknown key 'wind'",
         ),
         (

@@ -102,6 +102,11 @@ def _parser() -> argparse.ArgumentParser:
         "--csv", metavar="FILE", help="write the positions as CSV (- for stdout)"
     )
     run_parser.add_argument(
+        "--stiffness-csv",
+        metavar="FILE",
+        help="write transmission error and stiffness over angle and torque (- for stdout)",
+    )
+    run_parser.add_argument(
         "--plot", metavar="DIR", type=Path, help="write the pictures to this folder"
     )
     run_parser.add_argument("--quiet", action="store_true", help="no table and no progress")

@@ -42,18 +42,32 @@ def run(arguments: Namespace) -> None:
             print(text_of(found), end="")
         elif path is not None:
             text_of(found, path)
-    if not arguments.quiet and STDOUT not in (arguments.json, arguments.csv):
+    if arguments.stiffness_csv is not None:
+        _write_stiffness(results, arguments.stiffness_csv)
+    if not arguments.quiet and STDOUT not in _files(arguments).values():
         print("\n\n".join(result.table() for result in results))
+
+
+def _files(arguments: Namespace) -> dict[str, str]:
+    """Files that are asked for, by their options."""
+    named = {
+        "--json": arguments.json,
+        "--csv": arguments.csv,
+        "--stiffness-csv": arguments.stiffness_csv,
+    }
+    return {key: path for key, path in named.items() if path is not None}
 
 
 def _check_outputs(arguments: Namespace) -> None:
     """Refuse before the work what could not be written after it."""
-    if arguments.json == arguments.csv == STDOUT:
-        raise SceneError(key="--csv", expected="a file, since --json takes stdout", found="-")
-    for key, path in (("--json", arguments.json), ("--csv", arguments.csv)):
-        if path in (None, STDOUT):
-            continue
-        _check_file(key, Path(path))
+    printed = [key for key, path in _files(arguments).items() if path == STDOUT]
+    if len(printed) > 1:
+        raise SceneError(
+            key=printed[1], expected=f"a file, since {printed[0]} takes stdout", found="-"
+        )
+    for key, path in _files(arguments).items():
+        if path != STDOUT:
+            _check_file(key, Path(path))
     if arguments.plot is not None:
         check_folder("--plot", arguments.plot)
 
@@ -82,6 +96,16 @@ def _check_file(key: str, path: Path) -> None:
         raise SceneError(
             key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
         )
+
+
+def _write_stiffness(results: tuple[Result, ...], path: str) -> None:
+    from flankload.result import stiffness_table
+
+    table = stiffness_table(results)
+    if path == STDOUT:
+        print(table.to_csv(), end="")
+    else:
+        table.to_csv(path)
 
 
 def _plot(results: tuple[Result, ...], folder: Path) -> None:

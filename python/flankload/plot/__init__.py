@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 from flankload.plot.curves import plot_load_sharing, plot_peak_pressure, plot_transmission_error
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
+from flankload.plot.root_stress import plot_root_stress
+from flankload.plot.stiffness import plot_stiffness
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
 from flankload.result import write_atomically
@@ -31,6 +33,8 @@ __all__ = [
     "plot_loaded_pair",
     "plot_peak_pressure",
     "plot_profile_deviation",
+    "plot_root_stress",
+    "plot_stiffness",
     "plot_transmission_error",
 ]
 
@@ -47,10 +51,11 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; and
-        profile_deviation.png where a body has an involute. Of bodies that touch all around
-        load_per_tooth.png, flank_pressure.png, loaded_pair.png, and with several positions
-        transmission_error.png.
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png;
+        stiffness.png where there is a torque; profile_deviation.png where a body has an
+        involute. Of bodies that touch all around load_per_tooth.png, flank_pressure.png,
+        loaded_pair.png, and with several positions transmission_error.png. Of all
+        root_stress.png where stress is asked for.
 
     Raises
     ------
@@ -63,6 +68,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         "peak_pressure.png": plot_peak_pressure,
         "loaded_pair.png": plot_loaded_pair,
     }
+    if result.torque_Nm > 0:
+        pictures["stiffness.png"] = plot_stiffness
     if any(profile is not None for profile in result.drawing.profiles):
         pictures["profile_deviation.png"] = plot_profile_deviation
     if result.whole_circle:
@@ -73,6 +80,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         }
         if result.position_rad.size > 1:
             pictures["transmission_error.png"] = plot_transmission_error
+    if any(stress is not None for stress in result.root_stress):
+        pictures["root_stress.png"] = plot_root_stress
     # Every picture is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)

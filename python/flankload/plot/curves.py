@@ -55,20 +55,20 @@ def plot_transmission_error(result: Result) -> Figure:
     matplotlib.figure.Figure
     """
     with rc_context(STYLE):
-        figure, axes = _figure(result, "Transmission error")
-        angle, error = _curve(result, result.transmission_error_um)
+        figure, axes = figure_over_positions(result, "Transmission error")
+        angle, error = curve(result, result.transmission_error_um)
         if (smooth := _through_uneven(result, result.transmission_error_um)) is not None:
             axes.plot(*smooth, color=COLOURS[0])
-            axes.plot(angle, error, color=COLOURS[0], linestyle="none", **_marks(result))
+            axes.plot(angle, error, color=COLOURS[0], linestyle="none", **marks(result))
         else:
-            axes.plot(angle, error, color=COLOURS[0], **_marks(result))
+            axes.plot(angle, error, color=COLOURS[0], **marks(result))
         summary = result.summary
         mean = summary["transmission_error_mean_um"]
         span = summary["transmission_error_peak_to_peak_um"]
         axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
         corner = at_corner(result)
         if corner.any():
-            x, y = _curve(result, np.where(corner, result.transmission_error_um, np.nan))
+            x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
             axes.plot(
                 x,
                 y,
@@ -112,7 +112,7 @@ def plot_load_sharing(result: Result) -> Figure:
     matplotlib.figure.Figure
     """
     with rc_context(STYLE):
-        figure, axes = _figure(result, "Load sharing")
+        figure, axes = figure_over_positions(result, "Load sharing")
         shares = 100 * result.load_share
         for s, site in loaded_sites(result):
             angle, share = _curve_of_pair(result, shares, s)
@@ -121,7 +121,7 @@ def plot_load_sharing(result: Result) -> Figure:
                 _lifted(share),
                 color=colour_of(result, site),
                 label=pair_name(site),
-                **_marks(result),
+                **marks(result),
             )
         axes.set_ylim(0, 108)
         axes.set_yticks(range(0, 101, 20))
@@ -160,7 +160,7 @@ def plot_peak_pressure(result: Result) -> Figure:
     matplotlib.figure.Figure
     """
     with rc_context(STYLE):
-        figure, axes = _figure(result, "Peak pressure")
+        figure, axes = figure_over_positions(result, "Peak pressure")
         for s, site in loaded_sites(result):
             colour = colour_of(result, site)
             angle, whole = _curve_of_pair(result, result.peak_pressure_MPa, s)
@@ -171,7 +171,7 @@ def plot_peak_pressure(result: Result) -> Figure:
             beside[1:] |= on_corner[:-1]
             beside[:-1] |= on_corner[1:]
             smooth = np.where(on_corner, np.nan, _lifted(whole))
-            axes.plot(angle, smooth, color=colour, label=pair_name(site), **_marks(result))
+            axes.plot(angle, smooth, color=colour, label=pair_name(site), **marks(result))
             dashed = np.where(beside, _lifted(whole), np.nan)
             axes.plot(angle, dashed, color=colour, linewidth=1.1, linestyle=(0, (3, 2)))
         if result.corner_contact.any():
@@ -191,7 +191,7 @@ def plot_peak_pressure(result: Result) -> Figure:
         return figure
 
 
-def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
+def figure_over_positions(result: Result, title: str) -> tuple[Figure, Axes]:
     figure = new_figure(SIZE)
     axes = figure.add_subplot()
     axes.set_title(title)
@@ -209,7 +209,7 @@ def _figure(result: Result, title: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _marks(result: Result) -> dict[str, Any]:
+def marks(result: Result) -> dict[str, Any]:
     """Marks where positions are few or uneven: a line through them would hide where they are."""
     if result.position_rad.size > 12 and (_is_closed(result) or not _gaps(result).size):
         if result.position_rad.size > MOST_MARKS or over_positions(result).regular:
@@ -218,7 +218,7 @@ def _marks(result: Result) -> dict[str, Any]:
     return {"marker": "o", "markersize": 4.5}
 
 
-def _curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+def curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Angles in degrees and values; closed over the period, else ascending and broken at gaps."""
     angle = np.degrees(result.position_rad)
     if _is_closed(result):
@@ -258,10 +258,10 @@ def _curve_of_pair(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of one pair: a period on it stands where the pair so many pitches further stood."""
     if not _is_closed(result):
-        return _curve(result, values[:, s])
+        return curve(result, values[:, s])
     after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
     end = values[0, after[0]] if after.size else closing
-    angle, _ = _curve(result, values[:, s])
+    angle, _ = curve(result, values[:, s])
     return angle, np.append(values[:, s], end)
 
 

@@ -8,14 +8,17 @@ from flankload.result.export import (
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result, make_result
+from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 
 __all__ = [
     "FrictionResult",
     "PairDrawing",
     "PairTable",
     "Result",
+    "StiffnessTable",
     "make_result",
     "results_to_csv",
     "results_to_json",
+    "stiffness_table",
     "write_atomically",
 ]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
+from flankload.result.root_stress import root_arrays
 
 if TYPE_CHECKING:
     from flankload.result.result import Result
@@ -28,6 +29,8 @@ ALONG_POSITIONS = {
     "stiffness_secant_N_per_um": "N/um",
     "stiffness_tangent_N_per_um": "N/um",
     "loaded_pairs": "1",
+    "potential_pairs": "1",
+    "coast_flank_gap_um": "um",
     "status": "1",
 }
 
@@ -35,8 +38,20 @@ ALONG_POSITIONS = {
 OVER_SITES = {
     "load_share": "1",
     "site_force_N": "N",
+    "line_load_N_per_mm": "N/mm",
     "peak_pressure_MPa": "MPa",
     "corner_contact": "1",
+    "contact_half_width_mm": "mm",
+    "sliding_mm_per_rad": "mm/rad",
+    "specific_sliding_1": "1",
+    "specific_sliding_2": "1",
+}
+#: Those of them that are no number where a pair is open; the others are 0 there.
+ONLY_LOADED = {
+    "contact_half_width_mm",
+    "sliding_mm_per_rad",
+    "specific_sliding_1",
+    "specific_sliding_2",
 }
 
 SINGLE_NUMBERS = {
@@ -130,8 +145,18 @@ def _tree(result: Result) -> dict[str, Any]:
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
+    tree |= {name: values for name, (values, _) in _root_arrays(result).items()}
     tree["pairs"] = [table.columns() for table in result.pair_tables]
     return tree
+
+
+def _root_arrays(result: Result) -> dict[str, tuple[Any, str]]:
+    """Arrays (P, S) of stress in the roots, with their units; none where it is not asked for."""
+    found: dict[str, tuple[Any, str]] = {}
+    for z, stress in enumerate(result.root_stress):
+        if stress is not None:
+            found |= root_arrays(stress, z)
+    return found
 
 
 def _plain(value: Any) -> Any:
@@ -167,6 +192,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     several = results if isinstance(results, Sequence) else (results,)
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
     sites = sorted({int(site) for result in several for site in result.sites})
+    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _root_arrays(r))]))
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(
@@ -174,24 +200,35 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
             "torque_Nm",
             *ALONG_POSITIONS,
             *(f"friction_{key}" for key in rubs),
-            *(f"{key}_pair_{j}" for j in sites for key in OVER_SITES),
+            *(f"{key}_pair_{j}" for j in sites for key in keys),
         ]
     )
     for result in several:
+        over = {key: getattr(result, key) for key in OVER_SITES}
+        over |= {key: values for key, (values, _) in _root_arrays(result).items()}
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
-            row = [result.torque_Nm, *(getattr(result, key)[p] for key in ALONG_POSITIONS)]
+            row = [result.torque_Nm, *(_at(result, key, p) for key in ALONG_POSITIONS)]
             row += [getattr(result.friction, key)[p] for key in rubs]
             for j in sites:
-                # A pair that no position of this torque loads carries nothing.
-                row += [
-                    getattr(result, key)[p, column[j]] if j in column else 0 for key in OVER_SITES
-                ]
+                row += [_at_site(over, key, p, column.get(j)) for key in keys]
             writer.writerow([_cell(value) for value in row])
     text = out.getvalue()
     if path is not None:
         write_atomically(path, text)
     return text
+
+
+def _at(result: Result, key: str, p: int) -> Any:
+    values = getattr(result, key)
+    return float("nan") if values is None else values[p]
+
+
+def _at_site(over: Mapping[str, Any], key: str, p: int, s: int | None) -> Any:
+    """A pair that no position of a torque loads carries nothing."""
+    if s is None:
+        return 0 if key in OVER_SITES and key not in ONLY_LOADED else float("nan")
+    return over[key][p, s] if key in over else float("nan")
 
 
 def _cell(value: Any) -> str:
@@ -232,13 +269,15 @@ def to_xarray(result: Result) -> Any:
     along = {
         key: variable(("position",), key, unit)
         for key, unit in ALONG_POSITIONS.items()
-        if key != "position_rad"
+        if key != "position_rad" and getattr(result, key) is not None
     }
     if result.friction is not None:
         for key, unit in FRICTION.items():
             values = getattr(result.friction, key)
             along[f"friction_{key}"] = (("position",), values, {"units": unit})
     over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
+    for key, (values, unit) in _root_arrays(result).items():
+        over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(
         {**along, **over},
         coords={

@@ -14,6 +14,7 @@ from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
+from flankload.result.root_stress import root_reading
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from flankload.gear_mesh import Mesh
     from flankload.packed_pairs import PackedPairs
     from flankload.pairing import Pairing
+    from flankload.result.geometry import PairGeometry
     from flankload.sweep import Sweep
 
 
@@ -38,6 +40,7 @@ def result_of(
     face_width_mm: float,
     estimate: Mapping[str, object] | None,
     stages: Mapping[str, Mapping[str, float]],
+    geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
     rounds: int = 1,
 ) -> Result:
@@ -56,6 +59,8 @@ def result_of(
         Error estimates, as the result shows them.
     stages : mapping
         Seconds of each stage.
+    geometry : PairGeometry, optional
+        Of the pair; results of several torques share it.
     notes : tuple of str
         More that a user must know.
     rounds : int
@@ -93,6 +98,11 @@ def result_of(
         cost=_cost(compliances, found, stages, rounds),
         warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
         drawing=_drawing(pair),
+        geometry=geometry,
+        root_readings=(
+            root_reading(pair, compliances[0], 0, carries, width),
+            root_reading(pair, compliances[1], 1, carries, width),
+        ),
     )
     if pair.friction is None:
         return result
@@ -153,12 +163,14 @@ def _cost(
     rounds: int,
 ) -> dict[str, object]:
     pivots, columns, passes, refactorisations = found.counters.sum(axis=0).tolist()
+    recoveries = [c.root.recoveries for c in compliances if c.root is not None]
     return {
         "fe_factorisations": sum(c.fe_factorisations for c in compliances),
         "unit_loads_normal": sum(c.unit_loads_normal for c in compliances),
         "unit_loads_tangential": sum(c.unit_loads_tangential for c in compliances),
         "positions": found.status.size,
         "position_rounds": rounds,
+        **({"stress_recoveries": sum(recoveries)} if recoveries else {}),
         "influence_columns": columns,
         "pivots": pivots,
         "contact_passes": passes,
@@ -205,6 +217,7 @@ def _warnings(
             yield (
                 f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
                 "smooth compliance of its lower end is taken there"
+                + (", the stress in its root too" if compliances[z].root is not None else "")
             )
 
 

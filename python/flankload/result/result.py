@@ -10,20 +10,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
+from flankload.result.root_stress import RootReading, RootStress, root_stress, root_summary
+from flankload.result.stiffness_table import StiffnessTable, stiffness_table
+from flankload.result.summary import stiffness_means, summary_of_contacts
 from flankload.result.table import text_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from flankload.result.geometry import PairGeometry
+
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(ContactQuantities):
     """Load distribution at P positions on S sites (flank pairs), for one torque.
 
     Attributes
@@ -62,6 +68,10 @@ class Result:
     drawing : PairDrawing
     friction : FrictionResult or None
         Friction forces, losses, torque on body 2; None without friction.
+    geometry : PairGeometry or None
+        How the bodies stand and move; without it nothing is known of sliding and coast flanks.
+    root_readings : two RootReading or None
+        What turns forces into stress in the tooth roots, where it is asked for.
     """
 
     name: str
@@ -86,11 +96,13 @@ class Result:
     warnings: tuple[str, ...]
     drawing: PairDrawing
     friction: FrictionResult | None = None
+    geometry: PairGeometry | None = None
+    root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
 
     @cached_property
     def transmission_error_um(self) -> Floats:
         """(P,) Rotation times reference radius, um; positive where body 1 has turned further."""
-        return _frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
+        return frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
 
     @cached_property
     def load_share(self) -> Floats:
@@ -98,7 +110,7 @@ class Result:
         total = self.site_force_N.sum(axis=1, keepdims=True)
         share = np.zeros_like(self.site_force_N)
         np.divide(self.site_force_N, total, out=share, where=total > 0)
-        return _frozen(share)
+        return frozen(share)
 
     @property
     def period_pitches(self) -> int:
@@ -108,15 +120,30 @@ class Result:
     @cached_property
     def loaded_pairs(self) -> NDArray[np.int64]:
         """(P,) Number of pairs (on splines: teeth) that carry."""
-        return _frozen((self.site_force_N > 0).sum(axis=1))
+        return frozen((self.site_force_N > 0).sum(axis=1))
+
+    @property
+    def stands_alike(self) -> bool:
+        """Whether the bodies stand the same at all positions: splines on common axes."""
+        concentric = self.geometry is not None and self.geometry.center_distance_mm == 0.0
+        return self.whole_circle and concentric
+
+    @cached_property
+    def root_stress(self) -> tuple[RootStress | None, RootStress | None]:
+        """Stress in the tooth roots of both bodies; None where it is not asked for, or rigid."""
+        one, two = (
+            None if reading is None else root_stress(reading, self.pair_tables, self.sites, z)
+            for z, reading in enumerate(self.root_readings)
+        )
+        return one, two
 
     @cached_property
     def stiffness_secant_Nm_per_rad(self) -> Floats:
-        """(P,) Torque over rotation; NaN where one of them is 0."""
+        """(P,) Torque over rotation, gaps without load included; NaN unless both are above 0."""
         stiffness = np.full_like(self.rotation_rad, np.nan)
-        turned = (self.rotation_rad != 0) & (self.torque_Nm > 0)
+        turned = (self.rotation_rad > 0) & (self.torque_Nm > 0)
         np.divide(self.torque_Nm, self.rotation_rad, out=stiffness, where=turned)
-        return _frozen(stiffness)
+        return frozen(stiffness)
 
     @property
     def stiffness_secant_N_per_um(self) -> Floats:
@@ -130,7 +157,7 @@ class Result:
 
     def _along_line_of_action(self, stiffness_Nm_per_rad: Floats) -> Floats:
         # N m = 1000 N mm and mm = 1000 um: the factors cancel.
-        return _frozen(stiffness_Nm_per_rad / self.reference_radius_mm**2)
+        return frozen(stiffness_Nm_per_rad / self.reference_radius_mm**2)
 
     @cached_property
     def summary(self) -> dict[str, Any]:
@@ -144,7 +171,11 @@ class Result:
         where the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
         `peak_pressure_MPa`
         with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
-        the same of `peak_pressure_off_corners`, the largest that means something.
+        the same of `peak_pressure_off_corners`, the largest that means something. Beside them
+        `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
+        the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
+        and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
+        asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`.
         """
         error = self.transmission_error_um
         loaded = self.loaded_pairs
@@ -158,11 +189,22 @@ class Result:
                 error, every=self.period_pitches
             ),
             "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
+            "contact_ratio_geometric": self.geometry.contact_ratio if self.geometry else None,
             "loaded_pairs_min": int(loaded.min()),
             "loaded_pairs_max": int(loaded.max()),
             **self._largest("peak_pressure", self.peak_pressure_MPa),
             "peak_pressure_at_corner": bool(self.peak_pressure_MPa.max() > smooth.max()),
             **self._largest("peak_pressure_off_corners", smooth),
+            **stiffness_means(self),
+            **summary_of_contacts(self),
+            **self._root_summary(),
+        }
+
+    def _root_summary(self) -> dict[str, Any]:
+        return {
+            f"root_stress_{z + 1}": root_summary(stress, self.position_rad, self.sites)
+            for z, stress in enumerate(self.root_stress)
+            if stress is not None
         }
 
     def _largest(self, key: str, pressure: Floats) -> dict[str, Any]:
@@ -178,6 +220,10 @@ class Result:
     def pairs(self, p: int) -> PairTable:
         """Contact pairs of position p: radius, force, pressure, gap and where they stand."""
         return self.pair_tables[p]
+
+    def stiffness_table(self) -> StiffnessTable:
+        """Return stiffness and transmission error over the period, for multibody programs."""
+        return stiffness_table((self,))
 
     def to_json(self, path: str | Path | None = None) -> str:
         """Return the result as strict JSON (null for what is not a number); write it to `path`."""
@@ -219,6 +265,8 @@ def make_result(
     drawing: PairDrawing,
     pitch_rad: float | None = None,
     whole_circle: bool = False,
+    geometry: PairGeometry | None = None,
+    root_readings: tuple[RootReading | None, RootReading | None] = (None, None),
 ) -> Result:
     """Put a result together; arrays are copied and frozen.
 
@@ -245,7 +293,7 @@ def make_result(
         found: NDArray[Any] = np.array(value, dtype=dtype)
         if found.shape != shape:
             raise ValueError(f"{key}: expected shape {shape}, found {found.shape}")
-        return _frozen(found)
+        return frozen(found)
 
     if len(pair_tables) != n_positions:
         raise ValueError(f"pair_tables: expected {n_positions}, found {len(pair_tables)}")
@@ -273,9 +321,6 @@ def make_result(
         cost=cost,
         warnings=tuple(warnings),
         drawing=drawing,
+        geometry=geometry,
+        root_readings=root_readings,
     )
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array

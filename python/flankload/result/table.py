@@ -157,12 +157,19 @@ def _footer(result: Result) -> Iterator[str]:
     least, most = summary["loaded_pairs_min"], summary["loaded_pairs_max"]
     text = f"{least}" if least == most else f"{least} to {most}"
     if summary["contact_ratio_under_load"] is not None:
-        text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f})"
+        text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f}"
+        if summary["contact_ratio_geometric"] is not None:
+            text += f", {summary['contact_ratio_geometric']:.3f} by geometry"
+        text += ")"
     if result.whole_circle:
         text += f" of {result.sites.size} teeth carry"
     yield _labelled("loaded pairs", text)
     if summary["peak_pressure_pair"] is not None:
         yield _labelled("largest pressure", _largest_pressure(summary))
+    yield from _contact_lines(result)
+    for z in (1, 2):
+        if f"root_stress_{z}" in summary and result.torque_Nm > 0:
+            yield _labelled(f"root of body {z}", _root_stress(summary[f"root_stress_{z}"]))
     if result.friction is not None:
         yield _labelled("friction", _friction(result.friction))
     if result.estimate is not None:
@@ -182,6 +189,41 @@ def _footer(result: Result) -> Iterator[str]:
 
 def _amplitudes(harmonics: list[float | None]) -> str:
     return " ".join("-" if a is None else f"{a:.3f}" for a in harmonics)
+
+
+def _root_stress(found: Any) -> str:
+    parts = []
+    for name in ("tension", "compression"):
+        extreme = found[name]
+        parts.append(
+            f"{name} {extreme['stress_MPa']:.0f} MPa on pair {extreme['pair']} at "
+            f"{degrees(extreme['position_rad']):.3f} deg (radius {extreme['radius_mm']:.2f} mm, "
+            f"tangent {extreme['slant_deg']:.0f} deg)"
+        )
+    return "; ".join(parts)
+
+
+def _contact_lines(result: Result) -> Iterator[str]:
+    """Stiffness, line load, sliding, coast flanks: what there is of them."""
+    summary = result.summary
+    tangent, secant = (summary[f"stiffness_{kind}_mean_N_per_um"] for kind in ("tangent", "secant"))
+    if tangent is not None and secant is not None:
+        text = f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
+        yield _labelled("stiffness", text)
+    if summary["peak_line_load_pair"] is not None:
+        text = f"up to {summary['peak_line_load_N_per_mm']:.1f} N/mm on pair "
+        text += f"{summary['peak_line_load_pair']} at "
+        text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"
+        yield _labelled("line load", text)
+    if summary["largest_sliding_mm_per_rad"]:
+        text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of body 1"
+        yield _labelled("sliding", text)
+    if summary["coast_flank_gap_min_um"] is not None:
+        text = f"at least {summary['coast_flank_gap_min_um']:.1f} um apart, bodies turned as loaded"
+        yield _labelled("coast flanks", text)
+    elif result.geometry is not None:
+        reason = result.geometry.coast_unknown or "none face each other"
+        yield _labelled("coast flanks", f"not known: {reason}")
 
 
 def _labelled(label: str, text: str) -> str:

@@ -27,7 +27,6 @@ NOT_YET = {
         "segment_teeth": "a segment of teeth instead of the whole body",
         "near_field": "the near field from nodal loads",
         "contact": "the lumped contact",
-        "root_stress": "stress in the tooth root",
         "temperature_rise_K": "thermal growth",
         "thermal_expansion_per_K": "thermal growth",
         "speed_rpm": "centrifugal growth",

@@ -418,6 +418,13 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "recess, ascending) and coefficient, linear between; 0 = no friction",
         ),
     ] = None
+    root_stress: Annotated[
+        bool,
+        about(
+            "",
+            "true: stress along both root fillets of the teeth in mesh, of each body that yields",
+        ),
+    ] = False
 
 
 class Accuracy(Table, frozen=True, kw_only=True):

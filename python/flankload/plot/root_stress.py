@@ -1,0 +1,80 @@
+"""Stress in the tooth roots on a tooth's way through the mesh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+
+from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, subtitle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from flankload.result import Result
+    from flankload.result.root_stress import Extremes
+
+
+def plot_root_stress(result: Result) -> Figure:
+    """Largest tension and compression in the roots over the way of a tooth through the mesh.
+
+    Pair j stands j pitches further along than pair 0, so that the curves of all pairs, one after
+    the other, are what one tooth sees. On a spline every tooth stays where it is: its stress is
+    drawn over its number.
+
+    Parameters
+    ----------
+    result : Result
+        With stress in the roots.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with rc_context(STYLE):
+        figure = new_figure(SIZE)
+        axes = figure.add_subplot()
+        axes.set_title("Stress in the tooth roots")
+        axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
+        for z, stress in enumerate(result.root_stress):
+            if stress is None:
+                continue
+            largest = stress.tension.stress_MPa.max()
+            least = stress.compression.stress_MPa.min()
+            name = f"body {z + 1}"
+            _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
+            _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
+        axes.axhline(0.0, color=GREY, linewidth=0.8)
+        axes.set_xlabel(
+            "tooth" if result.whole_circle else "place of the pair in pitches from the pitch point"
+        )
+        axes.set_ylabel("tension (solid), compression (dashed) in MPa")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
+        return figure
+
+
+def _draw(
+    axes: Axes, result: Result, extremes: Extremes, z: int, style: object, label: str
+) -> None:
+    look: dict[str, Any] = {"color": COLOURS[z], "linestyle": style}
+    if result.whole_circle:
+        # the position at which a tooth sees most
+        p = int(np.abs(extremes.stress_MPa).max(axis=1).argmax())
+        axes.plot(
+            result.sites, extremes.stress_MPa[p], label=label, marker="o", markersize=4.5, **look
+        )
+        return
+    order = np.argsort(result.position_rad, kind="stable")
+    along = result.position_rad[order] / result.pitch_rad
+    pitches = result.period_pitches
+    for s, site in enumerate(result.sites):
+        values = extremes.stress_MPa[order, s]
+        after = np.flatnonzero(result.sites == site + pitches)
+        x = site + along
+        if result.closed and after.size:
+            # after a period a pair stands where another one stood
+            x = np.append(x, site + along[0] + pitches)
+            values = np.append(values, extremes.stress_MPa[order[0], after[0]])
+        axes.plot(x, values, label=label if s == 0 else None, **look)

@@ -1,0 +1,136 @@
+"""The flanks that do not work: how far they stand apart.
+
+Seen in a mirror along the line of centres, coast flanks are working flanks: both bodies turn the
+other way, and their gap is found by the same search, without load. A tooth of body 1 faces, with
+its coast flank, the tooth of body 2 that meets the next one of body 1 with its working flank; where
+body 2 stands around body 1 it faces the other side of its own space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.compliance import no_compliance
+from flankload.errors import ContactError
+from flankload.sweep import sweep
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.assembly import BodyPair
+    from flankload.bodies.body import Body
+    from flankload.bodies.involute import Involute
+    from flankload.pairing import Pairing
+    from flankload.resolution import Grid
+
+
+@dataclass(frozen=True, eq=False)
+class CoastSide:
+    """A pair seen in the mirror; its gaps are computed when they are first asked for.
+
+    Attributes
+    ----------
+    bodies : two Body
+    pairing : Pairing
+        Of the mirrored pair.
+    position_rad : (P,) array
+        Positions of the mirrored pair.
+    base_radius_mm : float
+        Of body 1.
+    grid : Grid
+    """
+
+    bodies: tuple[Body, Body]
+    pairing: Pairing
+    position_rad: NDArray[np.float64]
+    base_radius_mm: float
+    grid: Grid
+
+    @cached_property
+    def gap_rad(self) -> NDArray[np.float64]:
+        """(P,) How far body 1 can turn back from its place without load before coast flanks touch.
+
+        Negative where they overlap; NaN where no coast flanks face each other.
+        """
+        try:
+            return self._gaps(self.position_rad)
+        except ContactError:
+            return np.array([self._gap_or_nan(p) for p in range(self.position_rad.size)])
+
+    def _gap_or_nan(self, p: int) -> float:
+        try:
+            return float(self._gaps(self.position_rad[p : p + 1])[0])
+        except ContactError:
+            return float("nan")
+
+    def _gaps(self, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        (found,) = sweep(
+            self.bodies,
+            compliances=(no_compliance(self.bodies[0]), no_compliance(self.bodies[1])),
+            pairing=self.pairing,
+            position_rad=position_rad,
+            torques_Nmm=(0.0,),
+            face_width_mm=1.0,
+            grid=self.grid,
+            keep_pairs=False,
+        )
+        return found.rotation_rad
+
+
+def coast_side(pair: BodyPair) -> tuple[CoastSide | None, str]:
+    """Return the coast flanks of a pair; None and the reason where they are not known.
+
+    Both flanks of a tooth are taken to be alike; pitch errors, which are said of working flanks,
+    leave coast flanks where they are.
+
+    Parameters
+    ----------
+    pair : BodyPair
+
+    Returns
+    -------
+    coast : CoastSide or None
+    unknown : str
+    """
+    one, two = pair.body_1.involute, pair.body_2.involute
+    for z, involute in enumerate((one, two)):
+        if involute is None:
+            return None, f"of body_{z + 1} only the working flank is known"
+    assert one is not None
+    assert two is not None
+    coast = CoastSide(
+        bodies=(pair.body_1, pair.body_2),
+        pairing=_mirrored(pair.pairing, (one, two), (pair.body_1.teeth, pair.body_2.teeth)),
+        position_rad=-pair.position_rad,
+        base_radius_mm=one.base_radius_mm,
+        grid=pair.resolution.grid,
+    )
+    return coast, ""
+
+
+def _mirrored(
+    pairing: Pairing, involutes: tuple[Involute, Involute], teeth: tuple[int, int]
+) -> Pairing:
+    """The pairing of coast flanks, seen in the mirror."""
+    first, last = int(pairing.sites[0]), int(pairing.sites[-1])
+    around = involutes[1].outward < 0
+    one = pairing.sites if around else np.arange(first, last + 2)
+    two = one if around else one - 1
+    sense = -1 if around else 1
+    turns = tuple(
+        -turn - 2 * involute.turn_rad
+        for turn, involute in zip(pairing.turns_at_zero_rad, involutes, strict=True)
+    )
+    none = np.zeros(one.size)
+    return replace(
+        pairing,
+        turns_at_zero_rad=(turns[0], turns[1]),
+        sites=one,
+        site_teeth=(one % teeth[0], -sense * two % teeth[1]),
+        site_angles_rad=(-2 * np.pi * one / teeth[0], sense * 2 * np.pi * two / teeth[1]),
+        site_deviations_mm=(none, none),
+    )

@@ -1,0 +1,141 @@
+"""What the pairs of a flank say together: how wide the contact is, where, and how it slides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flankload.result.geometry import PairGeometry
+    from flankload.result.pairs import PairTable
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class FlankContacts:
+    """Contacts at P positions on S sites; NaN where nothing carries.
+
+    Attributes
+    ----------
+    half_width_mm : (P, S) array
+        Half the length of flank that carries.
+    velocity_1, velocity_2 : (P, S) arrays
+        Of both bodies along the flank, mm per rad of position: means over the contact, weighted by
+        force; NaN also where the motion is not known.
+    """
+
+    half_width_mm: Floats
+    velocity_1: Floats
+    velocity_2: Floats
+
+
+def flank_contacts(
+    tables: Sequence[PairTable], sites: NDArray[np.int64], geometry: PairGeometry | None
+) -> FlankContacts:
+    """Contacts of all positions.
+
+    Parameters
+    ----------
+    tables : sequence of PairTable
+        One per position.
+    sites : (S,) array
+    geometry : PairGeometry or None
+        How the bodies move.
+
+    Returns
+    -------
+    FlankContacts
+    """
+    found = np.full((3, len(tables), sites.size), np.nan)
+    for p, table in enumerate(tables):
+        motion = pair_velocities(table, geometry, p)
+        for s, site in enumerate(sites):
+            own = np.flatnonzero((table.site == site) & (table.force_N > 0))
+            if not own.size:
+                continue
+            laid = table.site == site
+            found[0, p, s] = 0.5 * loaded_length(
+                table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
+            )
+            weight = table.force_N[own] / table.force_N[own].sum()
+            found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
+    found.setflags(write=False)
+    return FlankContacts(*found)
+
+
+def pair_velocities(
+    table: PairTable, geometry: PairGeometry | None, p: int
+) -> tuple[Floats, Floats]:
+    """Velocities of both bodies along flank 1, towards its tip, at each pair of position p.
+
+    A body that turns with the speed w about (c, 0) moves with w (-y, x - c).
+
+    Parameters
+    ----------
+    table : PairTable
+        Of n pairs.
+    geometry : PairGeometry or None
+    p : int
+
+    Returns
+    -------
+    v_1, v_2 : (n,) arrays
+        mm per rad of position; NaN without geometry.
+    """
+    if geometry is None:
+        unknown = np.full(len(table), np.nan)
+        return unknown, unknown
+    x, y = table.x_mm, table.y_mm
+    # the normal stands to the left of the tangent
+    t_x, t_y = table.normal_y, -table.normal_x
+    one = geometry.speed_1[p] * (x * t_y - y * t_x)
+    two = geometry.speed_2[p] * ((x - geometry.center_distance_mm) * t_y - y * t_x)
+    return one, two
+
+
+def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
+    """Length of flank that carries, better than to a cell.
+
+    The square of the pressure p falls to 0 in a straight line at the end of a Hertz contact
+    (p² = p_0² (1 - x²/b²)); that line through the last two cells gives the end, which is never
+    beyond the centre of the next open cell. Where pressure rises towards the end (a sharp corner,
+    a flat punch) the last cell carries as a whole.
+
+    Parameters
+    ----------
+    place, cell, force : (n,) arrays
+        Arc length of the cells' centres, their lengths and forces.
+
+    Returns
+    -------
+    float
+        mm; the sum where several stretches carry.
+    """
+    order = np.argsort(place)
+    s, d = place[order], cell[order]
+    squared = (force[order] / d) ** 2
+    carries = np.concatenate([[False], squared > 0, [False]])
+    firsts = np.flatnonzero(carries[1:] & ~carries[:-1])
+    lasts = np.flatnonzero(carries[:-1] & ~carries[1:]) - 1
+    ends = zip(firsts.tolist(), lasts.tolist(), strict=True)
+    return sum(
+        _end(s, d, squared, last, 1) - _end(s, d, squared, first, -1) for first, last in ends
+    )
+
+
+def _end(s: Floats, d: Floats, squared: Floats, k: int, outwards: int) -> float:
+    """Where the stretch ends whose last cell is k."""
+    inner, outer = k - outwards, k + outwards
+    farthest = s[k] + outwards * 0.5 * d[k]
+    if not 0 <= inner < s.size or squared[inner] <= squared[k]:
+        return float(farthest)
+    reach = abs(s[k] - s[inner]) * squared[k] / (squared[inner] - squared[k])
+    if 0 <= outer < s.size:
+        farthest = s[outer]
+    return float(s[k] + outwards * min(reach, abs(farthest - s[k])))

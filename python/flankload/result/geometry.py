@@ -1,0 +1,74 @@
+"""How the bodies of a result stand and move: what its kinematic quantities need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flankload.result.coast_side import CoastSide, coast_side
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flankload.assembly import BodyPair
+
+
+@dataclass(frozen=True, eq=False)
+class PairGeometry:
+    """Kinematics of both bodies at P positions, and the geometry of their mesh where it is known.
+
+    Attributes
+    ----------
+    center_distance_mm : float
+        Distance of the axes: body 1 turns about the origin, body 2 about a point on the x axis.
+    speed_1, speed_2 : (P,) arrays
+        Turn of both bodies, counter-clockwise, per rad of position.
+    contact_ratio : float or None
+        Length of the path of contact over the base pitch.
+    path_pitches : (float, float) or None
+        Ends of that path in base pitches from the pitch point, in the sense of motion.
+    coast : CoastSide or None
+        The flanks that do not work.
+    coast_unknown : str
+        Why there are none, where `coast` is None.
+    """
+
+    center_distance_mm: float
+    speed_1: NDArray[np.float64]
+    speed_2: NDArray[np.float64]
+    contact_ratio: float | None = None
+    path_pitches: tuple[float, float] | None = None
+    coast: CoastSide | None = None
+    coast_unknown: str = ""
+
+
+def pair_geometry(pair: BodyPair) -> PairGeometry:
+    """Geometry of a pair; nothing is computed that is not asked for later.
+
+    Parameters
+    ----------
+    pair : BodyPair
+
+    Returns
+    -------
+    PairGeometry
+    """
+    pairing, mesh = pair.pairing, pair.pairing.mesh
+    speeds = pairing.speeds(pair.position_rad)
+    coast, unknown = coast_side(pair)
+    path = None
+    if mesh is not None:
+        path = (
+            mesh.path_start_mm / mesh.base_pitch_mm,
+            mesh.path_end_mm / mesh.base_pitch_mm,
+        )
+    return PairGeometry(
+        center_distance_mm=pairing.center_distance_mm,
+        speed_1=speeds[0],
+        speed_2=speeds[1],
+        contact_ratio=None if mesh is None else mesh.contact_ratio,
+        path_pitches=path,
+        coast=coast,
+        coast_unknown=unknown,
+    )

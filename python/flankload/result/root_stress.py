@@ -1,0 +1,279 @@
+"""Stress in the tooth roots at all positions: pressures on the flanks times what a mode does there.
+
+The pressure on a flank is expanded in the modes that were solved for,
+
+    p(s) = sum_a c_a P_a(s),   c_a = 1/D_a int p P_a ds = 1/D_a sum_i P_a(s_i) F_i/width,
+
+with the forces F_i of its contact pairs (D_a = int P_a² ds). Stress in the root is linear in c,
+over all teeth in mesh. What few modes leave out is local to the contact and fades towards the root.
+Friction along the flanks is expanded in the same way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.near_field import mode_norms, mode_values
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flankload.assembly import BodyPair
+    from flankload.compliance import BodyCompliance
+    from flankload.result.pairs import PairTable
+    from flankload.root_fillet import RootPoints
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RootReading:
+    """What turns the forces on one body's flanks into stress in its roots.
+
+    Attributes
+    ----------
+    points : RootPoints
+        The q places of a tooth.
+    n_modes : int
+    response : (S, S, q, p) array
+        Stress in the root of the tooth at the first site, under the modes on the second; p is
+        n_modes, or twice as many where friction loads the flanks along, too.
+    mode_range_mm : (float, float)
+    face_width_mm : float
+    """
+
+    points: RootPoints
+    n_modes: int
+    response: Floats
+    mode_range_mm: tuple[float, float]
+    face_width_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class Extremes:
+    """Largest stress of one sign in both fillets of a tooth, at P positions on S sites.
+
+    Attributes
+    ----------
+    stress_MPa : (P, S) array
+    arc_length_mm, radius_mm : (P, S) arrays
+        Where: along the profile from the root circle, and from the axis.
+    slant_deg : (P, S) array
+        Angle of the fillet's tangent to the tooth's centre line there.
+    working : (P, S) array of bool
+        Whether it is on the side of the working flank.
+    """
+
+    stress_MPa: Floats
+    arc_length_mm: Floats
+    radius_mm: Floats
+    slant_deg: Floats
+    working: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class RootStress:
+    """Stress along the root fillets of the teeth of one body; P positions, S sites, q places.
+
+    Attributes
+    ----------
+    points : RootPoints
+        The places, those of the working side first.
+    stress_MPa : (P, S, q) array
+        Stress along the fillet, positive in tension.
+    tension, compression : Extremes
+        Largest and least stress between the places, by the parabola through the three next to it.
+    """
+
+    points: RootPoints
+    stress_MPa: Floats
+    tension: Extremes
+    compression: Extremes
+
+
+def root_reading(
+    pair: BodyPair,
+    compliance: BodyCompliance,
+    z: int,
+    sites: NDArray[np.int64],
+    face_width_mm: float,
+) -> RootReading | None:
+    """Reading of one body at some of its sites.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    compliance : BodyCompliance
+        Of body z + 1.
+    z : int
+        0 or 1.
+    sites : (S,) array
+        Columns of the pairing's sites.
+    face_width_mm : float
+
+    Returns
+    -------
+    RootReading or None
+        None where the compliance holds no stress.
+    """
+    if compliance.root is None:
+        return None
+    body = (pair.body_1, pair.body_2)[z]
+    teeth = pair.pairing.site_teeth[z][sites]
+    block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
+    return RootReading(
+        points=compliance.root.points,
+        n_modes=compliance.smooth.shape[1],
+        response=compliance.root.response[block],
+        mode_range_mm=compliance.mode_range_mm,
+        face_width_mm=face_width_mm,
+    )
+
+
+def root_stress(
+    reading: RootReading, tables: Sequence[PairTable], sites: NDArray[np.int64], z: int
+) -> RootStress:
+    """Stress of one body at all positions.
+
+    Parameters
+    ----------
+    reading : RootReading
+    tables : sequence of PairTable
+        One per position.
+    sites : (S,) array
+        Their numbers.
+    z : int
+        0 or 1: which body.
+
+    Returns
+    -------
+    RootStress
+    """
+    loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
+    # a 0 has no sign
+    stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
+    stress.setflags(write=False)
+    points = reading.points
+    return RootStress(
+        points=points,
+        stress_MPa=stress,
+        tension=_extremes(points, stress, 1.0),
+        compression=_extremes(points, stress, -1.0),
+    )
+
+
+def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64], z: int) -> Floats:
+    """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it."""
+    low, high = reading.mode_range_mm
+    places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
+    # beyond their range modes keep their end values
+    values = mode_values(np.clip(places, low, high), reading.mode_range_mm, reading.n_modes)
+    norms = mode_norms(reading.mode_range_mm, reading.n_modes) * reading.face_width_mm
+    # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
+    # so do the forces along them
+    forces = [-table.force_N]
+    if reading.response.shape[3] > reading.n_modes:
+        assert table.friction_force_N is not None
+        forces.append(table.friction_force_N)
+    weighted = np.hstack([values * force[:, None] / norms for force in forces])
+    return np.stack([weighted[table.site == site].sum(axis=0) for site in sites])
+
+
+def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
+    """Largest of sign * stress over both sides."""
+    sides = [np.flatnonzero(points.working), np.flatnonzero(~points.working)]
+    peaks = [_peak(points.arc_length_mm[side], sign * stress[..., side]) for side in sides]
+    working = peaks[0][0] >= peaks[1][0]
+    found = np.where(working, peaks[0][0], peaks[1][0])
+    place = np.where(working, peaks[0][1], peaks[1][1])
+    along = {}
+    for key in ("radius_mm", "slant_rad"):
+        values = getattr(points, key)
+        one, two = (
+            np.interp(place.ravel(), points.arc_length_mm[side], values[side]) for side in sides
+        )
+        along[key] = np.where(working.ravel(), one, two).reshape(place.shape)
+    # a 0 has no sign
+    arrays = (
+        sign * found + 0.0,
+        place,
+        along["radius_mm"],
+        np.degrees(along["slant_rad"]),
+        working,
+    )
+    for array in arrays:
+        array.setflags(write=False)
+    return Extremes(*arrays)
+
+
+def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Largest value along the last axis and where it is, by the parabola around the largest one."""
+    at = values.argmax(axis=-1)
+    middle = np.clip(at, 1, s.size - 2)
+    s_0, s_1, s_2 = (s[middle + k] for k in (-1, 0, 1))
+    v_0, v_1, v_2 = (
+        np.take_along_axis(values, (middle + k)[..., None], axis=-1)[..., 0] for k in (-1, 0, 1)
+    )
+    left, right = (v_1 - v_0) / (s_1 - s_0), (v_2 - v_1) / (s_2 - s_1)
+    bend = (right - left) / (s_2 - s_0)
+    # the slope at s_1 by the parabola; its vertex lies between the neighbours of a largest value
+    slope = left + bend * (s_1 - s_0)
+    inside = (at == middle) & (bend < 0)
+    shift = np.zeros_like(slope)
+    np.divide(-slope, 2 * bend, out=shift, where=inside)
+    largest = np.take_along_axis(values, at[..., None], axis=-1)[..., 0]
+    return np.where(inside, v_1 + 0.5 * slope * shift, largest), np.where(
+        inside, s_1 + shift, s[at]
+    )
+
+
+def root_summary(
+    stress: RootStress, position_rad: Floats, sites: NDArray[np.int64]
+) -> dict[str, Any]:
+    """Largest tension and compression over the positions, and where they are.
+
+    Parameters
+    ----------
+    stress : RootStress
+    position_rad : (P,) array
+    sites : (S,) array
+
+    Returns
+    -------
+    dict
+        `tension` and `compression`, each with `stress_MPa`, `position_rad`, `pair`,
+        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), and
+        `range_MPa`: the widest span of stress that one place sees over all positions and pairs.
+    """
+    found: dict[str, Any] = {}
+    for name, extremes, sign in (
+        ("tension", stress.tension, 1.0),
+        ("compression", stress.compression, -1.0),
+    ):
+        p, s = np.unravel_index(np.argmax(sign * extremes.stress_MPa), extremes.stress_MPa.shape)
+        found[name] = {
+            "stress_MPa": float(extremes.stress_MPa[p, s]),
+            "position_rad": float(position_rad[p]),
+            "pair": int(sites[s]),
+            "arc_length_mm": float(extremes.arc_length_mm[p, s]),
+            "radius_mm": float(extremes.radius_mm[p, s]),
+            "slant_deg": float(extremes.slant_deg[p, s]),
+            "side": "working" if extremes.working[p, s] else "coast",
+        }
+    span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
+    found["range_MPa"] = float(span.max())
+    return found
+
+
+def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:
+    """Arrays (P, S) of body z + 1 by the name and with the unit that files give them."""
+    found: dict[str, tuple[Floats, str]] = {}
+    for name, extremes in (("tension", stress.tension), ("compression", stress.compression)):
+        key = f"root_{name}_{z + 1}"
+        found[f"{key}_MPa"] = extremes.stress_MPa, "MPa"
+        found[f"{key}_arc_length_mm"] = extremes.arc_length_mm, "mm"
+    return found

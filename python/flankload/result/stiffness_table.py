@@ -1,0 +1,146 @@
+"""Mesh stiffness over the period and the torque: a table for multibody programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.result.export import write_atomically
+from flankload.result.harmonics import over_positions
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.result.result import Result
+
+#: What the table holds for each torque.
+QUANTITIES = (
+    "transmission_error_um",
+    "stiffness_tangent_Nm_per_rad",
+    "stiffness_secant_Nm_per_rad",
+    "stiffness_tangent_N_per_um",
+    "stiffness_secant_N_per_um",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessTable:
+    """Transmission error and stiffness over N angles of body 1 and T torques.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    angle_rad : (N,) array
+        Angle of body 1 from position zero, ascending; of a closed table the last one is the first
+        one a period later.
+    torques_Nm : (T,) array
+    reference_radius_mm, period_rad : float
+    closed : bool
+        The angles cover a period, after which all repeats.
+    values : dict of (N, T) arrays
+        By the names in `QUANTITIES`; NaN where there is none (at torque 0).
+    """
+
+    name: str
+    angle_rad: NDArray[np.float64]
+    torques_Nm: NDArray[np.float64]
+    reference_radius_mm: float
+    period_rad: float
+    closed: bool
+    values: dict[str, NDArray[np.float64]]
+
+    def to_csv(self, path: str | Path | None = None) -> str:
+        """Return the table as CSV; write it to `path`.
+
+        Lines that begin with # say what it is; then one line of names and one per angle. Columns
+        are `angle_rad`, `angle_deg` and, torque by torque, the quantities with the torque in N m
+        after an @. An empty cell is not a number.
+
+        Parameters
+        ----------
+        path : path, optional
+
+        Returns
+        -------
+        str
+        """
+        out = io.StringIO()
+        covers = "closed, the last line is the first one a period later" if self.closed else "open"
+        out.write(f"# {' '.join(self.name.split())}\n")
+        out.write(
+            f"# period_rad {self.period_rad!r} ({covers}), reference_radius_mm "
+            f"{self.reference_radius_mm!r}\n"
+        )
+        out.write("# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n")
+        writer = csv.writer(out, lineterminator="\n")
+        names = [f"{key}@{torque:.12g}" for torque in self.torques_Nm for key in QUANTITIES]
+        writer.writerow(["angle_rad", "angle_deg", *names])
+        for n, angle in enumerate(self.angle_rad):
+            row = [angle, np.degrees(angle)]
+            row += [
+                self.values[key][n, t] for t in range(self.torques_Nm.size) for key in QUANTITIES
+            ]
+            writer.writerow([repr(float(x)) if np.isfinite(x) else "" for x in row])
+        text = out.getvalue()
+        if path is not None:
+            write_atomically(path, text)
+        return text
+
+
+def stiffness_table(results: Sequence[Result]) -> StiffnessTable:
+    """Stiffness of one or several torques over the period.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        Of one scene, at the same positions.
+
+    Returns
+    -------
+    StiffnessTable
+
+    Raises
+    ------
+    ValueError
+        If the results stand at different positions.
+    """
+    first = results[0]
+    if any(not np.array_equal(first.position_rad, other.position_rad) for other in results):
+        raise ValueError("results at different positions make no table of angle and torque")
+    over = over_positions(first)
+    order, angle = over.index, over.position_rad
+    if not (over.covers_period or first.stands_alike):
+        order = np.argsort(first.position_rad, kind="stable")
+        return _table(results, order, first.position_rad[order], closed=False)
+    order, angle = np.append(order, order[0]), np.append(angle, angle[0] + first.period_rad)
+    return _table(results, order, angle, closed=True)
+
+
+def _table(
+    results: Sequence[Result],
+    order: NDArray[np.int64],
+    angle: NDArray[np.float64],
+    *,
+    closed: bool,
+) -> StiffnessTable:
+    first = results[0]
+    return StiffnessTable(
+        name=first.name,
+        angle_rad=angle,
+        torques_Nm=np.array([result.torque_Nm for result in results]),
+        reference_radius_mm=first.reference_radius_mm,
+        period_rad=first.period_rad,
+        closed=closed,
+        values={
+            key: np.stack([getattr(result, key)[order] for result in results], axis=1)
+            for key in QUANTITIES
+        },
+    )
