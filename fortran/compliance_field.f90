@@ -64,8 +64,18 @@ contains
         real(wp), intent(in) :: kernel
         real(wp) :: displacement
 
-        real(wp) :: right, left
+        !> From so many widths on the logarithm of the distance needs little beside it.
+        real(wp), parameter :: far = 4.0_wp
+        real(wp) :: right, left, w
 
+        if (abs(distance) >= far*cell) then
+            ! the mean of ln over d ± h is ln d - Σ (h/d)^2k/(2k(2k+1)); (h/d)² <= 1/64
+            w = (0.5_wp*cell/distance)**2
+            displacement = -kernel*(log(abs(distance)) - w*(1.0_wp/6.0_wp + w*(1.0_wp/20.0_wp &
+                & + w*(1.0_wp/42.0_wp + w*(1.0_wp/72.0_wp + w*(1.0_wp/110.0_wp &
+                & + w*(1.0_wp/156.0_wp + w/210.0_wp)))))))
+            return
+        end if
         right = distance + 0.5_wp*cell
         left = distance - 0.5_wp*cell
         displacement = -kernel*((x_log_x(right) - x_log_x(left))/cell - 1.0_wp)

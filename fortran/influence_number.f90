@@ -5,9 +5,10 @@
 !> 5).
 module flankload_influence_number
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, mode_values, mean_strip_kernel, &
-        & strip_kernel
+    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_near_field, only: add_near_field
     use flankload_contact_pairs, only: pairs_type
+    use flankload_lapack, only: set_product
     use flankload_tangential_influence, only: add_tangential
     implicit none
     private
@@ -24,71 +25,19 @@ contains
         !> The pairs, those of a site together
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
-        real(wp), intent(out) :: matrix(:, :)
+        real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        matrix = 0.0_wp
-        call add_recession(body_1, pairs%site(:pairs%n), pairs%s_1(:pairs%n), &
-            & pairs%cell_1(:pairs%n), matrix)   ! Eq. (5), (13)
-        call add_recession(body_2, pairs%site(:pairs%n), pairs%s_2(:pairs%n), &
-            & pairs%cell_2(:pairs%n), matrix)   ! Eq. (6), (10)
-        if (.not. allocated(pairs%friction)) return
-        call add_tangential(body_1, pairs%site(:pairs%n), pairs%s_1(:pairs%n), &
-            & pairs%cell_1(:pairs%n), pairs%friction(:pairs%n), matrix)   ! Eq. (14), (15)
-        call add_tangential(body_2, pairs%site(:pairs%n), pairs%s_2(:pairs%n), &
-            & pairs%cell_2(:pairs%n), pairs%friction(:pairs%n), matrix)
-    end subroutine influence_matrix
+        integer :: n, i, j, load_first, load_last
 
-    !> Add what one body recedes; only the lower triangle is computed, then mirrored.
-    pure subroutine add_recession(body, site, s, cell, matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Site of each pair, arc length [mm] and width of the cell [mm], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        real(wp), intent(in) :: cell(:)
-        !> K [mm/N], shape (n, n)
-        real(wp), intent(inout) :: matrix(:, :)
-
-        integer :: n, i, j, first, last, load_first, load_last
-        real(wp), allocatable :: values(:, :), carried(:, :), strip(:)
-
-        n = size(s)
-        if (size(body%smooth) == 0) return
-        values = mode_values(body, s)
+        n = pairs%n
         load_first = 1
         do while (load_first <= n)
-            load_last = last_of_site(load_first)
-            first = load_first
-            do while (first <= n)
-                last = last_of_site(first)
-                carried = matmul(values(first:last, :), &
-                    & body%smooth(:, :, body%block(site(first), site(load_first))))
-                matrix(first:last, load_first:load_last) = &
-                    & matrix(first:last, load_first:load_last) &
-                    & + matmul(carried, transpose(values(load_first:load_last, :)))
-                first = last + 1
-            end do
-            if (is_even(load_first, load_last)) then
-                ! one value for each difference
-                strip = strip_kernel(s(load_first:load_last) - s(load_first), cell(load_first), &
-                    & body%kernel)
-                do j = load_first, load_last
-                    matrix(j:load_last, j) = matrix(j:load_last, j) + strip(:load_last - j + 1)
-                end do
-            else if (is_graded(load_first, load_last)) then
-                do j = load_first, load_last
-                    matrix(j:load_last, j) = matrix(j:load_last, j) &
-                        & + mean_strip_kernel(s(j:load_last) - s(j), cell(j:load_last), cell(j), &
-                        & body%kernel)
-                end do
-            else
-                do j = load_first, load_last
-                    do i = j, load_last
-                        matrix(i, j) = matrix(i, j) &
-                            & + strip_kernel(s(i) - s(j), sqrt(cell(i)*cell(j)), body%kernel)
-                    end do
-                end do
-            end if
+            load_last = last_of_site(pairs%site(:n), load_first)
+            call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
+            call add_near_field(pairs%s_1(load_first:load_last), &
+                & pairs%cell_1(load_first:load_last), body_1%kernel, load_first, matrix)
+            call add_near_field(pairs%s_2(load_first:load_last), &
+                & pairs%cell_2(load_first:load_last), body_2%kernel, load_first, matrix)
             load_first = load_last + 1
         end do
         do j = 2, n
@@ -96,48 +45,91 @@ contains
                 matrix(i, j) = matrix(j, i)
             end do
         end do
+        if (.not. allocated(pairs%friction)) return
+        call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
+            & pairs%friction(:n), matrix)   ! Eq. (14), (15)
+        call add_tangential(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
+            & pairs%friction(:n), matrix)
+    end subroutine influence_matrix
 
-    contains
+    !> What both bodies recede by their modes under the pairs of one site; in the lower triangle and
+    !> in what of the site's own block stands above it.
+    pure subroutine set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> First and last pair of the site
+        integer, intent(in) :: load_first
+        integer, intent(in) :: load_last
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> K [mm/N] (of explicit shape, so that its parts can be handed on in place)
+        real(wp), intent(inout) :: matrix(n, n)
 
-        !> Last pair of the run of pairs that share a site.
-        pure function last_of_site(k) result(at)
-            !> First pair of the run
-            integer, intent(in) :: k
-            integer :: at
+        integer :: m_1, m, first, last
+        real(wp), allocatable :: values(:, :), carried(:, :)
 
-            at = k
-            do while (at < n)
-                if (site(at + 1) /= site(k)) exit
-                at = at + 1
+        m_1 = size(body_1%smooth, 1)
+        m = m_1 + size(body_2%smooth, 1)
+        allocate (values(m, load_first:n), carried(m, load_first:load_last))
+        values(:m_1, :) = transpose(mode_values(body_1, pairs%s_1(load_first:n)))
+        values(m_1 + 1:, :) = transpose(mode_values(body_2, pairs%s_2(load_first:n)))
+        first = load_first
+        do while (first <= n)
+            last = last_of_site(pairs%site(:n), first)
+            associate (site => pairs%site(first), load_site => pairs%site(load_first))
+                call carry(body_1%smooth(:, :, body_1%block(site, load_site)), 0, &
+                    & values(:, load_first:load_last), carried)
+                call carry(body_2%smooth(:, :, body_2%block(site, load_site)), m_1, &
+                    & values(:, load_first:load_last), carried)
+            end associate
+            call set_product(last - first + 1, load_last - load_first + 1, m, values(1, first), &
+                & carried, n, matrix(first, load_first))
+            first = last + 1
+        end do
+    end subroutine set_smooth
+
+    !> Modes of displacement of one body under a unit force at each pair.
+    pure subroutine carry(smooth, before, values, carried)
+        !> Smooth part between modes of the body [mm/N]
+        real(wp), contiguous, intent(in) :: smooth(:, :)
+        !> Modes of the other body that stand before its own
+        integer, intent(in) :: before
+        !> Modes of both bodies at the pairs, shape (modes, m)
+        real(wp), contiguous, intent(in) :: values(:, :)
+        !> What they recede by in modes [mm/N], shape (modes, m)
+        real(wp), contiguous, intent(inout) :: carried(:, :)
+
+        integer :: k, a, b
+        real(wp) :: recession(size(smooth, 1))
+
+        do k = 1, size(values, 2)
+            recession = 0.0_wp
+            do b = 1, size(recession)
+                do a = 1, size(recession)
+                    recession(a) = recession(a) + smooth(a, b)*values(before + b, k)
+                end do
             end do
-        end function last_of_site
+            carried(before + 1:before + size(recession), k) = recession
+        end do
+    end subroutine carry
 
-        !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
-        pure function is_even(from, to) result(even)
-            !> First and last pair
-            integer, intent(in) :: from
-            integer, intent(in) :: to
-            logical :: even
+    !> Last pair of the run of pairs that share a site.
+    pure function last_of_site(site, k) result(at)
+        !> Site of each pair
+        integer, intent(in) :: site(:)
+        !> First pair of the run
+        integer, intent(in) :: k
+        integer :: at
 
-            real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp)
-
-            even = all(abs(cell(from:to) - cell(from)) <= rounding*cell(from)) .and. &
-                & all(abs(s(from + 1:to) - s(from:to - 1) - cell(from)) <= rounding*maxval(abs(s)))
-        end function is_even
-
-        !> True if widths differ so much that a mean width says nothing of two neighbours.
-        pure function is_graded(from, to) result(graded)
-            !> First and last pair
-            integer, intent(in) :: from
-            integer, intent(in) :: to
-            logical :: graded
-
-            real(wp), parameter :: largest_ratio = 10.0_wp
-
-            graded = maxval(cell(from:to)) > largest_ratio*minval(cell(from:to))
-        end function is_graded
-
-    end subroutine add_recession
+        at = k
+        do while (at < size(site))
+            if (site(at + 1) /= site(k)) exit
+            at = at + 1
+        end do
+    end function last_of_site
 
     !> Smooth part alone between single places, one for each zone: S of the lumped level.
     pure function smooth_compliance(body, site, s) result(matrix)

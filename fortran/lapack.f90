@@ -7,9 +7,9 @@ module flankload_lapack
     private
 
     public :: potrf, getrf, permute_rows
-    public :: solve_triangle, continue_lower
+    public :: solve_triangle, solve_lower, continue_lower
     public :: border_cholesky, border_lu
-    public :: add_product
+    public :: add_product, set_product
 
     interface
         pure subroutine dpotrf(uplo, n, a, lda, info)
@@ -141,6 +141,20 @@ contains
         end if
     end subroutine solve_triangle
 
+    !> L x = b or Lᵀ x = b for one right-hand side.
+    pure subroutine solve_lower(n, factor, transposed, x)
+        !> Order of the factor
+        integer, intent(in) :: n
+        !> Holds L, shape (>= n, >= n)
+        real(wp), contiguous, intent(in) :: factor(:, :)
+        !> 'T' transposed, else 'N'
+        character(len=1), intent(in) :: transposed
+        !> Right-hand side, then solution, shape (>= n)
+        real(wp), contiguous, intent(inout) :: x(:)
+
+        call dtrsv('L', transposed, 'N', n, factor, size(factor, 1), x, 1)
+    end subroutine solve_lower
+
     !> L X = B where the first rows of X are known already.
     pure subroutine continue_lower(known, n, factor, x)
         !> Known rows and all rows
@@ -230,5 +244,23 @@ contains
         call dgemv('N', size(y), last - first + 1, 1.0_wp, matrix(:, first:), size(matrix, 1), &
             & x(first:), 1, 1.0_wp, y, 1)
     end subroutine add_product
+
+    !> C := Aᵀ B for a block C of a larger matrix.
+    pure subroutine set_product(n_rows, n_columns, m, a, b, ldc, c)
+        !> Rows and columns of the block, numbers in a product
+        integer, intent(in) :: n_rows
+        integer, intent(in) :: n_columns
+        integer, intent(in) :: m
+        !> A and B
+        real(wp), intent(in) :: a(m, *)
+        real(wp), intent(in) :: b(m, *)
+        !> Rows of the larger matrix (of explicit shape, so that parts are handed on in place)
+        integer, intent(in) :: ldc
+        !> C
+        real(wp), intent(inout) :: c(ldc, *)
+
+        call dgemm('T', 'N', n_rows, n_columns, m, 1.0_wp, a, max(1, m), b, max(1, m), 0.0_wp, c, &
+            & ldc)
+    end subroutine set_product
 
 end module flankload_lapack

@@ -1,5 +1,6 @@
 !> Tests of the core without Python: stops with an error where one fails.
 program test_core
+    use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
         & method_single, symmetric_matrix, general_matrix
     use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
@@ -9,6 +10,7 @@ program test_core
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
+    use flankload_near_field, only: add_near_field
     use flankload_bordered_solution, only: solve_bordered, invert_small
     implicit none
 
@@ -32,6 +34,8 @@ program test_core
     call test_three_pairs
     call test_no_numbers_after_failure
     call test_mean_over_a_strip
+    call test_strip_near_and_far
+    call test_near_field_of_cells
     print '(a)', 'all passed'
 
 contains
@@ -61,6 +65,64 @@ contains
         far = mean_strip_kernel(edge*(1.0_wp + epsilon(1.0_wp)), widths(1), widths(2), kernel)
         call expect(abs(near - far) <= 2.0e-6_wp*kernel, 'mean of a strip far away')
     end subroutine test_mean_over_a_strip
+
+    !> Displacement under a strip, in twice the working precision: no digits are lost far away.
+    pure function exact_strip(distance, cell, kernel) result(displacement)
+        !> Distance and width [mm], strength of the logarithm [mm/N]
+        real(wp), intent(in) :: distance
+        real(wp), intent(in) :: cell
+        real(wp), intent(in) :: kernel
+        real(wp) :: displacement
+
+        real(real128) :: right, left
+
+        right = abs(real(distance, real128)) + 0.5_real128*cell
+        left = abs(real(distance, real128)) - 0.5_real128*cell
+        displacement = real(-kernel*((right*log(right) - left*log(abs(left)))/cell - 1.0_real128), &
+            & wp)
+    end function exact_strip
+
+    !> The closed form near a strip and the sum far from it have all their digits.
+    subroutine test_strip_near_and_far
+        real(wp), parameter :: places(6) = [0.0_wp, 0.1_wp, 1.19_wp, 1.21_wp, 2.7_wp, 40.0_wp]
+        real(wp), parameter :: cell = 0.3_wp, kernel = 1.7_wp
+        integer :: k
+
+        do k = 1, size(places)
+            call expect(abs(strip_kernel(places(k), cell, kernel) &
+                & - exact_strip(places(k), cell, kernel)) <= round_off*kernel, 'strip')
+            call expect(abs(strip_kernel(-places(k), cell, kernel) &
+                & - exact_strip(places(k), cell, kernel)) <= round_off*kernel, 'strip, other side')
+        end do
+    end subroutine test_strip_near_and_far
+
+    !> Cells that are even, nearly even (run up or down) or neither move each other as strips of
+    !> their mean width; only the lower triangle is added to.
+    subroutine test_near_field_of_cells
+        real(wp), parameter :: kernel = 1.7_wp, growth(3) = [1.0_wp, 1.004_wp, 1.05_wp]
+        integer, parameter :: first = 3
+        real(wp) :: s(n), cell(n), matrix(n + first, n + first), wanted
+        integer :: way, sense, i, j
+
+        do way = 1, size(growth)
+            do sense = -1, 1, 2
+                cell = [(0.02_wp*growth(way)**i, i=1, n)]
+                s = [(2.0_wp + sense*(sum(cell(:i)) - 0.5_wp*cell(i)), i=1, n)]
+                matrix = 1.0_wp
+                call add_near_field(s, cell, kernel, first, matrix)
+                do j = 1, n
+                    do i = 1, n
+                        wanted = 1.0_wp
+                        if (i >= j) wanted = 1.0_wp &
+                            & + exact_strip(s(i) - s(j), sqrt(cell(i)*cell(j)), kernel)
+                        call expect(abs(matrix(first - 1 + i, first - 1 + j) - wanted) &
+                            & <= 10.0_wp*round_off*kernel, 'near field of cells')
+                    end do
+                end do
+                call expect(all(abs(matrix(:, :first - 1) - 1.0_wp) <= 0.0_wp), 'other cells')
+            end do
+        end do
+    end subroutine test_near_field_of_cells
 
     !> Stop where something does not hold.
     subroutine expect(holds, what)
