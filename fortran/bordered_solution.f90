@@ -8,7 +8,7 @@ module flankload_bordered_solution
     use flankload_contact_problem, only: contact_problem
     use flankload_kept_factor, only: solve_factored, estimate_condition
     use flankload_bordered_system, only: bordered_system
-    use flankload_lapack, only: solve_triangle, continue_lower
+    use flankload_lapack, only: solve_lower, continue_lower
     implicit none
     private
 
@@ -42,9 +42,9 @@ contains
         real(wp), allocatable :: columns(:, :), rows(:, :), inverse(:, :)
 
         q = problem%n_motions
-        if (problem%symmetric .and. problem%same_rows) then
+        if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
-            if (solved .and. present(tangent)) tangent = inverse
+            if (solved .and. present(tangent)) call move_alloc(inverse, tangent)
             return
         end if
         allocate (columns(size(system%pairs), q + 1))
@@ -63,8 +63,8 @@ contains
         end if
     end subroutine solve_bordered
 
-    !> The same where K is symmetric and B = R: with Y = L⁻¹ [B_a r] the motions need no way back,
-    !> (Y_Bᵀ Y_B) q = s - Y_Bᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B gains rows as L does.
+    !> The same where K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no way back,
+    !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
     pure subroutine solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -83,47 +83,61 @@ contains
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out) :: inverse(:, :)
 
-        integer :: k
-        real(wp), allocatable :: way(:, :)
+        integer :: k, q, c, d, first_row
 
         call extend_forward(system, problem)
         k = size(system%pairs)
-        allocate (way(k, 1))
-        way(:, 1) = r
-        call solve_triangle(k, system%factor%matrix, 'L', 'N', 'N', way)
-        associate (forward => system%forward(:k, :))
-            inverse = matmul(transpose(forward), forward)
+        q = problem%n_motions
+        first_row = merge(0, q, problem%same_rows)   ! Y_R is Y_B where R = B
+        allocate (forces(k), source=r)
+        allocate (motion(q), inverse(q, q))
+        call solve_lower(k, system%factor%matrix, 'N', forces)
+        associate (forward => system%forward)
+            do c = 1, q
+                do d = 1, q
+                    inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
+                end do
+            end do
             call invert_small(inverse, solved)
             if (.not. solved) then
-                allocate (motion(problem%n_motions), forces(k), source=0.0_wp)
+                motion = 0.0_wp
+                forces = 0.0_wp
                 return
             end if
-            motion = matmul(inverse, s - matmul(way(:, 1), forward))
-            way(:, 1) = way(:, 1) + matmul(forward, motion)
+            motion = [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)]
+            motion = matmul(inverse, motion)
+            do c = 1, q
+                forces = forces + forward(:k, c)*motion(c)
+            end do
         end associate
-        call solve_triangle(k, system%factor%matrix, 'L', 'T', 'N', way)
-        forces = way(:, 1)
+        call solve_lower(k, system%factor%matrix, 'T', forces)
     end subroutine solve_halfway
 
-    !> Bring L⁻¹ B_a up to the pairs of the system.
+    !> Bring L⁻¹ B_a, and L⁻¹ R_a where R is another, up to the pairs of the system.
     pure subroutine extend_forward(system, problem)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem
         type(contact_problem), intent(in) :: problem
 
-        integer :: k, known
+        integer :: k, q, known, n_columns
         real(wp), allocatable :: larger(:, :)
 
         k = size(system%pairs)
+        q = problem%n_motions
         known = system%n_forward
-        if (.not. allocated(system%forward)) allocate (system%forward(0, problem%n_motions))
+        n_columns = merge(q, 2*q, problem%same_rows)
+        if (.not. allocated(system%forward)) allocate (system%forward(0, n_columns))
         if (size(system%forward, 1) < k) then
-            allocate (larger(size(system%factor%matrix, 1), problem%n_motions))
+            allocate (larger(size(system%factor%matrix, 1), n_columns))
             larger(:known, :) = system%forward(:known, :)
             call move_alloc(larger, system%forward)
         end if
-        system%forward(known + 1:k, :) = problem%motions(system%pairs(known + 1:), :)
+        if (known == k) return
+        system%forward(known + 1:k, :q) = problem%motions(system%pairs(known + 1:), :)
+        if (.not. problem%same_rows) then
+            system%forward(known + 1:k, q + 1:) = problem%load_rows(system%pairs(known + 1:), :)
+        end if
         call continue_lower(known, k, system%factor%matrix, system%forward)
         system%n_forward = k
     end subroutine extend_forward
@@ -142,6 +156,11 @@ contains
         real(wp), allocatable :: inverse(:, :)
 
         q = size(matrix, 1)
+        if (q == 1) then
+            solved = abs(matrix(1, 1)) > 0.0_wp .and. abs(matrix(1, 1)) <= huge(1.0_wp)
+            if (solved) matrix = 1.0_wp/matrix
+            return
+        end if
         allocate (pivot_row(q), pivot_column(q), free(q, q))
         free = .true.
         largest = maxval(abs(matrix))

@@ -96,7 +96,8 @@ contains
             result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
         else
-            result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance))
+            result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance, &
+                & whole_motion))
         end if
         if (.not. result%unique) then
             result%status = 3
@@ -130,7 +131,7 @@ contains
 
         integer :: i, j, k, info
         logical :: equal
-        real(wp), allocatable :: weights(:), matrix(:, :), scales(:)
+        real(wp), allocatable :: weights(:), matrix(:, :), rows(:), columns(:)
 
         allocate (weights(problem%n), source=1.0_wp)
         equal = problem%same_rows
@@ -150,16 +151,21 @@ contains
         if (equal .and. problem%symmetric .and. problem%definite) return
         k = size(pairs)
         allocate (matrix(k, k))
-        scales = problem%row_scale(pairs)
-        weights = weights(pairs)
+        ! Divided by the roots of both weights, so that the diagonal stays near one.
+        rows = sqrt(weights(pairs))
+        columns = problem%row_scale(pairs)/rows
+        rows = problem%row_scale(pairs)*rows
         do j = 1, k
-            if (equal .and. problem%symmetric) then
-                matrix(j:, j) = compliance(pairs(j:), pairs(j))*scales(j:)*scales(j)
+            if (problem%symmetric) then
+                do i = j, k
+                    matrix(i, j) = 0.5_wp*(rows(i)*columns(j) + columns(i)*rows(j)) &
+                        & *compliance(pairs(i), pairs(j))
+                end do
             else
-                ! Divided by the roots of both weights, so that the diagonal stays near one.
-                matrix(j:, j) = 0.5_wp*scales(j:)*scales(j) &
-                    & *(compliance(pairs(j:), pairs(j))*sqrt(weights(j:)/weights(j)) &
-                    & + compliance(pairs(j), pairs(j:))*sqrt(weights(j)/weights(j:)))
+                do i = j, k
+                    matrix(i, j) = 0.5_wp*(rows(i)*columns(j)*compliance(pairs(i), pairs(j)) &
+                        & + columns(i)*rows(j)*compliance(pairs(j), pairs(i)))
+                end do
             end if
             ! Less what rounding may have added: then the factor's existence is a proof.
             matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
@@ -173,27 +179,35 @@ contains
     !>
     !> Without negative influences, levers and load no motion goes further than each pair p lets it,
     !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
-    pure function possible_pairs(problem, compliance) result(pairs)
+    pure function possible_pairs(problem, compliance, motion) result(pairs)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled motion from zero of the state that was found, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
         integer, allocatable :: pairs(:)
 
         real(wp), parameter :: slack = 1.0e-9_wp
         integer :: i, k
-        real(wp) :: furthest
-        real(wp), allocatable :: most(:), ways(:)
+        real(wp) :: furthest, reach
+        real(wp), allocatable :: most(:), ways(:), negative(:)
 
         pairs = [(i, i=1, problem%n)]
         if (problem%n_motions /= 1 .or. any(problem%loads < 0.0_wp)) return
         if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
-        allocate (most(problem%n), source=0.0_wp)
-        do k = 1, problem%n
-            if (.not. all(compliance(:, k) >= 0.0_wp)) return
-            most = max(most, compliance(:, k)*(problem%row_scale(k)/problem%load_rows(k, 1)))
-        end do
         ways = problem%normal_gaps/problem%motions(:, 1)
+        ! no bound lies below what was found
+        if (all(ways <= motion(1))) return
+        allocate (most(problem%n), negative(problem%n), source=0.0_wp)
+        do k = 1, problem%n
+            reach = problem%row_scale(k)/problem%load_rows(k, 1)
+            do i = 1, problem%n
+                most(i) = max(most(i), compliance(i, k)*reach)
+                negative(i) = negative(i) + (abs(compliance(i, k)) - compliance(i, k))
+            end do
+        end do
+        if (.not. all(negative <= 0.0_wp)) return   ! also with NaN
         most = problem%row_scale*most*problem%loads(1)/problem%motions(:, 1)
         furthest = minval(ways + most) + slack*(maxval(abs(ways)) + maxval(most))
         pairs = pack(pairs, ways <= furthest)
