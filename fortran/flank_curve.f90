@@ -91,19 +91,22 @@ contains
         interval = interval_of(curve%breaks, s)
         degree = ubound(curve%coefficients, 1)
         x = s - curve%breaks(interval - 1)
-        point = curve%coefficients(degree, :, interval)
-        first = 0.0_wp
-        second = 0.0_wp
-        do power = degree - 1, 0, -1
-            second = second*x + 2.0_wp*first
-            first = first*x + point
-            point = point*x + curve%coefficients(power, :, interval)
-        end do
-        speed = norm2(first)
-        tangent = first/speed
-        if (present(curvature)) then
+        associate (c => curve%coefficients(:, :, interval))
+            point = c(degree + 1, :)
+            first = 0.0_wp
+            do power = degree, 1, -1
+                first = first*x + point
+                point = point*x + c(power, :)
+            end do
+            speed = sqrt(first(1)**2 + first(2)**2)
+            tangent = first/speed
+            if (.not. present(curvature)) return
+            second = 0.0_wp
+            do power = degree + 1, 3, -1
+                second = second*x + (power - 1)*(power - 2)*c(power, :)
+            end do
             curvature = (first(2)*second(1) - first(1)*second(2))/speed**3
-        end if
+        end associate
     end subroutine curve_point
 
     !> The same in the common frame, for a body that stands somewhere.

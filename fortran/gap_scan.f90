@@ -39,7 +39,7 @@ contains
         logical :: found
 
         place_2 = placed_samples(flank_2, frame_2)
-        radius_2 = norm2(place_2, dim=1)
+        radius_2 = sqrt(place_2(1, :)**2 + place_2(2, :)**2)
         n_2 = size(radius_2)
         k = flank_1%first_rising
         n = size(flank_1%s) - k + 1

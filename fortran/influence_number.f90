@@ -35,9 +35,9 @@ contains
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
             call add_near_field(pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), body_1%kernel, load_first, matrix)
+                & pairs%cell_1(load_first:load_last), body_1%kernel, load_first, matrix)   ! Eq. (5), (13)
             call add_near_field(pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), body_2%kernel, load_first, matrix)
+                & pairs%cell_2(load_first:load_last), body_2%kernel, load_first, matrix)   ! Eq. (6), (10)
             load_first = load_last + 1
         end do
         do j = 2, n

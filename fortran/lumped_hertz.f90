@@ -64,9 +64,11 @@ contains
         integer :: pass, i, n
         real(wp) :: near, full(size(levers)), matrix(size(levers), size(levers))
         real(wp) :: motions(size(levers), 1), gaps(size(levers))
+        integer, allocatable :: warm_pairs(:)
         type(contact_result) :: state
 
         n = size(levers)
+        allocate (warm_pairs(0))
         rotation = 0.0_wp
         pivots = 0
         full = torque/levers
@@ -81,10 +83,11 @@ contains
                 matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
             end do
             call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &
-                & method_single, [integer ::], state, error)
+                & method_single, warm_pairs, state, error)
             if (allocated(error)) return
             forces = state%forces
             rotation = state%motion(1)
+            warm_pairs = state%active_pairs
             pivots = pivots + state%pivots
         end do
     end subroutine lumped_contact

@@ -180,8 +180,6 @@ contains
         type(cells_type), intent(in) :: cells
         integer, allocatable :: warm(:)
 
-        !> A little less than Hertz: pairs that must leave cost more than pairs that join.
-        real(wp), parameter :: part = 0.95_wp
         integer :: i, z
         real(wp) :: beyond
         logical :: expected(pairs%n)
@@ -189,8 +187,8 @@ contains
         do i = 1, pairs%n
             z = pairs%zone(i)
             beyond = pairs%s_1(i) - zones(z)%nearest%s_1
-            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -part*cells%reach(1, z) &
-                & .and. beyond < part*cells%reach(2, z)
+            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -cells%reach(1, z) &
+                & .and. beyond < cells%reach(2, z)
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
     end function expected_pairs

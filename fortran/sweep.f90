@@ -205,7 +205,8 @@ contains
                     at = at + 1
                     pair_site(at) = pairs%site(i)
                     pair_table(:pair_columns, at) = [pairs%s_1(i), pairs%s_2(i), pairs%radius(i), &
-                        & pairs%point(:, i), pairs%normal(:, i), state%forces(i), &
+                        & pairs%point(1, i), pairs%point(2, i), pairs%normal(1, i), &
+                        & pairs%normal(2, i), state%forces(i), &
                         & 0.5_wp*(pairs%cell_1(i) + pairs%cell_2(i)), state%gaps(i), &
                         & pairs%torque_lever(i)]
                 end do
