@@ -153,8 +153,17 @@ def test_a_failure_names_position_and_torque() -> None:
         run(TORQUES, pairing=apart)
     status = np.zeros((3, 2), dtype=int)
     status[2, 1] = -1
-    with pytest.raises(fl.errors.NoContactState, match=r"position 2 \(11.* torque 0\.5 N m: no st"):
-        sweep_room._raise_first_failure(status, np.array([0.0, 0.1, 0.2]), np.array([0.0, 500.0]))
+    certificate = np.full((3, 3, 2), np.nan)
+    certificate[:2, 2, 1] = [0.25, 1.0]  # a quarter can be held, more cannot for certain
+    with pytest.raises(
+        fl.errors.NoContactState,
+        match=r"position 2 \(11.* torque 0\.5 N m: no st.* about 0\.125 N m can be held",
+    ) as caught:
+        sweep_room._raise_first_failure(
+            status, np.array([0.0, 0.1, 0.2]), np.array([0.0, 500.0]), certificate, rubs=False
+        )
+    assert caught.value.largest_torque == pytest.approx(125.0)
+    assert caught.value.proven
 
 
 def test_the_core_stops_when_it_is_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
