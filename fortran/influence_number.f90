@@ -34,10 +34,12 @@ contains
         do while (load_first <= n)
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
+            ! Eq. (5), (13)
             call add_near_field(pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), body_1%kernel, load_first, matrix)   ! Eq. (5), (13)
+                & pairs%cell_1(load_first:load_last), body_1%kernel, load_first, matrix)
+            ! Eq. (6), (10)
             call add_near_field(pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), body_2%kernel, load_first, matrix)   ! Eq. (6), (10)
+                & pairs%cell_2(load_first:load_last), body_2%kernel, load_first, matrix)
             load_first = load_last + 1
         end do
         do j = 2, n
