@@ -212,6 +212,24 @@ def test_summary_names_the_largest_of_all_positions(with_stress: Result) -> None
         assert found["range_MPa"] >= found["tension"]["stress_MPa"]
 
 
+def test_of_pairs_that_name_the_same_tooth_one_that_carries_is_quoted() -> None:
+    """Over 16 pitches pairs 0 and -16 are the same tooth of body 1, and see the same stress."""
+    result = solved(
+        {**GEAR, "pitch_errors_um": [5.0] + [0.0] * 15},
+        positions={"count": 4, "pitches": 16},
+    )
+    assert {-16, 0} <= set(result.sites.tolist())
+    stress = result.root_stress[0]
+    assert stress is not None
+    column = result.sites.tolist().index(-16)
+    same = stress.tension.stress_MPa[:, result.sites.tolist().index(0)]
+    np.testing.assert_allclose(stress.tension.stress_MPa[:, column], same, rtol=SOLVER, atol=0)
+    for key in ("tension", "compression"):
+        place = result.summary["root_stress_1"][key]
+        p = result.position_rad.tolist().index(place["position_rad"])
+        assert result.site_force_N[p, result.sites.tolist().index(place["pair"])] > 0
+
+
 def test_stress_is_linear_in_the_torque_where_the_contact_stays_one_pair() -> None:
     results = fl.solve(scene_of(load={"torque_Nm": [0.0, 30.0, 60.0]}, positions={"count": 1}))
     assert isinstance(results, tuple)

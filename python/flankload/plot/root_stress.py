@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from flankload.result.root_stress import Extremes
 
 
+#: Pitches that are drawn before and after the mesh.
+BESIDE = 0.5
+
+
 def plot_root_stress(result: Result) -> Figure:
     """Largest tension and compression in the roots over the way of a tooth through the mesh.
 
@@ -46,6 +50,11 @@ def plot_root_stress(result: Result) -> Figure:
             name = f"body {z + 1}"
             _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
             _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
+        if not result.whole_circle and (result.site_force_N > 0).any():
+            place = result.sites + result.position_rad[:, None] / result.pitch_rad
+            carries = place[result.site_force_N > 0]
+            # further away nothing new is seen, or the tooth has come round once more
+            axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         axes.set_xlabel(
             "tooth" if result.whole_circle else "place of the pair in pitches from the pitch point"

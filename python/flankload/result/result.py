@@ -202,7 +202,9 @@ class Result(ContactQuantities):
 
     def _root_summary(self) -> dict[str, Any]:
         return {
-            f"root_stress_{z + 1}": root_summary(stress, self.position_rad, self.sites)
+            f"root_stress_{z + 1}": root_summary(
+                stress, self.position_rad, self.sites, self.site_force_N
+            )
             for z, stress in enumerate(self.root_stress)
             if stress is not None
         }

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+#: Stresses that differ by less, relative to the largest, are one.
+SAME = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class RootReading:
@@ -180,7 +183,12 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64]
         assert table.friction_force_N is not None
         forces.append(table.friction_force_N)
     weighted = np.hstack([values * force[:, None] / norms for force in forces])
-    return np.stack([weighted[table.site == site].sum(axis=0) for site in sites])
+    loads = np.zeros((sites.size, reading.response.shape[3]))
+    loaded = table.force_N > 0
+    for site in np.unique(table.site[loaded]).tolist():
+        own = loaded & (table.site == site)
+        loads[sites == site] = weighted[own].sum(axis=0)
+    return loads
 
 
 def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
@@ -232,7 +240,10 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def root_summary(
-    stress: RootStress, position_rad: Floats, sites: NDArray[np.int64]
+    stress: RootStress,
+    position_rad: Floats,
+    sites: NDArray[np.int64],
+    site_force_N: Floats,
 ) -> dict[str, Any]:
     """Largest tension and compression over the positions, and where they are.
 
@@ -241,6 +252,8 @@ def root_summary(
     stress : RootStress
     position_rad : (P,) array
     sites : (S,) array
+    site_force_N : (P, S) array
+        Of sites that name the same tooth, one that carries is quoted.
 
     Returns
     -------
@@ -254,7 +267,9 @@ def root_summary(
         ("tension", stress.tension, 1.0),
         ("compression", stress.compression, -1.0),
     ):
-        p, s = np.unravel_index(np.argmax(sign * extremes.stress_MPa), extremes.stress_MPa.shape)
+        values = sign * extremes.stress_MPa
+        places = np.argwhere(values >= values.max() - SAME * np.abs(values).max())
+        p, s = places[site_force_N[tuple(places.T)].argmax()]
         found[name] = {
             "stress_MPa": float(extremes.stress_MPa[p, s]),
             "position_rad": float(position_rad[p]),
