@@ -28,6 +28,9 @@ CURVES_UM = 1e-5
 CENTRE_MM = 1e-3
 #: The same of each body alone, which the flanks' approach shifts.
 SPEED_MM = 5e-3
+#: Sliding of surfaces that run each along its own flank, as friction takes it, against that of
+#: rigid bodies at one place; relative, and in mm/rad.
+RUBBING = 2e-2
 
 SMALL = {"kind": "gear", "teeth": 16, "module_mm": 4.5, "bore_diameter_mm": 30.0}
 PINION = {**SMALL, "profile_shift": 0.182, "tip_diameter_mm": 82.46}
@@ -165,15 +168,22 @@ def test_sliding_grows_with_the_distance_from_the_pitch_point(pair: dict, ratio:
         assert (error <= SPEED_MM * (own + other) / own**2).all()
 
 
-def test_sliding_of_pairs_is_that_of_the_contact_on_average(external: Result) -> None:
-    for p in (0, 5):
-        table, sliding = external.pairs(p), external.pair_sliding_mm_per_rad(p)
-        for s, site in enumerate(external.sites):
+@pytest.mark.parametrize(("driver", "sense"), [("body_1", 1.0), ("body_2", -1.0)])
+def test_sliding_is_that_of_the_pairs_under_friction(driver: str, sense: float) -> None:
+    """Their mean by force; the sense of motion is that of the driver there."""
+    positions = {"count": 8, "driver": driver}
+    rubbed = solved(EXTERNAL, 30.0, positions=positions, effects={"friction_coefficient": 0.05})
+    for p in range(8):
+        table = rubbed.pairs(p)
+        assert table.sliding_mm_per_rad is not None
+        for s, site in enumerate(rubbed.sites):
             own = (table.site == site) & (table.force_N > 0)
-            if external.corner_contact[p, s] or not own.any():
+            if rubbed.corner_contact[p, s] or not own.any():
                 continue
-            mean = table.force_N[own] @ sliding[own] / table.force_N[own].sum()
-            assert mean == pytest.approx(external.sliding_mm_per_rad[p, s], rel=SOLVER)
+            force = table.force_N[own]
+            mean = sense * (force @ table.sliding_mm_per_rad[own]) / force.sum()
+            found = rubbed.sliding_mm_per_rad[p, s]
+            assert mean == pytest.approx(found, rel=RUBBING, abs=RUBBING)
 
 
 def test_a_spline_on_common_axes_does_not_slide() -> None:
@@ -384,5 +394,4 @@ def test_results_without_geometry_say_nothing_of_motion() -> None:
     result = made_up_result()
     assert result.coast_flank_gap_um is None
     assert np.isnan(result.sliding_mm_per_rad).all()
-    assert np.isnan(result.pair_sliding_mm_per_rad(0)).all()
     assert "coast flanks" not in result.table()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.result.flank_contact import FlankContacts, flank_contacts, pair_velocities
+from flankload.result.flank_contact import FlankContacts, flank_contacts
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -87,7 +87,8 @@ class ContactQuantities:
     def sliding_mm_per_rad(self) -> Floats:
         """(P, S) Sliding (v_2 - v_1)·t_1, mean over each contact by force; NaN where open.
 
-        t_1 points to the tip of body 1. Per rad of body 1: times its speed in rad/s it is mm/s.
+        t_1 points to the tip of body 1. Per rad of body 1 in the sense of its torque: times its
+        speed in rad/s it is mm/s; where body 2 drives, that speed is negative.
         """
         return frozen(self.flank_contacts.velocity_2 - self.flank_contacts.velocity_1)
 
@@ -100,11 +101,6 @@ class ContactQuantities:
     def specific_sliding_2(self) -> Floats:
         """(P, S) 1 - v_1/v_2 (DIN 3960), v along the flank; NaN where open, or where v_2 is 0."""
         return _specific(self.flank_contacts.velocity_2, self.flank_contacts.velocity_1)
-
-    def pair_sliding_mm_per_rad(self, p: int) -> Floats:
-        """(n,) Sliding, as `sliding_mm_per_rad`, at each contact pair of position p."""
-        one, two = pair_velocities(self.pair_tables[p], self.geometry, p)
-        return frozen(two - one)
 
     @cached_property
     def coast_flank_gap_um(self) -> Floats | None:

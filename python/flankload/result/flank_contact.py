@@ -53,18 +53,17 @@ def flank_contacts(
     FlankContacts
     """
     found = np.full((3, len(tables), sites.size), np.nan)
-    column = {int(site): s for s, site in enumerate(sites)}
     for p, table in enumerate(tables):
         motion = pair_velocities(table, geometry, p)
         loaded = table.force_N > 0
-        for site in np.unique(table.site[loaded]).tolist():
-            laid = table.site == site
-            found[0, p, column[site]] = 0.5 * loaded_length(
+        for s in np.flatnonzero(np.isin(sites, table.site[loaded])):
+            laid = table.site == sites[s]
+            found[0, p, s] = 0.5 * loaded_length(
                 table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
             )
             own = laid & loaded
             weight = table.force_N[own] / table.force_N[own].sum()
-            found[1:, p, column[site]] = [weight @ velocity[own] for velocity in motion]
+            found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
     found.setflags(write=False)
     return FlankContacts(*found)
 
