@@ -29,8 +29,8 @@ module flankload_position_load
         !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
         type(pairs_type) :: pairs
         real(wp), allocatable :: forces(:), gaps(:)
-        !> Force [N], peak of force over cell width [N/mm], and body whose corner works, shape
-        !> (sites)
+        !> Force [N], peak of force over cell width [N/mm], and body whose corner works (-1: the
+        !> site that touches without torque, off corners), shape (sites)
         real(wp), allocatable :: site_force(:), site_peak(:)
         integer, allocatable :: site_corner(:)
         !> Certificate of the contact loop
@@ -167,7 +167,7 @@ contains
         z = minloc(gap, dim=1)
         state%rotation = gap(z)
         state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
-        state%site_corner(zones(z)%site) = max(0, zones(z)%corner)
+        state%site_corner(zones(z)%site) = merge(zones(z)%corner, -1, zones(z)%corner > 0)
         call reserve_pairs(state%pairs, 0)
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state

@@ -109,7 +109,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
     !> Pivots, influence columns, passes over the grid, refactorisations
     integer, intent(out) :: counters(4, n_positions, n_torques)
-    !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none)
+    !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
+    !> the site that touches without torque, off corners)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)

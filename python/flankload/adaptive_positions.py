@@ -30,6 +30,10 @@ HARMONICS = (1, 2, 3)
 LEAST_HARMONIC = 0.1
 #: … and a curve as flat as this part of its mean as if it varied as much: cells leave 1e-5 of it.
 LEAST_VARIATION = 0.01
+#: What is told of a doubt: where kinks are sharpest, at light loads, it is a little less than the
+#: error. Of 24 random pairs at two loads each three had up to 2.7 times the error that was told,
+#: which was never above the tolerance.
+SAFETY = 1.5
 #: Intervals in at least this part of the largest doubt are looked into together.
 SHARE = 0.3
 #: A kink this close to the end of its interval, in parts of it, is found; the rest is halved.
@@ -169,17 +173,20 @@ def sweep_adaptively(
 
 @dataclass(frozen=True)
 class _Known:
-    """Of all rounds, what curves are made of: rotation (P,) and which sites carry (P, S)."""
+    """Of all rounds, what curves are made of: rotation (P,) and which sites carry (P, S).
+
+    Without torque the site that touches stands for those that carry.
+    """
 
     rotation_rad: Floats
     loaded: Flags
 
     @classmethod
     def of(cls, parts: tuple[Sweep, ...], order: Integers) -> _Known:
-        return cls(
-            np.concatenate([part.rotation_rad for part in parts])[order],
-            np.concatenate([part.site_force_N for part in parts])[order] > 0,
-        )
+        rotation = np.concatenate([part.rotation_rad for part in parts])
+        key = "site_force_N" if parts[0].torque_Nmm > 0 else "site_corner"
+        carries = np.concatenate([getattr(part, key) for part in parts]) != 0
+        return cls(rotation[order], carries[order])
 
 
 def _errors(
@@ -193,8 +200,8 @@ def _errors(
     doubt = 2.0 / curve.length * curve.doubt_integrals().sum()
     above, below = _overshoot(curve, rotation)
     return PositionErrors(
-        harmonics=float(doubt / smallest),
-        peak_to_peak=float((above.max() + below.max()) / max(np.ptp(rotation), flat)),
+        harmonics=float(SAFETY * doubt / smallest),
+        peak_to_peak=float(SAFETY * (above.max() + below.max()) / max(np.ptp(rotation), flat)),
     )
 
 

@@ -66,7 +66,8 @@ class Sweep:
     counters : (P, 4) array
         Pivots, influence columns, passes over the cells, refactorisations.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        Force; peak of force over cell width; body whose sharp corner works (0: none).
+        Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
+        that touches without torque, off corners).
     n_pairs : (P,) array
     pairs : PackedPairs
         Empty where pairs are not kept.
