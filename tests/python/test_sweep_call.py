@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -103,6 +106,33 @@ def test_a_torque_of_a_list_is_solved_as_if_it_stood_alone(kind: str, count: int
         assert found.torque_Nmm == torque
         assert_same(found, alone)
         assert_same(found, again)
+
+
+def test_torque_lists_are_bitwise_the_same_with_any_number_of_threads() -> None:
+    """Threads share positions, and where pairs stand in the packed table depends on who is first.
+
+    Both processes make their compliances themselves: numpy's BLAS keeps one thread.
+    """
+    program = (
+        "import sys; sys.path.insert(0, 'tests/python')\n"
+        "from test_sweep_call import TORQUES, run\n"
+        "for s in run(TORQUES, count=60):\n"
+        "    numbers = (s.rotation_rad, s.site_force_N, s.certificate, s.counters)\n"
+        "    pairs = (table for p in range(60) for table in s.pairs.at(p))\n"
+        "    for array in (*numbers, *pairs):\n"
+        "        sys.stdout.write(array.tobytes().hex())\n"
+    )
+    one, several = (
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": "1"},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "3")
+    )
+    assert len(one) > 1e6
+    assert one == several
 
 
 def test_pairs_are_packed_without_a_row_to_spare() -> None:

@@ -1,0 +1,122 @@
+"""Core times of a position by stages, from the compiled bench (tests/fortran/bench_sweep.f90)."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+from tests.benchmarks._core import BUILD
+
+import flankload as fl
+from flankload.assembly import BodyPair, build_bodies
+from flankload.compliance import BodyCompliance
+from flankload.resolution import Grid
+from flankload.solve import compliance_of
+from flankload.sweep import Sweep, _core_arguments, sweep
+
+TARGET = "tests/fortran/bench_sweep"
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene, whose bodies and compliances are made once."""
+
+    scene: fl.Scene
+
+    @cached_property
+    def bodies(self) -> BodyPair:
+        """Both bodies put together."""
+        return build_bodies(self.scene)
+
+    @cached_property
+    def compliances(self) -> tuple[BodyCompliance, BodyCompliance]:
+        """Of both bodies."""
+        pair = self.bodies
+        return compliance_of(pair.body_1, self.scene), compliance_of(pair.body_2, self.scene)
+
+    def positions(self, count: int) -> NDArray[np.float64]:
+        """Evenly over a period, rad."""
+        return np.linspace(0.0, self.bodies.pairing.period_rad, count, endpoint=False)
+
+    def sweep(self, count: int, torques_Nmm: Sequence[float]) -> tuple[Sweep, ...]:
+        """Positions of a period under torques."""
+        pair = self.bodies
+        return sweep(
+            (pair.body_1, pair.body_2),
+            compliances=self.compliances,
+            pairing=pair.pairing,
+            position_rad=self.positions(count),
+            torques_Nmm=torques_Nmm,
+            face_width_mm=self.scene.pair.face_width_mm,
+            grid=pair.resolution.grid,
+        )
+
+
+@dataclass(frozen=True)
+class StageTimes:
+    """Shortest times of a position, ms.
+
+    Attributes
+    ----------
+    pairs, active : float
+        Pairs, and how many are in contact, on average.
+    zones, lumped, cells, influence, loop, whole : float
+        The stages, and all of them in the one call of a sweep.
+    cold, known, trusted : float
+        The loop begun cold; with the very pairs of its state; without the proof of uniqueness.
+    """
+
+    pairs: float
+    active: float
+    zones: float
+    lumped: float
+    cells: float
+    influence: float
+    loop: float
+    whole: float
+    cold: float
+    known: float
+    trusted: float
+
+
+def stage_times(
+    job: Job, *, count: int, torque_Nmm: float, grids: Sequence[Grid]
+) -> list[StageTimes]:
+    """Build the compiled bench and let it take the positions with every grid."""
+    ninja = Path(sys.executable).parent / "ninja"
+    subprocess.run([ninja, "-C", BUILD, TARGET], check=True, capture_output=True)
+    with TemporaryDirectory() as folder:
+        paths = [Path(folder) / str(i) for i in range(len(grids))]
+        for path, grid in zip(paths, grids, strict=True):
+            path.write_bytes(_numbers(job, count, torque_Nmm, grid).tobytes())
+        output = subprocess.run(
+            [BUILD / TARGET, *paths], check=True, capture_output=True, text=True
+        ).stdout
+    return [StageTimes(*map(float, line.split())) for line in output.splitlines()]
+
+
+def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.float64]:
+    """A sweep as the compiled bench reads it: real numbers alone."""
+    pair = job.bodies
+    knobs = (grid.strips_per_half_width, grid.corner_strips_per_half_width, grid.zone_half_widths)
+    parts: list[object] = [[count, torque_Nmm, *knobs], *pair.pairing.turns(job.positions(count))]
+    arguments = _core_arguments(
+        (pair.body_1, pair.body_2), job.compliances, pair.pairing, job.scene.pair.face_width_mm
+    )
+    for z, argument in enumerate(arguments):
+        breaks, coefficients, corners, angles, deviations, span, kernel, smooth, block = (
+            np.asarray(part) for part in argument
+        )
+        head = [
+            *(breaks.size, len(coefficients) - 1, angles.size, len(smooth), smooth.shape[2]),
+            *(z * pair.pairing.center_distance_mm, *span, kernel),
+        ]
+        parts += [head, breaks, coefficients, corners, angles, deviations, smooth, block]
+    return np.concatenate([np.ravel(part, order="F") for part in parts]).astype(float)

@@ -1,0 +1,243 @@
+!> Where the time of a position goes: its stages one by one, and the whole.
+!>
+!> Arguments are files with one sweep each, written by tests/benchmarks/_sweep_core.py; one line of
+!> numbers is printed for each: pairs and pairs in contact of a position on average, then shortest
+!> times per position [ms] in the order of the constants below.
+program bench_sweep
+    use, intrinsic :: iso_fortran_env, only: int64
+    use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
+        & grid_settings, method_single, new_flank, new_flank_curve, position_state, &
+        & solve_contact_problem, solve_position, symmetric_matrix
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_influence_number, only: influence_matrix
+    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_position, only: look_at_position, position_type
+    use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
+        & least_half_width, new_cells
+    implicit none
+
+    !> Zones; lumped level; cells and pairs; influence numbers; the loop as a position calls it; all
+    !> of that in the one call of a sweep. Then the loop begun cold, with the very pairs of its
+    !> state, and without the proof that no other state exists.
+    integer, parameter :: way_zones = 1
+    integer, parameter :: way_lumped = 2
+    integer, parameter :: way_pairs = 3
+    integer, parameter :: way_influence = 4
+    integer, parameter :: way_loop = 5
+    integer, parameter :: way_whole = 6
+    integer, parameter :: way_cold = 7
+    integer, parameter :: way_known = 8
+    integer, parameter :: way_trusted = 9
+    integer, parameter :: n_ways = 9
+
+    !> A sweep under one torque
+    type :: bench_case
+        type(body_type) :: bodies(2)
+        type(grid_settings) :: settings
+        !> Turns of the bodies [rad], shape (positions, 2), and torque on body 1 [N mm]
+        real(wp), allocatable :: angles(:, :)
+        real(wp) :: torque = 0.0_wp
+    end type bench_case
+
+    !> What disturbs the machine spoils few of so many rounds: the shortest time of each position
+    !> counts.
+    integer, parameter :: n_rounds = 7
+    integer :: i
+
+    do i = 1, command_argument_count()
+        call measure(read_case(i))
+    end do
+
+contains
+
+    !> Read the sweep of one argument: numbers alone, all of them real.
+    function read_case(argument) result(case)
+        !> Number of the argument
+        integer, intent(in) :: argument
+        type(bench_case) :: case
+
+        integer :: unit, length, z
+        real(wp) :: head(5)
+        character(len=:), allocatable :: path
+
+        call get_command_argument(argument, length=length)
+        allocate (character(len=length) :: path)
+        call get_command_argument(argument, path)
+        open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
+            & action='read')
+        read (unit) head
+        case%torque = head(2)
+        case%settings%strips_per_half_width = head(3)
+        case%settings%corner_strips_per_half_width = head(4)
+        case%settings%zone_half_widths = head(5)
+        allocate (case%angles(nint(head(1)), 2))
+        read (unit) case%angles
+        do z = 1, 2
+            call read_body(unit, case%bodies(z))
+        end do
+        close (unit)
+    end function read_case
+
+    !> Read one body.
+    subroutine read_body(unit, body)
+        !> The file
+        integer, intent(in) :: unit
+        !> The body
+        type(body_type), intent(out) :: body
+
+        integer :: n_breaks, degree, n_sites, n_modes, n_blocks
+        real(wp) :: head(9)
+        real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), block(:, :)
+
+        read (unit) head
+        n_breaks = nint(head(1))
+        degree = nint(head(2))
+        n_sites = nint(head(3))
+        n_modes = nint(head(4))
+        n_blocks = nint(head(5))
+        body%origin = [head(6), 0.0_wp]
+        body%compliance%s_low = head(7)
+        body%compliance%s_high = head(8)
+        body%compliance%kernel = head(9)
+        allocate (breaks(n_breaks), corners(n_breaks))
+        allocate (coefficients(degree + 1, 2, n_breaks - 1))
+        allocate (body%site_angles(n_sites), body%deviations(n_sites), block(n_sites, n_sites))
+        allocate (body%compliance%smooth(n_modes, n_modes, n_blocks))
+        read (unit) breaks, coefficients, corners, body%site_angles, body%deviations, &
+            & body%compliance%smooth, block
+        body%flank = new_flank(new_flank_curve(breaks, coefficients, nint(corners)))
+        body%compliance%block = nint(block)
+    end subroutine read_body
+
+    !> Print one line.
+    subroutine measure(case)
+        !> The sweep
+        type(bench_case), intent(in) :: case
+
+        integer :: round, k
+        real(wp) :: times(n_ways), pairs(2)
+        real(wp), allocatable :: best(:, :)
+
+        allocate (best(n_ways, size(case%angles, 1)), source=huge(1.0_wp))
+        do round = 1, n_rounds
+            pairs = 0.0_wp
+            do k = 1, size(case%angles, 1)
+                times = 0.0_wp
+                call take_position(case, case%angles(k, :), times, pairs)
+                best(:, k) = min(best(:, k), times)
+            end do
+        end do
+        print '(*(es12.5, 1x))', pairs/size(best, 2), 1.0e3_wp*sum(best, dim=2)/size(best, 2)
+    end subroutine measure
+
+    !> Add the times of one position.
+    subroutine take_position(case, angles, times, pairs)
+        !> The sweep
+        type(bench_case), intent(in) :: case
+        !> Turns of the bodies
+        real(wp), intent(in) :: angles(2)
+        !> Seconds of each way
+        real(wp), intent(inout) :: times(n_ways)
+        !> Pairs, and pairs in contact
+        real(wp), intent(inout) :: pairs(2)
+
+        type(position_type) :: position
+        type(position_state) :: states(1)
+        type(cells_type) :: cells
+        type(pairs_type) :: laid
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+        real(wp), allocatable :: estimate(:), matrix(:, :)
+        real(wp) :: rotation, clock
+        integer :: pivots
+        integer, allocatable :: expected(:), active(:)
+
+        associate (body_1 => case%bodies(1), body_2 => case%bodies(2), torque => case%torque)
+            clock = seconds()
+            call look_at_position(body_1, body_2, angles(1), angles(2), torque, position, error)
+            if (allocated(error)) error stop 1
+            call lap(clock, times(way_zones))
+            call lumped_contact(position%smooth, position%gap, position%zones%lever, &
+                & position%zones%curvature, &
+                & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), position%kernel, &
+                & torque, least_half_width, estimate, rotation, pivots, error)
+            if (allocated(error)) error stop 1
+            call lap(clock, times(way_lumped))
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)
+            call lay_pairs(body_1, body_2, position, case%settings, cells, laid, error)
+            if (allocated(error)) error stop 1
+            call lap(clock, times(way_pairs))
+            allocate (matrix(laid%n, laid%n))
+            call influence_matrix(body_1%compliance, body_2%compliance, laid, matrix)
+            call lap(clock, times(way_influence))
+            expected = expected_pairs(laid, position%zones, cells)
+            call solve(laid, matrix, torque, symmetric_matrix, expected, state, clock, &
+                & times(way_loop))
+            call solve_position(body_1, body_2, angles(1), angles(2), [torque], case%settings, &
+                & states)
+            if (states(1)%status < 0) error stop 2
+            call lap(clock, times(way_whole))
+            call solve(laid, matrix, torque, symmetric_matrix, [integer ::], state, clock, &
+                & times(way_cold))
+            active = state%active_pairs
+            call solve(laid, matrix, torque, symmetric_matrix, active, state, clock, &
+                & times(way_known))
+            call solve(laid, matrix, torque, definite_matrix, expected, state, clock, &
+                & times(way_trusted))
+        end associate
+        pairs = pairs + [laid%n, size(state%active_pairs)]
+    end subroutine take_position
+
+    !> Run the contact loop and add its time.
+    subroutine solve(laid, matrix, torque, structure, begin, state, clock, time)
+        !> The pairs and their influence numbers
+        type(pairs_type), intent(in) :: laid
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> What is known of K
+        integer, intent(in) :: structure
+        !> Pairs to begin with
+        integer, intent(in) :: begin(:)
+        !> The state
+        type(contact_result), intent(out) :: state
+        !> Clock at the start, then now, and what it adds to
+        real(wp), intent(inout) :: clock
+        real(wp), intent(inout) :: time
+
+        real(wp) :: motions(laid%n, 1), load_rows(laid%n, 1)
+        type(error_type), allocatable :: error
+
+        motions(:, 1) = laid%lever
+        load_rows(:, 1) = laid%torque_lever
+        call solve_contact_problem(matrix, laid%lever*laid%gap_angle, motions, load_rows, &
+            & [torque], structure, method_single, begin, state, error)
+        if (allocated(error)) error stop 3
+        call lap(clock, time)
+    end subroutine solve
+
+    !> Add what has passed since the clock was looked at.
+    subroutine lap(clock, time)
+        !> Clock then and now
+        real(wp), intent(inout) :: clock
+        !> What is added to
+        real(wp), intent(inout) :: time
+
+        real(wp) :: now
+
+        now = seconds()
+        time = time + now - clock
+        clock = seconds()
+    end subroutine lap
+
+    !> Seconds of a clock that runs on.
+    function seconds() result(now)
+        real(wp) :: now
+
+        integer(int64) :: count, rate
+
+        call system_clock(count, rate)
+        now = real(count, wp)/real(rate, wp)
+    end function seconds
+
+end program bench_sweep
