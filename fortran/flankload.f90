@@ -2,12 +2,12 @@
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number
-    use flankload_error, only: error_type
+    use flankload_error, only: error_type, status_text, refused_argument
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
         & method_auto, method_single, method_paper, method_block, &
         & method_load_path, method_pivoted, method_cascade, method_primal, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
-    use flankload_contact_result, only: counters_of, certificate_of
+    use flankload_contact_result, only: counters_of, certificate_of, blank
     use flankload_row_scaling, only: scale_rows
     use flankload_contact_loads, only: solve_contact_loads
     use flankload_contact_sequence, only: solve_contact_sequence
@@ -16,6 +16,8 @@ module flankload
     use flankload_circle_pair, only: flank_type, new_flank
     use flankload_friction, only: friction_type, new_friction
     use flankload_compliance_field, only: compliance_type
+    use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
+        & find_nodal_pairs, nodal_influences
     use flankload_position, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: position_state, solve_position
@@ -25,16 +27,17 @@ module flankload
     private
 
     public :: wp, version_number
-    public :: error_type
+    public :: error_type, status_text, refused_argument
     public :: contact_result, solve_contact_problem
     public :: scale_rows
     public :: solve_contact_loads, solve_contact_sequence
     public :: column_source, solve_on_demand, solve_known_columns
-    public :: counters_of, certificate_of
+    public :: counters_of, certificate_of, blank
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
+    public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
     public :: body_type, grid_settings, position_state, solve_position
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, pair_columns, pair_columns_with_friction

@@ -19,15 +19,18 @@ subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, co
     integer, intent(out) :: symmetric
     !> 1: symmetric, and no entry contradicts a positive definite matrix by itself
     integer, intent(out) :: elastic
-    !> 0: done
+    !> 0: done, -1: n < 0
     integer, intent(out) :: info
 
     logical :: equal, bounded
 
+    symmetric = 0
+    elastic = 0
+    info = merge(-1, 0, n < 0)
+    if (info < 0) return
     call scale_rows(flexibility, transposed == 1, row_scale, compliance, equal, bounded)
     symmetric = merge(1, 0, equal)
     elastic = merge(1, 0, bounded)
-    info = 0
 end subroutine flankload_normal_compliance
 
 !> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
@@ -36,7 +39,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload, only: solve_contact_problem, contact_result, error_type, counters_of, &
-        & certificate_of
+        & certificate_of, blank, refused_argument
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -79,19 +82,29 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     !> Condition, growth, backward error, margin; without a state (info -1) the part of the loads
     !> that can be held; shape (5)
     double precision, intent(out) :: certificate(5)
-    !> Status 0 … 3, or an error -1 … -6
+    !> Status 0 … 3, or why there is no state, -1 … -6; -100 - i: argument i is not valid (numbers
+    !> that are not finite: -4)
     integer, intent(out) :: info
 
     type(contact_result) :: result
     type(error_type), allocatable :: error
     integer :: n_threads
 
-    ! One BLAS thread, for the calling thread alone: more cost many times what they save here
-    n_threads = omp_get_max_threads()
-    call omp_set_num_threads(1)
-    call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
-        & structure, method, warm_pairs, result, error)
-    call omp_set_num_threads(n_threads)
+    info = refused_argument([n >= 1, n_motions >= 1, n_warm >= 0, .true., .true., .true., &
+        & .true., .true., structure >= 0 .and. structure <= 3, method >= 0 .and. method <= 7, &
+        & all(warm_pairs >= 1 .and. warm_pairs <= n)])
+    if (info < 0) then
+        call blank(result, max(n, 0), max(n_motions, 0))
+    else
+        ! One BLAS thread, for the calling thread alone: more cost many times what they save here
+        n_threads = omp_get_max_threads()
+        call omp_set_num_threads(1)
+        call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+            & structure, method, warm_pairs, result, error)
+        call omp_set_num_threads(n_threads)
+        info = result%status
+        if (allocated(error)) info = error%code
+    end if
     forces = result%forces
     gaps = result%gaps
     motion = result%motion
@@ -100,8 +113,6 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     active(result%active_pairs) = 1
     counters = counters_of(result)
     certificate = certificate_of(result)
-    info = result%status
-    if (allocated(error)) info = error%code
 end subroutine flankload_solve_contact
 
 !> One step of the contact problem without its matrix: solve with the columns that are known, and
@@ -112,7 +123,7 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
         & forces, gaps, motion, tangent, active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload, only: solve_known_columns, contact_result, error_type, counters_of, &
-        & certificate_of
+        & certificate_of, blank, refused_argument, method_paper
     implicit none
     !> Number of pairs, of known columns, of motions, of pairs to begin with
     integer, intent(in) :: n
@@ -147,7 +158,7 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     integer, intent(out) :: active(n)
     integer, intent(out) :: counters(5)
     double precision, intent(out) :: certificate(5)
-    !> Status 0 … 3, or an error -1 … -5
+    !> Status 0 … 3, or why there is no state, -1 … -5; -100 - i: argument i is not valid
     integer, intent(out) :: info
 
     type(contact_result) :: result
@@ -155,11 +166,23 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     integer, allocatable :: next(:)
     integer :: n_threads
 
-    n_threads = omp_get_max_threads()
-    call omp_set_num_threads(1)
-    call solve_known_columns(known, columns, diagonal, normal_gaps, motions, load_rows, loads, &
-        & structure, method, warm_pairs, next, result, error)
-    call omp_set_num_threads(n_threads)
+    info = refused_argument([n >= 1, n_known >= 0 .and. n_known <= n, n_motions >= 1, &
+        & n_warm >= 0, all(known >= 1 .and. known <= n), .true., .true., .true., .true., .true., &
+        & .true., structure >= 0 .and. structure <= 3, &
+        & method >= 0 .and. method <= 7 .and. method /= method_paper, &
+        & all(warm_pairs >= 1 .and. warm_pairs <= n)])
+    if (info < 0) then
+        call blank(result, max(n, 0), max(n_motions, 0))
+        allocate (next(0))
+    else
+        n_threads = omp_get_max_threads()
+        call omp_set_num_threads(1)
+        call solve_known_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
+            & loads, structure, method, warm_pairs, next, result, error)
+        call omp_set_num_threads(n_threads)
+        info = result%status
+        if (allocated(error)) info = error%code
+    end if
     n_wanted = size(next)
     wanted = 0
     wanted(:n_wanted) = next
@@ -171,6 +194,4 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     active(result%active_pairs) = 1
     counters = counters_of(result)
     certificate = certificate_of(result)
-    info = result%status
-    if (allocated(error)) info = error%code
 end subroutine flankload_contact_columns

@@ -4,8 +4,10 @@
 subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n_loads, n_threads, &
         & sizes, compliances, normal_gaps, motions, load_rows, loads, keys, structures, method, &
         & forces, gaps, motion, tangent, active, counters, certificate, info)
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
-    use flankload, only: solve_contact_sequence, contact_result, counters_of, certificate_of
+    use flankload, only: solve_contact_sequence, contact_result, counters_of, certificate_of, &
+        & refused_argument
     implicit none
     !> Number of problems
     integer, intent(in) :: n_problems
@@ -43,14 +45,32 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     integer, intent(out) :: active(n_pairs, n_loads)
     integer, intent(out) :: counters(5, n_loads, n_problems)
     double precision, intent(out) :: certificate(5, n_loads, n_problems)
-    !> Status 0 … 3, or an error -1 … -6, shape (n_loads, n_problems)
+    !> Status 0 … 3, or why there is no state, -1 … -6, shape (n_loads, n_problems); all of them
+    !> -100 - i: argument i is not valid
     integer, intent(out) :: info(n_loads, n_problems)
 
     integer, parameter :: many_a_processor = 16
     type(contact_result), allocatable :: results(:, :)
     integer, allocatable :: codes(:, :)
     integer :: p, l, first, last, n_threads_before
+    double precision :: nan
 
+    info = refused_argument([n_problems >= 1, n_pairs >= 1, n_entries >= 1, n_motions >= 1, &
+        & n_loads >= 0, n_threads >= 0, &
+        & all(sizes >= 1) .and. sum(sizes) == n_pairs .and. sum(sizes**2) == n_entries, &
+        & .true., .true., .true., .true., .true., .true., &
+        & all(structures >= 0 .and. structures <= 3), method >= 0 .and. method <= 7])
+    active = 0
+    if (any(info < 0)) then
+        nan = ieee_value(nan, ieee_quiet_nan)
+        forces = nan
+        gaps = nan
+        motion = nan
+        tangent = nan
+        counters = 0
+        certificate = nan
+        return
+    end if
     allocate (results(n_loads, n_problems), codes(n_loads, n_problems))
     n_threads_before = omp_get_max_threads()
     ! More than that only cost; tens of thousands end the program.
@@ -60,7 +80,6 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     call solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, keys, &
         & structures, method, results, codes)
     call omp_set_num_threads(n_threads_before)
-    active = 0
     last = 0
     do p = 1, n_problems
         first = last + 1

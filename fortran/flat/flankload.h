@@ -1,0 +1,90 @@
+/* Flat door of flankload for C and C++.
+ *
+ * Everything goes by reference; matrices stand column by column, as in Fortran; pairs are counted
+ * from 1. Nothing is kept between calls, printed or opened: any number of threads may call at once.
+ * What each argument means stands in fortran/README.md and above each procedure of fortran/flat/.
+ */
+#ifndef FLANKLOAD_H
+#define FLANKLOAD_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What is known of K: nothing, symmetric, positive definite, its symmetric part is. */
+enum {
+    FLANKLOAD_GENERAL = 0,
+    FLANKLOAD_SYMMETRIC = 1,
+    FLANKLOAD_DEFINITE = 2,
+    FLANKLOAD_DEFINITE_PART = 3
+};
+
+/* Methods. */
+enum {
+    FLANKLOAD_AUTO = 0,
+    FLANKLOAD_SINGLE = 1,
+    FLANKLOAD_PAPER = 2,
+    FLANKLOAD_BLOCK = 3,
+    FLANKLOAD_LOAD_PATH = 4,
+    FLANKLOAD_PIVOTED = 5,
+    FLANKLOAD_CASCADE = 6,
+    FLANKLOAD_PRIMAL = 7
+};
+
+/* Version of the library. */
+void flankload_version_(int *major, int *minor, int *patch, int *info);
+
+/* Twice a vector: a caller whose reals have another size does not get that. */
+void flankload_double_vector_(const int *n, const double *vector, double *doubled, int *info);
+
+/* What a status says, in at most `size` characters, the null character included; 81 are enough. */
+void flankload_status_text_c(int code, int size, char *text);
+
+/* Pairs, gap angles, levers and influence numbers of one position from points and compliances. */
+void flankload_position_(const int *n_flanks, const int *n_points_1, const int *n_points_2,
+                         const int *n_circles, const int *max_pairs, const int *turn,
+                         const double *axis_1, const double *axis_2, const int *sizes_1,
+                         const double *points_1, const double *compliance_1, const int *sizes_2,
+                         const double *points_2, const double *compliance_2, int *n_pairs,
+                         int *flank, double *radius, double *gap_angle, double *lever,
+                         double *torque_lever, double *torque_lever_2, double *compliance,
+                         int *info);
+
+/* K = diag(b) A. */
+void flankload_normal_compliance_(const int *n, const double *flexibility, const int *transposed,
+                                  const double *row_scale, double *compliance, int *symmetric,
+                                  int *elastic, int *info);
+
+/* State of contact of one problem. */
+void flankload_solve_contact_(const int *n, const int *n_motions, const int *n_warm,
+                              const double *compliance, const double *normal_gaps,
+                              const double *motions, const double *load_rows, const double *loads,
+                              const int *structure, const int *method, const int *warm_pairs,
+                              double *forces, double *gaps, double *motion, double *tangent,
+                              int *active, int *counters, double *certificate, int *info);
+
+/* The same from some columns of K; says which are wanted next. */
+void flankload_contact_columns_(const int *n, const int *n_known, const int *n_motions,
+                                const int *n_warm, const int *known, const double *columns,
+                                const double *diagonal, const double *normal_gaps,
+                                const double *motions, const double *load_rows,
+                                const double *loads, const int *structure, const int *method,
+                                const int *warm_pairs, int *n_wanted, int *wanted, double *forces,
+                                double *gaps, double *motion, double *tangent, int *active,
+                                int *counters, double *certificate, int *info);
+
+/* Many problems, each for several loads. */
+void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const int *n_entries,
+                               const int *n_motions, const int *n_loads, const int *n_threads,
+                               const int *sizes, const double *compliances,
+                               const double *normal_gaps, const double *motions,
+                               const double *load_rows, const double *loads, const int *keys,
+                               const int *structures, const int *method, double *forces,
+                               double *gaps, double *motion, double *tangent, int *active,
+                               int *counters, double *certificate, int *info);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,36 @@
+! Words of a status through the flat door. Both forms write into the caller's own text.
+
+!> What a status says, in words: for Fortran.
+subroutine flankload_status_text(code, text)
+    use flankload, only: status_text
+    implicit none
+    !> A status or `info` of a contact problem, or the status of a position
+    integer, intent(in) :: code
+    !> Its words (80 characters hold the longest), filled up with blanks
+    character(len=*), intent(out) :: text
+
+    text = status_text(code)
+end subroutine flankload_status_text
+
+!> What a status says, in words: for C, where a text ends with a null character.
+subroutine flankload_status_text_c(code, size, text) bind(c, name='flankload_status_text_c')
+    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
+    use flankload, only: status_text
+    implicit none
+    !> A status or `info` of a contact problem, or the status of a position
+    integer(c_int), intent(in), value :: code
+    !> Room in the text, the null character included
+    integer(c_int), intent(in), value :: size
+    !> Its words, shape (size)
+    character(kind=c_char), intent(out) :: text(size)
+
+    integer :: k, n
+    character(len=:), allocatable :: words
+
+    words = status_text(code)
+    n = min(len(words), size - 1)
+    do k = 1, n
+        text(k) = words(k:k)
+    end do
+    if (size > 0) text(n + 1) = c_null_char
+end subroutine flankload_status_text_c

@@ -1,0 +1,91 @@
+!> A flank known by points alone: the cubic spline through them over their chord length.
+module flankload_node_curve
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type
+    implicit none
+    private
+
+    public :: curve_through_points
+
+contains
+
+    !> Curve through points; its breaks are the chord lengths at the points.
+    !>
+    !> The ends are not-a-knot, so that the curve is of fourth order in the spacing up to its ends;
+    !> three points make a parabola, two a line. Chord length stands for arc length: places and
+    !> directions do not depend on it.
+    pure function curve_through_points(points) result(curve)
+        !> Points in order, no two neighbours at the same place [mm], shape (2, n), n >= 2
+        real(wp), intent(in) :: points(:, :)
+        type(flank_curve_type) :: curve
+
+        integer :: n, k
+        real(wp), allocatable :: step(:), slope(:, :), bend(:, :)
+
+        n = size(points, 2)
+        allocate (step(n - 1), slope(2, n - 1))
+        allocate (curve%breaks(0:n - 1), curve%coefficients(0:3, 2, n - 1))
+        allocate (curve%corners(0:n - 1), source=.false.)
+        curve%breaks(0) = 0.0_wp
+        do k = 1, n - 1
+            step(k) = norm2(points(:, k + 1) - points(:, k))
+            slope(:, k) = (points(:, k + 1) - points(:, k))/step(k)
+            curve%breaks(k) = curve%breaks(k - 1) + step(k)
+        end do
+        bend = second_derivatives(step, slope)
+        do k = 1, n - 1
+            curve%coefficients(0, :, k) = points(:, k)
+            curve%coefficients(1, :, k) = slope(:, k) &
+                & - step(k)*(2.0_wp*bend(:, k) + bend(:, k + 1))/6.0_wp
+            curve%coefficients(2, :, k) = 0.5_wp*bend(:, k)
+            curve%coefficients(3, :, k) = (bend(:, k + 1) - bend(:, k))/(6.0_wp*step(k))
+        end do
+    end function curve_through_points
+
+    !> Second derivatives of the spline at its points.
+    pure function second_derivatives(step, slope) result(bend)
+        !> Length of each interval [mm], shape (n - 1)
+        real(wp), intent(in) :: step(:)
+        !> Mean slope of x and y in each interval, shape (2, n - 1)
+        real(wp), intent(in) :: slope(:, :)
+        !> At the points [1/mm], shape (2, n)
+        real(wp) :: bend(2, size(step) + 1)
+
+        integer :: n, k
+        real(wp) :: left, factor
+        real(wp), allocatable :: diagonal(:), right(:)
+
+        n = size(step) + 1
+        bend = 0.0_wp
+        if (n == 2) return
+        if (n == 3) then
+            bend = spread(2.0_wp*(slope(:, 2) - slope(:, 1))/(step(1) + step(2)), 2, 3)
+            return
+        end if
+        ! The third derivative goes on across the second and the last but one point: the ends are
+        ! put in terms of their neighbours, which leaves equations for points 2 … n-1.
+        allocate (diagonal(2:n - 1), right(2:n - 1))
+        do k = 2, n - 1
+            diagonal(k) = 2.0_wp*(step(k - 1) + step(k))
+            right(k) = step(k)
+            bend(:, k) = 6.0_wp*(slope(:, k) - slope(:, k - 1))
+        end do
+        diagonal(2) = diagonal(2) + step(1)*(step(1) + step(2))/step(2)
+        right(2) = right(2) - step(1)**2/step(2)
+        diagonal(n - 1) = diagonal(n - 1) + step(n - 1)*(step(n - 1) + step(n - 2))/step(n - 2)
+        do k = 3, n - 1
+            left = step(k - 1)
+            if (k == n - 1) left = left - step(n - 1)**2/step(n - 2)
+            factor = left/diagonal(k - 1)
+            diagonal(k) = diagonal(k) - factor*right(k - 1)
+            bend(:, k) = bend(:, k) - factor*bend(:, k - 1)
+        end do
+        bend(:, n - 1) = bend(:, n - 1)/diagonal(n - 1)
+        do k = n - 2, 2, -1
+            bend(:, k) = (bend(:, k) - right(k)*bend(:, k + 1))/diagonal(k)
+        end do
+        bend(:, 1) = bend(:, 2) + step(1)/step(2)*(bend(:, 2) - bend(:, 3))
+        bend(:, n) = bend(:, n - 1) + step(n - 1)/step(n - 2)*(bend(:, n - 1) - bend(:, n - 2))
+    end function second_derivatives
+
+end module flankload_node_curve
