@@ -1,0 +1,59 @@
+"""The library as it is installed, without Python; what is built against it knows nothing else."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Kept from run to run: nothing new to compile takes two seconds.
+BUILD = ROOT / "build-core"
+
+
+@pytest.fixture(scope="session")
+def prefix() -> Path:
+    """Where the library stands."""
+    target = BUILD / "prefix"
+    subprocess.run([ROOT / "dev", "install", target], check=True, capture_output=True)
+    return target
+
+
+@pytest.fixture(scope="session")
+def environment(prefix: Path) -> dict[str, str]:
+    """What a caller sets: where pkg-config finds the library, and one thread."""
+    return {
+        **os.environ,
+        "PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig"),
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+    }
+
+
+@pytest.fixture(scope="session")
+def workshop(prefix: Path) -> Path:
+    """A folder outside the sources; programs are built there when the library is newer."""
+    folder = BUILD / "programs"
+    folder.mkdir(exist_ok=True)
+    newest = max(path.stat().st_mtime for path in prefix.rglob("*") if path.is_file())
+    for program in folder.glob("*/*"):
+        if os.access(program, os.X_OK) and program.is_file() and program.stat().st_mtime < newest:
+            program.unlink()
+    return folder
+
+
+def built(source: Path, folder: Path, environment: dict[str, str], *, static: bool) -> Path:
+    """Copy a folder with a Makefile out of the tree and make it there."""
+    folder.mkdir(exist_ok=True)
+    for path in source.iterdir():
+        copy = folder / path.name
+        if path.is_file() and (not copy.exists() or copy.stat().st_mtime < path.stat().st_mtime):
+            shutil.copy2(path, copy)
+    command = ["make", "-C", str(folder), *(["STATIC=1"] if static else [])]
+    made = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stdout + made.stderr
+    assert "warning" not in made.stderr, made.stderr
+    return folder
