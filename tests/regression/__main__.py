@@ -1,0 +1,43 @@
+"""Make references anew: ``python -m tests.regression [NAME …] [--check]``.
+
+A name may be the beginning of several; without a name all are made. What moved is printed quantity
+by quantity; with ``--check`` nothing is written.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS / room) for room in ("python", "hard_cases")]
+
+from .compare import movements, path_of, read_reference, reference_of, table, write_reference  # noqa: E402
+from .contact_cases import contact_cases  # noqa: E402
+from .scene_cases import scene_cases  # noqa: E402
+
+
+def main(arguments: list[str]) -> int:
+    """Make what is asked for."""
+    wanted = [argument for argument in arguments if argument != "--check"]
+    cases = contact_cases() | scene_cases()
+    names = [name for name in cases if not wanted or name.startswith(tuple(wanted))]
+    if not names:
+        print(f"no such reference; there are: {', '.join(cases)}", file=sys.stderr)
+        return 2
+    drifted = False
+    for name in names:
+        made = reference_of(name, cases[name])
+        if path_of(name).exists():
+            rows = [row for row in movements(read_reference(name), made) if row.moved > 0]
+            drifted = drifted or any(row.is_drift for row in rows)
+            print(table(name, rows) if rows else f"{name}: nothing moved")
+        else:
+            print(f"{name}: new")
+        if "--check" not in arguments:
+            write_reference(made)
+    return int(drifted and "--check" in arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

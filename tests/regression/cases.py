@@ -1,0 +1,31 @@
+"""A case: what goes in, and how its quantities come out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from .quantities import Quantity
+
+
+@dataclass(frozen=True)
+class Case:
+    """One reference.
+
+    Attributes
+    ----------
+    inputs : dict
+        What was solved, as data that a reader can use elsewhere.
+    provenance : str
+        Where the problem comes from, and what else stands for its answer.
+    solve : callable
+        Quantities by name: numbers, lists of numbers, or a word.
+    known : dict
+        The quantities that may come out.
+    """
+
+    inputs: dict[str, Any]
+    provenance: str
+    solve: Callable[[], dict[str, Any]]
+    known: dict[str, Quantity] = field(repr=False)

@@ -1,0 +1,91 @@
+"""Scenes: every example, and some that call for one thing more."""
+
+from __future__ import annotations
+
+import tomllib
+from copy import deepcopy
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import flankload as fl
+
+from .cases import Case
+from .quantities import SCENE
+
+SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
+#: Positions of a period: enough to see every state of contact, and a second a scene at the most.
+POSITIONS = 6
+
+#: Changes of the external gear, a name each.
+VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
+    "no_torque": {"load": {"torque_Nm": 0.0}},
+    "two_torques": {"load": {"torque_Nm": [30.0, 302.0]}},
+    "plane_stress": {"accuracy": {"plane": "stress"}},
+    "fine": {"accuracy": {"tolerance": 0.002}},
+    "tip_radius": {"body_1": {"tip_radius_mm": 0.3}, "body_2": {"tip_radius_mm": 0.3}},
+    "tip_relief": {
+        "body_1": {"tip_relief_um": 25.0, "tip_relief_start_diameter_mm": 79.0},
+    },
+    "pitch_errors": {"body_1": {"pitch_errors_um": [0.0] * 8 + [8.0] + [0.0] * 7}},
+    "rigid_wheel": {"body_2": {"rigid": True}},
+}
+
+
+def _paths_made_whole(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The scene without the folder of its file."""
+    for body in ("body_1", "body_2"):
+        if "file" in tree[body]:
+            tree[body]["file"] = str((folder / tree[body]["file"]).resolve())
+    return tree
+
+
+def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
+    solved = fl.solve(fl.Scene.from_dict(_paths_made_whole(deepcopy(tree), SCENES)))
+    results = solved if isinstance(solved, tuple) else (solved,)
+    several = len(results) > 1
+    found: dict[str, Any] = {}
+    for result in results:
+        mark = f" at {result.torque_Nm:g} Nm" if several else ""
+        for key in SCENE:
+            if key == "fe_factorisations":
+                value: Any = result.cost[key]
+            elif key == "pairs":
+                value = [len(result.pairs(p)) for p in range(result.position_rad.size)]
+            else:
+                value = np.ravel(getattr(result, key))
+            # without torque there is no stiffness
+            if np.isfinite(np.asarray(value, dtype=float)).all():
+                found[key + mark] = value
+    return found
+
+
+def _case(tree: dict[str, Any], provenance: str) -> Case:
+    tree = deepcopy(tree)
+    tree["positions"] = {"count": POSITIONS}
+    tree.setdefault("accuracy", {})["estimate"] = False
+    return Case(
+        inputs={"scene": tree},
+        provenance=provenance,
+        solve=partial(_quantities, tree),
+        known=SCENE,
+    )
+
+
+def scene_cases() -> dict[str, Case]:
+    """All of them by name."""
+    cases = {}
+    for path in sorted(SCENES.glob("*.toml")):
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        cases[f"scene_{path.stem}"] = _case(
+            tree, f"examples/scenes/{path.name}, {POSITIONS} positions"
+        )
+    plain = tomllib.loads((SCENES / "external_gear.toml").read_text(encoding="utf-8"))
+    for name, changes in VARIANTS.items():
+        tree = deepcopy(plain)
+        for table, keys in changes.items():
+            tree.setdefault(table, {}).update(keys)
+        cases[f"variant_{name}"] = _case(tree, f"examples/scenes/external_gear.toml with {changes}")
+    return cases

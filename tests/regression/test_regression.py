@@ -1,0 +1,79 @@
+"""Every reference is met; ``./dev reference`` makes them anew and says what moved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from .compare import (
+    REFERENCES,
+    movements,
+    read_reference,
+    reference_of,
+    table,
+    write_reference,
+)
+from .contact_cases import contact_cases
+from .scene_cases import scene_cases
+
+CASES = contact_cases() | scene_cases()
+NAMES = sorted(path.stem for path in REFERENCES.glob("*.json"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_reference(name: str) -> None:
+    assert name in CASES, f"{name}.json belongs to no case any more"
+    reference = read_reference(name)
+    found = reference_of(name, CASES[name])
+    assert found["inputs"] == reference["inputs"], "another problem than that of the reference"
+    moved = movements(reference, found)
+    assert not any(row.is_drift for row in moved), "\n" + table(name, moved)
+
+
+def test_there_are_enough_of_each_kind() -> None:
+    assert len(NAMES) >= 25
+    for method in ("single", "block", "cascade", "primal", "load_path", "paper"):
+        assert f"contact_gear_{method}" in NAMES
+    for path in REFERENCES.glob("*.json"):
+        assert path.stat().st_size < 32_000, f"{path.name} is no small file"
+
+
+def made_up(value: Any, **changes: Any) -> dict[str, Any]:
+    about = {"unit": "N", "rtol": 1e-3, "atol": 0.0, "reason": "made up", "value": value}
+    return {"quantities": {"force": about | changes}}
+
+
+def test_what_moves_too_far_is_named() -> None:
+    (row,) = movements(made_up([1.0, 200.0]), made_up([1.1, 200.1]))
+    assert not row.is_drift
+    np.testing.assert_allclose(row.allowed, 0.2, rtol=1e-12, atol=0)
+    (row,) = movements(made_up([1.0, 200.0]), made_up([1.3, 200.1]))
+    assert row.is_drift
+    assert "! force  moved 3.00e-01 N, allowed 2.0e-01: 1 -> 1.3" in table("made_up", [row])
+
+
+@pytest.mark.parametrize(
+    ("before", "now"),
+    [([1.0], [1.0, 2.0]), ("solved", "NegativeForce"), ([1.0], [float("nan")]), ("solved", 1.0)],
+)
+def test_what_changes_its_kind_is_drift(before: Any, now: Any) -> None:
+    (row,) = movements(made_up(before), made_up(now))
+    assert row.is_drift
+
+
+def test_what_comes_or_goes_is_drift() -> None:
+    nothing: dict[str, Any] = {"quantities": {}}
+    assert movements(made_up([1.0]), nothing)[0].is_drift
+    assert movements(nothing, made_up([1.0]))[0].is_drift
+
+
+def test_what_is_written_is_read(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("tests.regression.compare.REFERENCES", tmp_path)
+    reference = made_up([1.5, 2.0, -3.25e-9]) | {
+        "name": "made_up",
+        "inputs": {"matrix": [[1, 2], [3, 4]], "scene": {"count": 3, "words": ["a, b", "c"]}},
+    }
+    write_reference(reference)
+    assert read_reference("made_up") == reference
