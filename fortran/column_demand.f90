@@ -296,13 +296,16 @@ contains
         type(contact_result), intent(inout) :: result
 
         integer :: i
+        logical :: active(n)
 
         result = part
         deallocate (result%forces, result%gaps)
         allocate (result%forces(n), result%gaps(n), source=0.0_wp*part%forces(1))
         result%forces(known) = part%forces
         result%gaps(known) = part%gaps
-        result%active_pairs = pack([(i, i=1, n)], abs(result%forces) > 0.0_wp)
+        active = .false.
+        active(known(part%active_pairs)) = .true.
+        result%active_pairs = pack([(i, i=1, n)], active)
     end subroutine take_over
 
     !> Gaps of all pairs under the forces of the known ones, and the sizes of their rows.

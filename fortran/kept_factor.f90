@@ -248,8 +248,11 @@ contains
         else
             call getrf(k, factor%matrix, factor%row_swaps, info)
             factor%largest = maxval(abs(matrix))
-            factor%growth = max(1.0_wp, maxval(abs(factor%matrix(:k, :k)))/factor%largest)
-            accepted = info == 0
+            factor%growth = 1.0_wp
+            accepted = info == 0 .and. factor%largest > 0.0_wp
+            if (accepted) then
+                factor%growth = max(1.0_wp, maxval(abs(factor%matrix(:k, :k)))/factor%largest)
+            end if
             do i = 1, k
                 if (accepted) accepted = abs(factor%matrix(i, i)) > dependent*factor%largest
             end do
