@@ -16,6 +16,7 @@
 subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_pairs, turn, &
         & axis_1, axis_2, sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
         & n_pairs, flank, radius, gap_angle, lever, torque_lever, torque_lever_2, compliance, info)
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use flankload, only: nodal_body, nodal_pairs_type, find_nodal_pairs, new_nodal_body, &
         & nodal_influences
     implicit none
@@ -74,12 +75,12 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
     torque_lever_2 = 0.0d0
     compliance = 0.0d0
     info = -findloc([n_flanks >= 1, n_points_1 >= 2, n_points_2 >= 2, n_circles >= 0, &
-        & max_pairs >= 1, abs(turn) == 1, all(abs(axis_1) <= huge(axis_1)), &
-        & all(abs(axis_2) <= huge(axis_2)), &
+        & max_pairs >= 1, abs(turn) == 1, all(ieee_is_finite(axis_1)), &
+        & all(ieee_is_finite(axis_2)), &
         & all(sizes_1 >= 2) .and. sum(sizes_1) == n_points_1, &
-        & all(abs(points_1) <= huge(points_1)), all(abs(compliance_1) <= huge(compliance_1)), &
+        & all(ieee_is_finite(points_1)), all(ieee_is_finite(compliance_1)), &
         & all(sizes_2 >= 2) .and. sum(sizes_2) == n_points_2, &
-        & all(abs(points_2) <= huge(points_2)), all(abs(compliance_2) <= huge(compliance_2))], &
+        & all(ieee_is_finite(points_2)), all(ieee_is_finite(compliance_2))], &
         & .false., dim=1)
     if (info < 0) return
     body_1 = new_nodal_body(sizes_1, points_1, compliance_1)
