@@ -168,7 +168,7 @@ contains
         real(wp), intent(in) :: half_width
         real(wp) :: weight
 
-        weight = max(0.0_wp, 1.0_wp - min(zone%to_corner_low, zone%to_corner_high)/half_width)
+        weight = max(0.0_wp, 1.0_wp - min(zone%to_corner_low, zone%to_corner_high, half_width)/half_width)
         if (zone%corner > 0) weight = 1.0_wp
     end function corner_weight
 
