@@ -85,3 +85,10 @@ def silent_arguments(lines: list[str], start: int) -> list[str]:
             if not (before.startswith("!>") or ", intent(" in before):
                 found.append(lines[k].split("::")[-1].strip())
     return found
+
+
+def test_the_door_is_described_procedure_by_procedure() -> None:
+    text = (FORTRAN / "README.md").read_text(encoding="utf-8")
+    table = text.split("## The flat door")[1].split("## ")[0]
+    door = {name for path in (FORTRAN / "flat").glob("*.f90") for name in procedures_of(path)}
+    assert {name for name in door if f"`{name}" not in table} == set()
