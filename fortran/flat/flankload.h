@@ -83,6 +83,28 @@ void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const 
                                double *gaps, double *motion, double *tangent, int *active,
                                int *counters, double *certificate, int *info);
 
+/* All positions and torques from flank curves and compliances by pressure modes. */
+void flankload_sweep_(const int *n_positions, const int *n_torques, const double *angles_1,
+                      const double *angles_2, const double *center_distance, const double *torques,
+                      const int *n_breaks_1, const int *degree_1, const double *breaks_1,
+                      const double *coefficients_1, const int *corners_1, const int *n_breaks_2,
+                      const int *degree_2, const double *breaks_2, const double *coefficients_2,
+                      const int *corners_2, const int *n_sites, const double *site_angles_1,
+                      const double *site_angles_2, const double *deviations_1,
+                      const double *deviations_2, const int *n_modes_1, const int *n_blocks_1,
+                      const double *mode_range_1, const double *kernel_1, const double *smooth_1,
+                      const int *block_1, const int *n_modes_2, const int *n_blocks_2,
+                      const double *mode_range_2, const double *kernel_2, const double *smooth_2,
+                      const int *block_2, const double *grid, const int *n_speeds,
+                      const double *speeds, const int *n_mu, const double *mu_places,
+                      const double *mu_values, const int *n_tangential_1,
+                      const double *tangential_1, const double *jump_1, const int *n_tangential_2,
+                      const double *tangential_2, const double *jump_2, const int *n_columns,
+                      const int *room, int *control, int *pair_site, double *pair_table,
+                      int *status, double *rotation, double *tangent, double *certificate,
+                      int *counters, double *site_force, double *site_peak, int *site_corner,
+                      int *n_pairs, int *first_pair, int *info);
+
 #ifdef __cplusplus
 }
 #endif

@@ -30,6 +30,11 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
         "body_1": {"tip_relief_um": 25.0, "tip_relief_start_diameter_mm": 79.0},
     },
     "pitch_errors": {"body_1": {"pitch_errors_um": [0.0] * 8 + [8.0] + [0.0] * 7}},
+    "friction": {"effects": {"friction_coefficient": 0.1}},
+    "friction_driven": {
+        "effects": {"friction_coefficient": 0.3},
+        "positions": {"driver": "body_2"},
+    },
     "rigid_wheel": {"body_2": {"rigid": True}},
 }
 
@@ -64,7 +69,8 @@ def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
 
 def _case(tree: dict[str, Any], provenance: str) -> Case:
     tree = deepcopy(tree)
-    tree["positions"] = {"count": POSITIONS}
+    driver = {k: v for k, v in tree.get("positions", {}).items() if k == "driver"}
+    tree["positions"] = {"count": POSITIONS} | driver
     tree.setdefault("accuracy", {})["estimate"] = False
     return Case(
         inputs={"scene": tree},
