@@ -14,7 +14,7 @@ from tolerances import ROUND_OFF, SOLVER
 import flankload as fl
 from flankload import _core
 
-# What points 0.05 mm apart (a fifth of the half-width of the contact) leave: of the rotation, of
+# What points 0.05 mm apart (a third of the half-width of the contact) leave: of the rotation, of
 # the part of the load on a flank, and of the ratio of both torques (the circles leave that alone).
 ROTATION = 5e-4
 SHARE = 1e-3
