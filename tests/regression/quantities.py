@@ -26,6 +26,7 @@ class Quantity:
 
 _SOLVED = "equations solved to rounding; condition below 1e6"
 _ROUNDED = "sums of a few thousand terms in another order, zones bracketed to 1e-9 of their width"
+_PLACED = _ROUNDED + "; flanks known to 1e-9 mm"
 _EXACT = "a count"
 _WORD = "a word"
 
@@ -51,8 +52,8 @@ SCENE = {
     "loaded_pairs": Quantity("1", 0.0, 0.0, _EXACT),
     "pairs": Quantity("1", 0.0, 0.0, _EXACT),
     "position_rad": Quantity("rad", 1e-12, 1e-14, "no more than a product"),
-    "rotation_rad": Quantity("rad", 1e-6, 0.0, _ROUNDED),
-    "transmission_error_um": Quantity("um", 1e-6, 0.0, _ROUNDED),
+    "rotation_rad": Quantity("rad", 1e-6, 1e-11, _PLACED),
+    "transmission_error_um": Quantity("um", 1e-6, 1e-6, _PLACED),
     "load_share": Quantity("1", 1e-6, 0.0, _ROUNDED),
     "site_force_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
     "peak_pressure_MPa": Quantity(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from . import compare
 from .compare import (
     REFERENCES,
     movements,
@@ -70,7 +71,7 @@ def test_what_comes_or_goes_is_drift() -> None:
 
 
 def test_what_is_written_is_read(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr("tests.regression.compare.REFERENCES", tmp_path)
+    monkeypatch.setattr(compare, "REFERENCES", tmp_path)
     reference = made_up([1.5, 2.0, -3.25e-9]) | {
         "name": "made_up",
         "inputs": {"matrix": [[1, 2], [3, 4]], "scene": {"count": 3, "words": ["a, b", "c"]}},
