@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         MeshError,
         NegativeForce,
         NoContactState,
+        OtherProgramError,
         PivotLimit,
         SceneError,
         SingularContact,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.solve import solve
+    from flankload.verify import Verification, verify
 
 __all__ = [
     "ContactState",
@@ -40,11 +42,13 @@ __all__ = [
     "MeshError",
     "NegativeForce",
     "NoContactState",
+    "OtherProgramError",
     "PivotLimit",
     "Result",
     "Scene",
     "SceneError",
     "SingularContact",
+    "Verification",
     "__version__",
     "errors",
     "read_scene",
@@ -54,6 +58,7 @@ __all__ = [
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "verify",
 ]
 
 _ROOM_OF_NAME = {
@@ -62,6 +67,7 @@ _ROOM_OF_NAME = {
     "MeshError": "errors",
     "NegativeForce": "errors",
     "NoContactState": "errors",
+    "OtherProgramError": "errors",
     "PivotLimit": "errors",
     "SceneError": "errors",
     "SingularContact": "errors",
@@ -75,6 +81,8 @@ _ROOM_OF_NAME = {
     "solve_contact_torques": "contact",
     "Result": "result",
     "solve": "solve",
+    "Verification": "verify",
+    "verify": "verify",
 }
 
 

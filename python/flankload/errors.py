@@ -56,6 +56,20 @@ class ComplianceFileError(SceneError):
     """A compliance file that cannot be read or does not make a body."""
 
 
+class OtherProgramError(FlankloadError):
+    """The program that a verification asks is missing or has no answer.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Where its files are.
+    """
+
+    def __init__(self, message: str, *, folder: Path | None = None) -> None:
+        super().__init__(message if folder is None else f"{message}; its files are in {folder}")
+        self.folder = folder
+
+
 class ContactError(FlankloadError):
     """A contact problem without an answer.
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.solving import mesh, run, schema
+from flankload.cli.verifying import verify
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:
@@ -131,6 +132,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     compliance_parser.set_defaults(command=compliance)
 
+    _add_verify(commands)
+
     check_parser = commands.add_parser(
         "check", help="say what was understood of a scene or a mesh file"
     )
@@ -140,3 +143,32 @@ def _parser() -> argparse.ArgumentParser:
     schema_parser = commands.add_parser("schema", help="print the JSON schema of a scene file")
     schema_parser.set_defaults(command=schema)
     return parser
+
+
+def _add_verify(commands: Any) -> None:
+    parser = commands.add_parser(
+        "verify", help="solve one position by nonlinear finite elements, too (CalculiX)"
+    )
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    parser.add_argument(
+        "--position", metavar="K", type=int, default=0, help="index of the position; default: 0"
+    )
+    parser.add_argument(
+        "-o", dest="folder", metavar="DIR", type=Path, help="keep deck and output in this folder"
+    )
+    parser.add_argument("--no-run", action="store_true", help="write the deck, solve nothing")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    parser.add_argument(
+        "--large-displacement", action="store_true", help="CalculiX follows the deformed geometry"
+    )
+    parser.add_argument(
+        "--elements", metavar="N", type=float, default=6.0,
+        help="elements on the half-width of a contact; default: 6",
+    )  # fmt: skip
+    parser.add_argument(
+        "--time-limit", metavar="S", type=float, help="seconds after which CalculiX is stopped"
+    )
+    parser.add_argument(
+        "--program", metavar="CCX", default="ccx", help="name or path of CalculiX; default: ccx"
+    )
+    parser.set_defaults(command=verify)

@@ -1,0 +1,46 @@
+"""The command verify: one position by flankload and by CalculiX."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from flankload.cli.solving import check_folder
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+#: Elements on the half-width of a contact: fewer show no pressure, more take hours.
+FEWEST, MOST = 1.0, 100.0
+
+
+def verify(arguments: Namespace) -> None:
+    """Print both answers side by side."""
+    if arguments.folder is not None:
+        check_folder("-o", arguments.folder)
+    if not FEWEST <= arguments.elements <= MOST:
+        raise SceneError(
+            key="--elements",
+            expected=f"a number from {FEWEST:g} to {MOST:g}",
+            found=f"{arguments.elements:g}",
+        )
+    limit = arguments.time_limit
+    if limit is not None and not (isfinite(limit) and limit > 0):
+        raise SceneError(key="--time-limit", expected="seconds > 0", found=f"{limit:g}")
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.verify import verify as compared
+
+    found = compared(
+        scene,
+        position=arguments.position,
+        folder=arguments.folder,
+        run=not arguments.no_run,
+        time_limit_s=limit,
+        elements_per_half_width=arguments.elements,
+        large_displacement=arguments.large_displacement,
+        program=arguments.program,
+    )
+    print(found.to_json() if arguments.json else found.table(), end="" if arguments.json else "\n")

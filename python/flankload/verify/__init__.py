@@ -1,0 +1,10 @@
+"""A position by another program: the deck of a nonlinear contact problem for CalculiX, its answer
+beside flankload's.
+
+Scene → whole bodies in triangles, fine where flanks may touch → deck → CalculiX → comparison.
+"""
+
+from flankload.verify.calculix import Answer
+from flankload.verify.comparison import Verification, verify
+
+__all__ = ["Answer", "Verification", "verify"]

@@ -1,0 +1,192 @@
+"""From a scene and a position to a deck: whole bodies, fine where flanks may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import structs
+
+from flankload.assembly import build_bodies
+from flankload.errors import SceneError
+from flankload.verify.contact_places import contact_places
+from flankload.verify.deck import Deck, Part, part_of
+from flankload.verify.refine import refined
+from flankload.verify.triangles import moved, whole_body
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.assembly import BodyPair
+    from flankload.bodies import Body
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.verify.contact_places import Place
+
+    Floats = NDArray[np.float64]
+
+#: Elements of the coarse mesh along the flanks in modules, and on splines; far teeth keep them.
+COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
+#: Sides grow by this much per mm of distance from the contact.
+GROWTH = 0.2
+#: Body 1 stands turned so far into its mate at the start, in parts of its deflection: flanks that
+#: do not touch would leave it free.
+START_PART = 0.05
+#: Flanks are watched up to so many times the deflection.
+REACH = 3.0
+
+
+@dataclass(frozen=True)
+class Model:
+    """A deck and what its reader must know.
+
+    Attributes
+    ----------
+    deck : Deck
+    finest_mm : float
+        Length of the elements at the contacts.
+    """
+
+    deck: Deck
+    finest_mm: float
+
+
+def check_bodies(scene: Scene) -> None:
+    """Refuse bodies that have no elements.
+
+    Raises
+    ------
+    SceneError
+    """
+    for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        if spec.kind == "compliance":
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.kind",
+                expected="a body with elements, for another program to solve them",
+                found="'compliance': its file holds what the elements gave, not the elements",
+            )
+        if spec.rigid:
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.rigid",
+                expected="a body that yields: rigid flanks are not written for another program",
+                found="true",
+            )
+
+
+def model_of(
+    scene: Scene,
+    result: Result,
+    position: int,
+    *,
+    elements_per_half_width: float,
+    large_displacement: bool,
+) -> Model:
+    """Deck of one position.
+
+    Parameters
+    ----------
+    scene : Scene
+    result : Result
+        Its answer: says how fine elements must be and how far to look, nothing else.
+    position : int
+    elements_per_half_width : float
+        Elements on the half-width of a Hertz contact.
+    large_displacement : bool
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        If a body cannot be meshed or no flanks meet.
+    """
+    pair = _coarse_bodies(scene)
+    plane = scene.accuracy.plane
+    angle = float(result.position_rad[position])
+    turn_1, turn_2 = (float(turn) for turn in pair.pairing.turns(np.float64(angle)))  # type: ignore[arg-type]
+    loads = result.site_force_N[position] / result.face_width_mm
+    rotation = float(result.rotation_rad[position])
+    places = contact_places(
+        pair,
+        (turn_1, turn_2),
+        force_N_per_mm=dict(zip(result.sites.tolist(), loads.tolist(), strict=True)),
+        rotation_rad=rotation,
+        reach=REACH,
+        elements_per_half_width=elements_per_half_width,
+        plane=plane,
+    )
+    touch = min(place.gap_rad for place in places)
+    start = touch + START_PART * (rotation - touch)
+    size = _sizes(places)
+    parts = []
+    for z, (body, turn, shift) in enumerate(
+        ((pair.body_1, turn_1, 0.0), (pair.body_2, turn_2, pair.pairing.center_distance_mm))
+    ):
+        flanks = _flanks_of(pair, z, places)
+        further = start if z == 0 else 0.0
+        parts.append(_part(body, flanks, (turn, further, shift), size))
+    deck = Deck(
+        title=f"{result.name}, position {position}",
+        parts=(parts[0], parts[1]),
+        sites=tuple(place.site for place in places),
+        torque_N=1000.0 * result.torque_Nm / result.face_width_mm,
+        start_rad=start,
+        plane=plane,
+        large_displacement=large_displacement,
+    )
+    return Model(deck, min(place.element_mm for place in places))
+
+
+def _coarse_bodies(scene: Scene) -> BodyPair:
+    """Both bodies with coarse elements where flankload makes them itself."""
+    module = next(
+        (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
+        None,
+    )
+    if module is None:
+        return build_bodies(scene)
+    part = COARSE_SPLINE_PART if scene.body_1.kind == "spline_shaft" else COARSE_PART
+    accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
+    return build_bodies(replace(scene, accuracy=accuracy))
+
+
+def _flanks_of(pair: BodyPair, z: int, places: tuple[Place, ...]) -> tuple[tuple[int, float], ...]:
+    """Tooth and angle of body z's flank at each place."""
+    rows = np.searchsorted(pair.pairing.sites, [place.site for place in places])
+    teeth, angles = pair.pairing.site_teeth[z][rows], pair.pairing.site_angles_rad[z][rows]
+    return tuple(zip(teeth.tolist(), angles.tolist(), strict=True))
+
+
+def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
+    """Longest side of an element by its place."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(np.vstack([place.points for place in places]))
+    finest = np.concatenate([np.full(len(place.points), place.element_mm) for place in places])
+
+    def size_at(points: Floats) -> Floats:
+        distance, nearest = tree.query(points)
+        return np.asarray(finest[nearest] + GROWTH * np.maximum(distance - finest[nearest], 0.0))
+
+    return size_at
+
+
+def _part(
+    body: Body,
+    flanks: tuple[tuple[int, float], ...],
+    stand: tuple[float, float, float],
+    size: Callable[[Floats], Floats],
+) -> Part:
+    """One body: refined as it stands at the position, then turned further by the start."""
+    turn, further, shift = stand
+    c, s = np.cos(turn), np.sin(turn)
+    to_place = np.array([[c, s], [-s, c]])
+    mesh = refined(whole_body(body, flanks), lambda points: size(points @ to_place + [shift, 0.0]))
+    return part_of(moved(mesh, turn + further, shift), len(flanks), body.material)
