@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,12 @@ from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import Material
 from flankload.cli import main
 from flankload.errors import OtherProgramError, SceneError
+from flankload.friction import friction_of
 from flankload.plane_mesh import jacobians, scaled_jacobians
 from flankload.verify.calculix import read_answer, run_deck, version_of
-from flankload.verify.contact_places import contact_places
-from flankload.verify.deck import Deck, Part, deck_text
-from flankload.verify.model import model_of
+from flankload.verify.contact_places import Place, contact_places
+from flankload.verify.deck import Deck, Part, Rubbing, deck_text
+from flankload.verify.model import friction_of_deck, model_of
 from flankload.verify.refine import refined
 from flankload.verify.triangles import Triangles, quadratic, sides, whole_body
 
@@ -265,7 +267,7 @@ def test_held_nodes_of_body_1_turn_as_one(deck: Deck) -> None:
     turn = 1e-3
     for count, terms in equations:
         node, component, one, axis, first, arm = terms.split(",")
-        assert (count, int(axis), int(first), float(one)) == ("2", deck.axis_node, 1, 1.0)
+        assert (count, int(axis), int(first), float(one)) == ("2", deck.axis_node(1), 1, 1.0)
         x, y = part.nodes[int(node) - 1]
         moved = (-y * turn, x * turn)[int(component) - 1]
         np.testing.assert_allclose(moved + float(arm) * turn, 0.0, rtol=0, atol=SOLVER)
@@ -283,12 +285,68 @@ def test_torque_is_that_of_a_millimetre_of_width(deck: Deck) -> None:
 
 
 def test_options_stand_in_the_deck(deck: Deck) -> None:
-    from dataclasses import replace
-
-    other = deck_text(replace(deck, plane="stress", large_displacement=True))
+    other = deck_text(
+        replace(deck, plane="stress", large_displacement=True, title="*STEP\n*END STEP")
+    )
+    assert other.splitlines()[1].startswith("scene: *STEP *END STEP")
     assert "TYPE=CPS6" in other
     assert "NLGEOM" in other
     assert "NLGEOM" not in deck_text(deck)
+
+
+# --- friction -------------------------------------------------------------------------------------
+def rubbing_of(pair_: BodyPair, coefficients: object, driver: str = "body_1") -> Rubbing | None:
+    scene = scene_of(
+        effects={"friction_coefficient": coefficients}, positions={"count": 8, "driver": driver}
+    )
+    friction = friction_of(scene, pair_.body_1, pair_.pairing)
+    places = tuple(Place(site, 0.0, 0.1, np.zeros((1, 2))) for site in (-1, 0))
+    return friction_of_deck(scene, replace(pair_, friction=friction), places)
+
+
+@pytest.mark.parametrize(("driver", "sense"), [("body_1", 1), ("body_2", -1)])
+def test_body_2_comes_from_where_it_stood_a_little_before(
+    pair: BodyPair, driver: str, sense: int
+) -> None:
+    rubbing = rubbing_of(pair, 0.1, driver)
+    turned = pair.pairing.turns(np.array([0.0, sense * 2e-3]))[1]
+    assert rubbing.back_rad == pytest.approx(turned[0] - turned[1], rel=SOLVER)
+    assert rubbing.coefficients == (0.1, 0.1)
+    assert rubbing.center_distance_mm == 91.5
+
+
+def test_pairs_have_the_coefficients_of_their_teeth(pair: BodyPair) -> None:
+    by_tooth = [0.0] * 16
+    by_tooth[1] = 0.2  # the tooth that comes into contact after that of pair 0: pair -1
+    assert rubbing_of(pair, by_tooth).coefficients == (0.2, 0.0)
+
+
+def test_coefficients_along_a_flank_are_refused(pair: BodyPair) -> None:
+    with pytest.raises(SceneError, match=r"friction_coefficient: expected a number, or one per"):
+        rubbing_of(pair, [[-5.0, 0.05], [5.0, 0.1]])
+
+
+def test_flanks_slide_to_the_position_in_a_second_step(deck: Deck) -> None:
+    rubbing = Rubbing((0.2, 0.0), 91.5, 1e-3)
+    blocks = blocks_of(deck_text(replace(deck, rubbing=rubbing)))
+    rows = [row for key, data in blocks if key == "*BOUNDARY" for row in data]
+    assert [row for row in rows if "AXIS_2, 1" in row] == [
+        "AXIS_2, 1, 1, 0.001",
+        "AXIS_2, 1, 1, 0.",
+    ]
+    assert not any("HELD_2" in row for row in rows)
+    assert [key for key, _ in blocks].count("*STATIC") == 2
+    (friction,) = (k for k, (key, _) in enumerate(blocks) if key == "*FRICTION")
+    assert blocks[friction][1] == ["0.2, 5e+06"]
+    assert blocks[friction - 2][0] == "*SURFACE INTERACTION, NAME=PAIR_M1"
+    part, first = deck.parts[1], 1 + len(deck.parts[0].nodes)
+    equations = [data[1].split(",") for key, data in blocks if key == "*EQUATION"]
+    about_2 = [row for row in equations if int(row[3]) == deck.axis_node(2)]
+    assert len(about_2) == 2 * part.held.size
+    for node, component, _, _, _, arm in about_2:
+        x, y = part.nodes[int(node) - first] - [91.5, 0.0]
+        moved = (-y, x)[int(component) - 1]
+        np.testing.assert_allclose(moved + float(arm), 0.0, rtol=0, atol=SOLVER)
 
 
 # --- the answer -----------------------------------------------------------------------------------
@@ -303,18 +361,24 @@ def small_deck() -> Deck:
 def test_reader_takes_the_last_increment(tmp_path: Path) -> None:
     answer = read_answer(OUTPUT, small_deck())
     assert answer.rotation_rad == pytest.approx(1e-4 + 9.507927e-04, rel=ROUND_OFF)
-    forces = [np.hypot(1.076770e02, 2.609681e02), np.hypot(1.356211e02, 3.283815e02)]
-    np.testing.assert_allclose(answer.force_N_per_mm, forces, rtol=ROUND_OFF, atol=0)
+    assert answer.force_N_per_mm.tolist() == [282.3087, 355.2771]
     assert answer.moment_N == pytest.approx(9.552614e03 + 1.201701e04, rel=ROUND_OFF)
     assert answer.pressure_MPa.tolist() == [1455.9, 1214.4]
     assert answer.iterations == 4 + 10
+
+
+def test_with_friction_single_points_do_not_count() -> None:
+    deck = replace(small_deck(), rubbing=Rubbing((0.1, 0.1), 91.5, 1e-3))
+    pressure = read_answer(OUTPUT, deck).pressure_MPa
+    np.testing.assert_allclose(pressure, [1450.9, 1212.4], rtol=ROUND_OFF, atol=0)
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("AXIS_1", "AXIS_2", "for set AXIS_1' in deck.dat"),
-        ("9.507927E-04", "NaNNaN", "could not convert"),
+        ("9.507927E-04", "what", "could not convert"),
+        ("9.507927E-04", "NaN", "the rotation is not a number"),
         ("contact stress", "contact energy", "no lines 'contact stress"),
     ],
 )

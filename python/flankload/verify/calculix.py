@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass
+from math import isfinite
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 JOB = "deck"
 PACKAGE = "calculix-ccx"
 STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all contact elements"
-_NUMBER = r"[-+]?\d+\.\d+E?[-+]\d+"
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,13 @@ class Answer:
     rotation_rad : float
         Of body 1.
     force_N_per_mm : (S,) array
-        Size of the sum of the contact forces of each pair of the deck.
+        Normal force of each pair of the deck.
     moment_N : float
         Sum of their moments about O1 on the undeformed bodies, N mm/mm; the torque, but for
         that deformation.
     pressure_MPa : (S,) array
-        Largest contact pressure at a point of integration.
+        Largest contact pressure at a point of integration; with friction the largest median of
+        a side's points, since single points near the ends of slid sides are far off there.
     iterations : int
     cpu_s, wall_s : float
         NaN where nothing was run.
@@ -81,7 +82,7 @@ def find_program(program: str) -> str:
             f"the program {program!r} of CalculiX is not there: apt install {PACKAGE} "
             "(Debian, Ubuntu), or see www.calculix.de"
         )
-    return found
+    return os.path.abspath(found)  # it runs in another folder
 
 
 def version_of(program: str) -> str:
@@ -172,6 +173,8 @@ def read_answer(
         text = (folder / f"{JOB}.dat").read_text(encoding="utf-8", errors="replace")
         turned = _last_block(text, "displacements (vx,vy,vz) for set AXIS_1")
         rotation = deck.start_rad + float(turned.split()[1])
+        if not isfinite(rotation):
+            raise ValueError("the rotation is not a number")
         forces, moments = zip(*(_force(text, site) for site in deck.sites), strict=True)
         stress = _last_block(text, STRESS_TITLE)
         pressures = _pressures(stress, deck)
@@ -246,19 +249,26 @@ def _force(text: str, site: int) -> tuple[float, float]:
     if not found:
         return 0.0, 0.0
     block = text[found[-1].end() :]
-    heading = "about the origin (mx,my,mz)"
-    after = block[block.index(heading) + len(heading) :]
-    fx, fy, _, _, _, moment = map(float, re.findall(_NUMBER, after)[:6])
-    return float(np.hypot(fx, fy)), abs(moment)
+    moment = _numbers_after(block, "moment about the origin (mx,my,mz)", 6)[5]
+    normal = _numbers_after(block, "area,  normal force (+ = tension)", 2)[1]
+    return (-normal, abs(moment)) if normal < 0 else (0.0, 0.0)
+
+
+def _numbers_after(block: str, heading: str, count: int) -> list[float]:
+    """The first numbers under a heading."""
+    lines = block[block.index(heading) :].splitlines()[1:]
+    return [float(x) for x in next(line for line in lines if line.strip()).split()[:count]]
 
 
 def _pressures(stress: str, deck: Deck) -> Floats:
     """Largest pressure of each pair."""
     rows = np.array([[float(x) for x in line.split()[:3]] for line in stress.splitlines()])
+    of_side = np.max if deck.rubbing is None else np.median
     found = np.zeros(len(deck.sites))
     for k, faces in enumerate(deck.parts[0].flanks):
-        ours = np.isin(rows[:, 0], faces[:, 0] + 1)
-        found[k] = rows[ours, 2].max(initial=0.0)
+        for element in np.intersect1d(rows[:, 0], faces[:, 0] + 1):
+            pressure = float(of_side(rows[rows[:, 0] == element, 2]))
+            found[k] = max(found[k], pressure)
     return found
 
 

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Contact pressure per mm of overlap, MPa/mm: 1000 MPa overlap by 0.01 um.
 PENALTY = 1e8
+#: Shear stress per mm of slip before flanks slide, MPa/mm: 150 MPa are reached after 0.03 um.
+STICK = 5e6
 #: An iteration is the last one when it moves nodes by less than this part of all; CalculiX would
 #: stop at a hundredth, which leaves 0.05 % in the rotation.
 CORRECTION = 1e-5
@@ -57,6 +59,25 @@ class Part:
 
 
 @dataclass(frozen=True)
+class Rubbing:
+    """Friction of a deck: flanks must have slid before they rub as they do in motion.
+
+    Attributes
+    ----------
+    coefficients : tuple of float
+        Of each pair of the deck.
+    center_distance_mm : float
+        Where body 2 turns.
+    back_rad : float
+        Turn of body 2 from the position that is asked to the one before, from where it slides.
+    """
+
+    coefficients: tuple[float, ...]
+    center_distance_mm: float
+    back_rad: float
+
+
+@dataclass(frozen=True)
 class Deck:
     """What the input file says.
 
@@ -74,6 +95,8 @@ class Deck:
     plane : {"strain", "stress"}
     large_displacement : bool
         Geometry follows the deformation.
+    rubbing : Rubbing or None
+        None without friction.
     """
 
     title: str
@@ -83,16 +106,16 @@ class Deck:
     start_rad: float
     plane: str
     large_displacement: bool
+    rubbing: Rubbing | None = None
 
     @property
     def node_count(self) -> int:
         """Nodes of both bodies."""
         return sum(len(part.nodes) for part in self.parts)
 
-    @property
-    def axis_node(self) -> int:
-        """Number of the node whose first component is the rotation of body 1."""
-        return self.node_count + 1
+    def axis_node(self, body: int) -> int:
+        """Number of the node whose first component is the rotation of body 1 or 2."""
+        return self.node_count + body
 
 
 def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
@@ -123,9 +146,10 @@ def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
     return Part(nodes, cells, held, flanks, material)
 
 
-def surface_name(site: int, body: int) -> str:
-    """Name of a pair's surface on body 1 or 2; CalculiX knows no minus sign in names."""
-    return f"PAIR_{'M' if site < 0 else ''}{abs(site)}_BODY_{body}"
+def surface_name(site: int, body: int | None = None) -> str:
+    """Name of a pair, or of its surface on body 1 or 2; M stands for minus."""
+    name = f"PAIR_{'M' if site < 0 else ''}{abs(site)}"
+    return name if body is None else f"{name}_BODY_{body}"
 
 
 def deck_text(deck: Deck) -> str:
@@ -143,9 +167,10 @@ def deck_text(deck: Deck) -> str:
 
 
 def _lines(deck: Deck) -> Iterator[str]:
-    yield from ("*HEADING", f"{deck.title} [mm, N, MPa; per mm of width]")
+    yield "*HEADING"
+    yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa; per mm of width]"
     yield f"** body 1 stands turned by {deck.start_rad!r} rad from the position without load;"
-    yield f"** its rotation is that angle and the first component of node {deck.axis_node}"
+    yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
     first_node, first_element = 1, 1
     for z, part in enumerate(deck.parts, start=1):
         yield from _body(part, z, ELEMENT[deck.plane], first_node, first_element)
@@ -155,18 +180,54 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from _set(f"HELD_{z}", first_node + part.held)
         first_node += len(part.nodes)
         first_element += len(part.cells)
-    yield from ("*NODE, NSET=AXIS_1", f"{deck.axis_node}, 0., 0., 0.")
-    yield from _turning(deck.parts[0], deck.axis_node)
-    yield "*SURFACE INTERACTION, NAME=FLANKS"
-    yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
-    yield f"{PENALTY:g}"
-    for site in deck.sites:
-        yield "*CONTACT PAIR, INTERACTION=FLANKS, TYPE=SURFACE TO SURFACE"
+    yield from _axis(deck, 1, 0.0)
+    if deck.rubbing is not None:
+        yield from _axis(deck, 2, deck.rubbing.center_distance_mm)
+    yield from _contact(deck)
+    if deck.rubbing is None:
+        yield from ("*BOUNDARY", "HELD_2, 1, 2")
+        yield from _step(deck)
+    else:
+        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.rubbing.back_rad)}")
+        yield from _step(deck, "AXIS_2, 1, 1, 0.")
+
+
+def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
+    """The held nodes of a body turn about its axis as one: u = (-y, x) times the rotation."""
+    axis = deck.axis_node(body)
+    part = deck.parts[body - 1]
+    first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
+    yield f"*NODE, NSET=AXIS_{body}"
+    yield f"{axis}, {_number(center_mm)}, 0., 0."
+    for node in part.held.tolist():
+        x, y = part.nodes[node].tolist()
+        for component, arm in ((1, y), (2, center_mm - x)):
+            yield "*EQUATION"
+            yield "2"
+            yield f"{first_node + node}, {component}, 1., {axis}, 1, {_number(arm)}"
+    yield "*BOUNDARY"
+    yield f"AXIS_{body}, 2, 3"
+
+
+def _contact(deck: Deck) -> Iterator[str]:
+    for k, site in enumerate(deck.sites):
+        name = surface_name(site)
+        yield f"*SURFACE INTERACTION, NAME={name}"
+        yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
+        yield f"{PENALTY:g}"
+        if deck.rubbing is not None and deck.rubbing.coefficients[k] > 0:
+            yield "*FRICTION"
+            yield f"{_number(deck.rubbing.coefficients[k])}, {STICK:g}"
+        yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE"
         yield f"{surface_name(site, 1)}, {surface_name(site, 2)}"
-    yield from ("*BOUNDARY", "HELD_2, 1, 2", f"{deck.axis_node}, 2, 3")
+
+
+def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
     yield "*STEP, INC=1000" + (", NLGEOM" if deck.large_displacement else "")
     yield from ("*CONTROLS, PARAMETERS=FIELD", f", {CORRECTION:g}")
     yield from ("*STATIC", "1., 1.")
+    if boundary is not None:
+        yield from ("*BOUNDARY", boundary)
     yield from ("*CLOAD", f"AXIS_1, 1, {_number(deck.torque_N)}")
     yield from ("*NODE PRINT, NSET=AXIS_1", "U")
     for site in deck.sites:
@@ -198,13 +259,3 @@ def _number(value: float) -> str:
 def _set(name: str, nodes: Numbers) -> Iterator[str]:
     yield f"*NSET, NSET={name}"
     yield from (f"{node}," for node in nodes.tolist())
-
-
-def _turning(part: Part, axis_node: int) -> Iterator[str]:
-    """The held nodes of body 1 turn about the origin as one: u = (-y, x) times the rotation."""
-    for node in part.held.tolist():
-        x, y = part.nodes[node].tolist()
-        for component, arm in ((1, y), (2, -x)):
-            yield "*EQUATION"
-            yield "2"
-            yield f"{node + 1}, {component}, 1., {axis_node}, 1, {_number(arm)}"

@@ -11,7 +11,7 @@ from msgspec import structs
 from flankload.assembly import build_bodies
 from flankload.errors import SceneError
 from flankload.verify.contact_places import contact_places
-from flankload.verify.deck import Deck, Part, part_of
+from flankload.verify.deck import Deck, Part, Rubbing, part_of
 from flankload.verify.refine import refined
 from flankload.verify.triangles import moved, whole_body
 
@@ -35,6 +35,8 @@ GROWTH = 0.2
 #: Body 1 stands turned so far into its mate at the start, in parts of its deflection: flanks that
 #: do not touch would leave it free.
 START_PART = 0.05
+#: Turn of body 1 by which flanks with friction slide before they stand at the position.
+SLIDING_RAD = 2e-3
 #: Flanks are watched up to so many times the deflection.
 REACH = 3.0
 
@@ -140,8 +142,45 @@ def model_of(
         start_rad=start,
         plane=plane,
         large_displacement=large_displacement,
+        rubbing=friction_of_deck(scene, pair, places),
     )
     return Model(deck, min(place.element_mm for place in places))
+
+
+def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) -> Rubbing | None:
+    """Friction of the watched pairs.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    places : tuple of Place
+
+    Returns
+    -------
+    Rubbing, or None where there is no friction or nothing slides
+
+    Raises
+    ------
+    SceneError
+        If a coefficient changes along a flank.
+    """
+    friction, pairing = pair.friction, pair.pairing
+    if friction is None or pairing.center_distance_mm == 0.0:
+        return None
+    if np.ptp(friction.coefficients, axis=0).any():
+        raise SceneError(
+            file=scene.file,
+            key="effects.friction_coefficient",
+            expected="a number, or one per tooth: another program gets one coefficient for a pair",
+            found="a table over the roll position",
+        )
+    rows = np.searchsorted(pairing.sites, [place.site for place in places])
+    return Rubbing(
+        coefficients=tuple(friction.coefficients[0, rows].tolist()),
+        center_distance_mm=pairing.center_distance_mm,
+        back_rad=friction.sense * pairing.ratio * SLIDING_RAD,
+    )
 
 
 def _coarse_bodies(scene: Scene) -> BodyPair:
@@ -154,7 +193,10 @@ def _coarse_bodies(scene: Scene) -> BodyPair:
         return build_bodies(scene)
     part = COARSE_SPLINE_PART if scene.body_1.kind == "spline_shaft" else COARSE_PART
     accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
-    return build_bodies(replace(scene, accuracy=accuracy))
+    try:
+        return build_bodies(replace(scene, accuracy=accuracy))
+    except SceneError:  # too coarse for this rim or tooth
+        return build_bodies(scene)
 
 
 def _flanks_of(pair: BodyPair, z: int, places: tuple[Place, ...]) -> tuple[tuple[int, float], ...]:

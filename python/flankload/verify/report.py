@@ -86,6 +86,8 @@ def _lines(v: Verification) -> Iterator[str]:
     yield _row("rotation, rad", v.rotation_rad, turned, ".6e")
     error = None if turned is None else um * turned
     yield _row("transm. error, um", um * v.rotation_rad, error, ".3f")
+    held = None if other is None else other.moment_N * v.face_width_mm / 1000.0
+    yield _row("torque of forces, N m", v.torque_Nm, held, ".2f")
     for s, site in enumerate(v.sites.tolist()):
         force = None if other is None else other.force_N_per_mm[s] * v.face_width_mm
         yield _row(f"pair {site}: load, N", v.site_force_N[s], force, ".1f", v.site_force_N.sum())
