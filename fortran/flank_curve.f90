@@ -94,19 +94,25 @@ contains
         associate (c => curve%coefficients(:, :, interval))
             point = c(degree + 1, :)
             first = 0.0_wp
-            do power = degree, 1, -1
-                first = first*x + point
-                point = point*x + c(power, :)
-            end do
-            speed = sqrt(first(1)**2 + first(2)**2)
-            tangent = first/speed
-            if (.not. present(curvature)) return
             second = 0.0_wp
-            do power = degree + 1, 3, -1
-                second = second*x + (power - 1)*(power - 2)*c(power, :)
-            end do
-            curvature = (first(2)*second(1) - first(1)*second(2))/speed**3
+            if (present(curvature)) then
+                do power = degree, 1, -1
+                    second = second*x + 2.0_wp*first
+                    first = first*x + point
+                    point = point*x + c(power, :)
+                end do
+            else
+                do power = degree, 1, -1
+                    first = first*x + point
+                    point = point*x + c(power, :)
+                end do
+            end if
         end associate
+        speed = sqrt(first(1)**2 + first(2)**2)
+        tangent = first/speed
+        if (present(curvature)) then
+            curvature = (first(2)*second(1) - first(1)*second(2))/speed**3
+        end if
     end subroutine curve_point
 
     !> The same in the common frame, for a body that stands somewhere.
