@@ -90,6 +90,8 @@ def _lines(v: Verification) -> Iterator[str]:
     yield _row("torque of forces, N m", v.torque_Nm, held, ".2f")
     for s, site in enumerate(v.sites.tolist()):
         force = None if other is None else other.force_N_per_mm[s] * v.face_width_mm
+        if not (v.site_force_N[s] or force):
+            continue
         yield _row(f"pair {site}: load, N", v.site_force_N[s], force, ".1f", v.site_force_N.sum())
         mark = "*" if v.corner_contact[s] else ""
         pressure = None if other is None else other.pressure_MPa[s]
