@@ -80,6 +80,7 @@ contains
         flank%s(n) = curve%breaks(n_intervals)
         if (flank%special(1) == 0) flank%special(1) = -1
         flank%special(n) = merge(1, -1, curve%corners(n_intervals))
+        if (curve%closed) flank%special([1, n]) = 0
         flank%first_rising = 1
         do k = 1, n
             call curve_point(curve, flank%s(k), flank%point(:, k), tangent)

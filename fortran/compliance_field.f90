@@ -1,12 +1,15 @@
 !> Compliance of a body between any two places of its flanks: pressure modes for the smooth part,
 !> an analytic strip for the near field. Stands where the paper has tables (21), (22).
+!>
+!> On a flank with two ends modes are Legendre polynomials, and the near field is a logarithm of the
+!> distance; on a closed one they are harmonics of a turn, and its logarithm that of the chord.
 module flankload_compliance_field
     use flankload_kinds, only: wp
     implicit none
     private
 
     public :: compliance_type
-    public :: mode_values, strip_kernel, mean_strip_kernel, strip_jump
+    public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
@@ -14,6 +17,8 @@ module flankload_compliance_field
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
         real(wp) :: kernel = 0.0_wp
+        !> True where the modes' range is a closed curve
+        logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
         real(wp), allocatable :: smooth(:, :, :)
         !> Smooth part for modes of load along the flank [mm/N], shape (n_modes, n_tangential,
@@ -28,7 +33,7 @@ module flankload_compliance_field
 
 contains
 
-    !> Legendre polynomials P_0 … P_p over the flank's arc length.
+    !> Legendre polynomials P_0 … P_p over the flank's arc length; harmonics on a closed one.
     !>
     !> Beyond the ends of the modes' range (in a root fillet) they keep their end values.
     pure function mode_values(compliance, s) result(values)
@@ -43,6 +48,11 @@ contains
         real(wp) :: xi(size(s))
 
         n_modes = size(compliance%smooth, 1)
+        if (compliance%closed) then
+            values = harmonics(n_modes, 2.0_wp*acos(-1.0_wp)*(s - compliance%s_low) &
+                & /(compliance%s_high - compliance%s_low))
+            return
+        end if
         xi = (2.0_wp*s - compliance%s_low - compliance%s_high) &
             & /(compliance%s_high - compliance%s_low)
         xi = min(1.0_wp, max(-1.0_wp, xi))
@@ -53,6 +63,28 @@ contains
             values(:, a) = ((2*a - 3)*xi*values(:, a - 1) - (a - 2)*values(:, a - 2))/(a - 1)
         end do
     end function mode_values
+
+    !> 1, cos t, sin t, cos 2t, sin 2t, …
+    pure function harmonics(n_modes, turn) result(values)
+        !> How many
+        integer, intent(in) :: n_modes
+        !> t [rad], shape (n)
+        real(wp), intent(in) :: turn(:)
+        !> Values, shape (n, n_modes)
+        real(wp) :: values(size(turn), n_modes)
+
+        integer :: k
+        complex(wp) :: one(size(turn)), power(size(turn))
+
+        if (n_modes > 0) values(:, 1) = 1.0_wp
+        one = cmplx(cos(turn), sin(turn), wp)
+        power = one
+        do k = 2, n_modes, 2
+            values(:, k) = real(power, wp)
+            if (k < n_modes) values(:, k + 1) = aimag(power)
+            power = power*one
+        end do
+    end function harmonics
 
     !> Displacement at a distance from the centre of a strip that carries a unit load evenly [mm/N].
     elemental function strip_kernel(distance, cell, kernel) result(displacement)
@@ -120,6 +152,35 @@ contains
 
         displacement = -jump*max(-1.0_wp, min(1.0_wp, 2.0_wp*distance/cell))
     end function strip_jump
+
+    !> The mean displacement of a strip on a closed flank [mm/N]: the logarithm of the chord,
+    !> -kernel*ln|(L/pi) sin(pi x/L)| for two points x apart on a turn of length L.
+    elemental function closed_strip_kernel(distance, cell, other, length, kernel) &
+            & result(displacement)
+        !> Distance of both centres along the flank [mm], by whole turns more or less
+        real(wp), intent(in) :: distance
+        !> Widths of the strips [mm]
+        real(wp), intent(in) :: cell
+        real(wp), intent(in) :: other
+        !> Length of a turn [mm]
+        real(wp), intent(in) :: length
+        !> Strength of the logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        real(wp) :: displacement
+
+        !> Up to this angle two terms of the series are exact to 1e-14.
+        real(wp), parameter :: pi = acos(-1.0_wp), small = 0.01_wp
+        real(wp) :: x, angle, shortening
+
+        x = distance - length*anint(distance/length)
+        angle = pi*x/length
+        if (abs(angle) < small) then
+            shortening = -angle**2*(1.0_wp/6.0_wp + angle**2/180.0_wp)
+        else
+            shortening = log(sin(angle)/angle)
+        end if
+        displacement = mean_strip_kernel(x, cell, other, kernel) - kernel*shortening
+    end function closed_strip_kernel
 
     !> Second integral of ln|x|.
     elemental function twice_integrated(x) result(value)

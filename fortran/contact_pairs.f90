@@ -2,7 +2,7 @@
 !> gap angles (3.2) and lever arms (17).
 module flankload_contact_pairs
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type
+    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
     use flankload_polar_geometry, only: cross
     use flankload_circle_pair, only: pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
@@ -396,10 +396,11 @@ contains
             pairs%zone(i) = number
             pairs%s_1(i) = pair%s_1
             pairs%s_2(i) = pair%s_2
+            if (flank_2%closed) pairs%s_2(i) = modulo(pair%s_2, curve_length(flank_2))
             pairs%radius(i) = pair%radius
             pairs%torque_lever(i) = lever_1
             ! one lever for both bodies: K stays symmetric
-            pairs%lever(i) = 0.5_wp*(lever_1 + lever_2)
+            pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
             pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
             pairs%point(:, i) = pair%point_1
             pairs%normal(:, i) = normal

@@ -25,6 +25,8 @@ module flankload_contact_zones
         type(pair_type) :: nearest
         !> Lever of the zone about O1 [mm]
         real(wp) :: lever = 0.0_wp
+        !> Weight of body 1's lever in that of the pairs: its part of the recession
+        real(wp) :: lever_share = 0.5_wp
         !> Sum of both curvatures [1/mm]
         real(wp) :: curvature = 0.0_wp
         !> Arc lengths of flank 1 between which circles cut both flanks [mm]
@@ -204,6 +206,10 @@ contains
             start = lower
         end do
         zone%nearest = pair
+        if (flank_2%curve%closed) then
+            zone%s_2_low = beside_nearest(zone%s_2_low)
+            zone%s_2_high = beside_nearest(zone%s_2_high)
+        end if
         zone%level_low = merge(level(1), pair%s_1, last_level > 0)
         zone%level_high = merge(level(2), pair%s_1, last_level > 0)
         call note_corners(zone)
@@ -226,16 +232,18 @@ contains
             !> False if the circle misses flank 2 there
             logical, intent(out) :: is_found
 
-            integer :: step, at, side
+            integer :: step, at, side, segments
             real(wp) :: radius, low, high, point(2), tangent(2)
 
             call placed_point(flank_1%curve, frame_1, s, point, tangent)
             radius = norm2(point)
             is_found = .false.
-            do step = 0, size(radius_2)
+            segments = size(radius_2) - 1
+            do step = 0, segments
                 do side = -1, 1, 2
                     at = l + side*step
-                    if (at < 1 .or. at >= size(radius_2)) cycle
+                    if (flank_2%curve%closed) at = 1 + modulo(at - 1, segments)
+                    if (at < 1 .or. at > segments) cycle
                     low = radius_2(at) - radius
                     high = radius_2(at + 1) - radius
                     if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*radius) cycle
@@ -246,6 +254,17 @@ contains
                 end do
             end do
         end subroutine exact_pair
+
+        !> The arc length of a place on closed flank 2 within half a turn of the pair of least gap:
+        !> nothing breaks where the curve ends in its beginning.
+        pure function beside_nearest(s) result(unwound)
+            !> Arc length [mm]
+            real(wp), intent(in) :: s
+            real(wp) :: unwound
+
+            unwound = s - curve_length(flank_2%curve) &
+                & *anint((s - zone%nearest%s_2)/curve_length(flank_2%curve))
+        end function beside_nearest
 
         !> Sum of both curvatures at a pair; on a corner that of the side towards the root.
         pure function sum_of_curvatures(at, at_corner) result(curvature)

@@ -1,7 +1,8 @@
 !> A flank as a plane curve by arc length: root fillet, active flank and tip rounding in one.
 !>
 !> The curve is piecewise polynomial in its arc length s. Along growing s the material lies on the
-!> right: with the unit tangent t the unit normal out of the material is n = (-t_y, t_x).
+!> right: with the unit tangent t the unit normal out of the material is n = (-t_y, t_x). A curve
+!> whose ends are one smooth place is closed: arc lengths that differ by a whole turn are the same.
 module flankload_flank_curve
     use flankload_kinds, only: wp
     implicit none
@@ -18,6 +19,8 @@ module flankload_flank_curve
         real(wp), allocatable :: coefficients(:, :, :)
         !> True where the curve has a sharp corner, shape (0:n)
         logical, allocatable :: corners(:)
+        !> True where the curve ends smoothly in its own beginning
+        logical :: closed = .false.
     end type flank_curve_type
 
     !> Where a body stands: its frame turned by an angle about its axis.
@@ -28,6 +31,10 @@ module flankload_flank_curve
         real(wp) :: cosine = 1.0_wp
         real(wp) :: sine = 0.0_wp
     end type frame_type
+
+    !> The ends of a closed curve are one place to this part of its length, and one direction to
+    !> this angle [rad]: what is known of the curve, not of rounding.
+    real(wp), parameter :: same_place = 1.0e-9_wp, same_direction = 1.0e-6_wp
 
 contains
 
@@ -48,7 +55,24 @@ contains
         allocate (curve%breaks(0:n), source=breaks)
         allocate (curve%coefficients(0:degree, 2, n), source=coefficients)
         allocate (curve%corners(0:n), source=corners /= 0)
+        curve%closed = ends_meet(curve)
     end function new_flank_curve
+
+    !> Whether a curve ends smoothly where it begins.
+    pure function ends_meet(curve) result(meet)
+        !> The curve
+        type(flank_curve_type), intent(in) :: curve
+        logical :: meet
+
+        real(wp) :: first(2), last(2), tangent_first(2), tangent_last(2)
+
+        meet = .false.
+        if (curve%corners(0) .or. curve%corners(ubound(curve%corners, 1))) return
+        call curve_point(curve, 0.0_wp, first, tangent_first)
+        call curve_point(curve, curve_length(curve), last, tangent_last)
+        meet = norm2(last - first) <= same_place*curve_length(curve) &
+            & .and. norm2(tangent_last - tangent_first) <= same_direction
+    end function ends_meet
 
     !> Make the frame of a body.
     pure function new_frame(origin, angle) result(frame)
@@ -76,7 +100,8 @@ contains
     pure subroutine curve_point(curve, s, point, tangent, curvature)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
-        !> Arc length [mm]; outside the curve the end interval goes on
+        !> Arc length [mm]; outside the curve the end interval goes on, or the curve where it is
+        !> closed
         real(wp), intent(in) :: s
         !> Place [mm], shape (2)
         real(wp), intent(out) :: point(2)
@@ -88,9 +113,11 @@ contains
         integer :: interval, power, degree
         real(wp) :: x, first(2), second(2), speed
 
-        interval = interval_of(curve%breaks, s)
+        x = s
+        if (curve%closed) x = modulo(s, curve_length(curve))
+        interval = interval_of(curve%breaks, x)
         degree = ubound(curve%coefficients, 1)
-        x = s - curve%breaks(interval - 1)
+        x = x - curve%breaks(interval - 1)
         associate (c => curve%coefficients(:, :, interval))
             point = c(degree + 1, :)
             first = 0.0_wp

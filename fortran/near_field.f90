@@ -1,11 +1,12 @@
 !> Near field of a body between the cells of one site: strips on a half-plane, under a logarithm.
 module flankload_near_field
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: mean_strip_kernel, strip_kernel
+    use flankload_compliance_field, only: closed_strip_kernel, mean_strip_kernel, &
+        & strip_kernel
     implicit none
     private
 
-    public :: add_near_field
+    public :: add_near_field, add_closed_near_field
 
     !> Cells so far apart are far from each other, and widths that differ by no more than this are
     !> nearly even: what a logarithm of their distance has beyond one of even cells is a short sum.
@@ -35,6 +36,31 @@ contains
             call add_uneven(s, cell, kernel, first, matrix)
         end if
     end subroutine add_near_field
+
+    !> The same on a closed flank: the logarithm of the chord.
+    pure subroutine add_closed_near_field(s, cell, length, kernel, first, matrix)
+        !> Arc length and width of the cells [mm], shape (m)
+        real(wp), contiguous, intent(in) :: s(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Length of a turn [mm]
+        real(wp), intent(in) :: length
+        !> Strength of the logarithm [mm/N]; 0 if the body is rigid
+        real(wp), intent(in) :: kernel
+        !> Row and column of the first cell
+        integer, intent(in) :: first
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: i, j
+
+        if (.not. kernel > 0.0_wp) return
+        do j = 1, size(s)
+            do i = j, size(s)
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + closed_strip_kernel(s(i) - s(j), cell(i), cell(j), length, kernel)
+            end do
+        end do
+    end subroutine add_closed_near_field
 
     !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)

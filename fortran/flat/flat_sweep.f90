@@ -157,6 +157,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_1%compliance%s_low = mode_range_1(1)
     body_1%compliance%s_high = mode_range_1(2)
     body_1%compliance%kernel = kernel_1
+    body_1%compliance%closed = body_1%flank%curve%closed
     body_1%compliance%smooth = smooth_1
     body_1%compliance%block = block_1
     body_2%origin = [center_distance, 0.0d0]
@@ -166,6 +167,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%compliance%s_low = mode_range_2(1)
     body_2%compliance%s_high = mode_range_2(2)
     body_2%compliance%kernel = kernel_2
+    body_2%compliance%closed = body_2%flank%curve%closed
     body_2%compliance%smooth = smooth_2
     body_2%compliance%block = block_2
     if (n_mu > 0) body_1%friction = new_friction(mu_places, mu_values)

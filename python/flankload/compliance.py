@@ -78,6 +78,8 @@ class BodyCompliance:
         towards growing arc length, without the jump; mm²/N.
     jump : float
         Strength j of the jump, mm²/N; 0 without friction.
+    closed : bool
+        The modes are harmonics of a turn around the body.
     asymmetry : float
         Largest relative difference of a response and its transposed counterpart before both were
         averaged.
@@ -95,6 +97,7 @@ class BodyCompliance:
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
+    closed: bool = False
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
     fe_factorisations: int = 0
@@ -133,11 +136,15 @@ class BodyCompliance:
         return place[displaced] * len(self.flanks) + place[loaded]
 
     def fewer_modes(self) -> BodyCompliance:
-        """The same without the highest mode: a block, since the modes are orthogonal."""
-        if self.smooth.shape[1] < 2:
+        """The same without the highest mode: a block, since the modes are orthogonal.
+
+        The highest harmonic of a turn is two of them.
+        """
+        kept = self.smooth.shape[1] - (2 if self.closed else 1)
+        if kept < 1:
             return self
-        tangential = None if self.tangential is None else self.tangential[:, :-1, :-1]
-        return replace(self, smooth=self.smooth[:, :-1, :-1], tangential=tangential)
+        tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
+        return replace(self, smooth=self.smooth[:, :kept, :kept], tangential=tangential)
 
 
 def no_compliance(body: Body) -> BodyCompliance:
@@ -206,7 +213,7 @@ def flank_compliance(
         seconds[step] = now - clock
         clock = now
 
-    mesh = body.mesh
+    mesh, closed = body.mesh, body.curve.closed
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
     factorisations = 1
@@ -221,6 +228,7 @@ def flank_compliance(
             n_modes,
             lap,
             friction=friction,
+            closed=closed,
             readings=stress,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
@@ -242,8 +250,9 @@ def flank_compliance(
         response = response[:, :count]
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
-    response[own, :n_modes, :n_modes] += strength * projected_logarithm(n_modes, high - low)
-    norms = mode_norms(body.mode_range_mm, n_modes)
+    logarithm = projected_logarithm(n_modes, high - low, closed=closed)
+    response[own, :n_modes, :n_modes] += strength * logarithm
+    norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
     jump = 0.0
     if friction:
         jump = jump_strength(body.material, plane)
@@ -266,6 +275,7 @@ def flank_compliance(
         flanks=flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,
         jump=jump,
+        closed=closed,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
         fe_factorisations=factorisations,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flankload.scene import BodySpec, ComplianceBody, MeshBody, Scene
+from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody, Scene
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def effects_of(scene: Scene) -> Effects:
 
 
 def _is_modified(body: BodySpec) -> bool:
-    if isinstance(body, ComplianceBody):
+    if isinstance(body, ComplianceBody | Cam | Follower):
         return False
     profile = body.profile if isinstance(body, MeshBody) else body
     return profile is not None and any(

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.errors import ComplianceFileError
+from flankload.errors import ComplianceFileError, SceneError
 
 #: Columns of a table in front of the matrix: which tooth is displaced, and the place.
 LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
@@ -139,6 +139,59 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
             file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
         )
     return NamedArrays(path, _read_npz(path, key) if suffix == ".npz" else _read_csv(path, key))
+
+
+def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[np.float64]:
+    """Read a table of numbers.
+
+    Parameters
+    ----------
+    path : path
+        .csv: rows of numbers, with or without the names of the columns in the first one; lines
+        that begin with # are passed over.
+    key : str
+        The scene's key that names the file, for messages.
+    names : tuple of str
+        Names of the columns.
+
+    Returns
+    -------
+    (rows, columns) array
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, unreadable, or a cell is no finite number; names the line.
+    """
+    path = Path(path)
+    wanted = f"a .csv file with the columns {', '.join(names)}"
+    if not path.is_file() or path.suffix.lower() != ".csv":
+        found = f"no file {path.name}" if not path.is_file() else path.name
+        raise SceneError(key=key, expected=wanted, found=found)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError):
+        raise SceneError(key=key, expected=wanted, found="other bytes than UTF-8") from None
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, start=1):
+        cells = [cell.strip() for cell in line.split(",")]
+        if line.strip().startswith("#") or not line.strip():
+            continue
+        if not rows and tuple(cells) == names:
+            continue
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            row = []
+        if len(row) != len(names) or not np.isfinite(row).all():
+            raise SceneError(
+                file=path,
+                key=f"line {number}",
+                expected=f"{len(names)} numbers: {', '.join(names)}",
+                found=f"'{line.strip()[:40]}'",
+            )
+        rows.append(row)
+    return np.array(rows).reshape(-1, len(names))
 
 
 def npz_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:

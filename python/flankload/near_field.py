@@ -8,6 +8,9 @@ never forces on nodes: the self term of a nodal load has no limit under refineme
 Where flanks rub, loads along the flank move it along its normal, too: there the half-plane has a
 jump, -j sign(s - s') (the surface in front of the load sinks, that behind it rises), and the modes
 carry the smooth remainder as before.
+
+On a closed flank (a cam) of length L the modes are the harmonics of a turn, and the logarithm is
+that of the chord, K(s, s') = -c0 ln|(L/pi) sin(pi (s - s')/L)|, the same at short distances.
 """
 
 from __future__ import annotations
@@ -63,7 +66,11 @@ def jump_strength(material: Material, plane: str) -> float:
 
 
 def mode_values(
-    s: NDArray[np.float64], mode_range_mm: tuple[float, float], n_modes: int
+    s: NDArray[np.float64],
+    mode_range_mm: tuple[float, float],
+    n_modes: int,
+    *,
+    closed: bool = False,
 ) -> NDArray[np.float64]:
     """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
 
@@ -73,19 +80,30 @@ def mode_values(
         Arc lengths, mm.
     mode_range_mm : (float, float)
     n_modes : int
+    closed : bool
+        The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
 
     Returns
     -------
     (n, n_modes) array
     """
     low, high = mode_range_mm
+    if closed:
+        turn = 2 * np.pi * (np.asarray(s, dtype=float) - low) / (high - low)
+        order = np.arange(1, n_modes + 1) // 2  # 0, 1, 1, 2, 2, …
+        phase = turn[:, None] * order
+        return np.where(np.arange(n_modes) % 2 | (order == 0), np.cos(phase), np.sin(phase))
     values = legvander((2.0 * np.asarray(s) - low - high) / (high - low), n_modes - 1)
     return np.asarray(values, dtype=np.float64)
 
 
-def mode_norms(mode_range_mm: tuple[float, float], n_modes: int) -> NDArray[np.float64]:
-    """D_a = integral of P_a² over the range, mm: length/(2a + 1)."""
+def mode_norms(
+    mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False
+) -> NDArray[np.float64]:
+    """D_a = integral of P_a² over the range, mm: length/(2a + 1); of a harmonic length/2."""
     low, high = mode_range_mm
+    if closed:
+        return np.where(np.arange(n_modes) == 0, high - low, 0.5 * (high - low))
     return np.asarray((high - low) / (2.0 * np.arange(n_modes) + 1.0), dtype=np.float64)
 
 
@@ -95,6 +113,7 @@ def mode_loads(
     n_modes: int,
     *,
     along: Literal["normal", "tangent"] = "normal",
+    closed: bool = False,
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of the modes along the normal out of the material, or the tangent.
 
@@ -108,6 +127,8 @@ def mode_loads(
     n_modes : int
     along : {"normal", "tangent"}
         The tangent points to growing arc length.
+    closed : bool
+        The range is a turn.
 
     Returns
     -------
@@ -125,32 +146,47 @@ def mode_loads(
     direction = tangent  # times ds, as the normal is
     if along == "normal":
         direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
-    s = mesh.flank_arc_length[edges] @ shape.T  # (m, g)
-    modes = mode_values(s.ravel(), mode_range_mm, n_modes).reshape(*s.shape, n_modes)
+    ends = mesh.flank_arc_length[edges]
+    if closed:  # the node at which a turn begins ends it, too
+        turn = mode_range_mm[1] - mode_range_mm[0]
+        ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
+    s = ends @ shape.T  # (m, g)
+    modes = mode_values(s.ravel(), mode_range_mm, n_modes, closed=closed)
+    modes = modes.reshape(*s.shape, n_modes)
     local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, modes, direction)
     loads = np.zeros((len(mesh.nodes), 2, n_modes))
     np.add.at(loads, edges, local)
     return loads.reshape(-1, n_modes)
 
 
-def projected_logarithm(n_modes: int, length_mm: float) -> NDArray[np.float64]:
+def projected_logarithm(
+    n_modes: int, length_mm: float, *, closed: bool = False
+) -> NDArray[np.float64]:
     """<P_a, ln|s - s'| P_b> over a flank, in closed form.
 
     With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
     int P_n(y) ln|x - y| dy = 2 (Q_(n+1) - Q_(n-1))/(2n + 1), and
-    int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0.
+    int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0. Of the chord on a
+    closed flank: ln|2 sin(t/2)| = -sum cos(k t)/k leaves a diagonal.
 
     Parameters
     ----------
     n_modes : int
     length_mm : float
         Length of the modes' range.
+    closed : bool
+        The range is a turn.
 
     Returns
     -------
     (n_modes, n_modes) array
         mm².
     """
+    if closed:
+        order = np.arange(1, n_modes + 1) // 2
+        diagonal = -(length_mm**2) / (4.0 * np.maximum(order, 1))
+        diagonal[:1] = length_mm**2 * np.log(length_mm / (2 * np.pi))
+        return np.diag(diagonal)
     on_unit = np.zeros((n_modes, n_modes))
     for m in range(n_modes):
         for n in range(max(m, 1), n_modes):

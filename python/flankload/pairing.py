@@ -8,16 +8,20 @@ where body 1 turns inside body 2, beyond O1.
 
 On a spline every tooth is a site: pair j is tooth j, counted in the sense of the torque from tooth
 0, which stands on the line of centres at position zero, away from O1 on the side of O2.
+
+A cam has one site. Positions are angles by which the cam has turned, and the follower (body 1)
+stands where it lies on the cam.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import nan, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.cam_motion import CamMotion, cam_motion
 from flankload.errors import SceneError
 from flankload.gear_mesh import Mesh, gear_mesh
 from flankload.period import Period, period_of
@@ -42,7 +46,8 @@ class Pairing:
     turns_at_zero_rad : (float, float)
         Turn of both bodies' frames at position zero.
     ratio : float
-        Teeth of body 1 over teeth of body 2; negative where both turn the same way.
+        Teeth of body 1 over teeth of body 2; negative where both turn the same way. NaN where no
+        ratio is constant.
     period : Period
         What positions repeat after.
     sites : (S,) array
@@ -58,6 +63,8 @@ class Pairing:
     warnings : tuple of str
     fit : SplineFit or None
         Geometry of a spline.
+    motion : CamMotion or None
+        Of a follower on its cam.
     """
 
     center_distance_mm: float
@@ -71,6 +78,7 @@ class Pairing:
     mesh: Mesh | None
     warnings: tuple[str, ...]
     fit: SplineFit | None = None
+    motion: CamMotion | None = None
 
     @property
     def pitch_rad(self) -> float:
@@ -90,7 +98,11 @@ class Pairing:
     def turns(
         self, position_rad: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Turns of both bodies' frames at positions (angle of body 1, rad)."""
+        """Turns of both bodies' frames at positions (angle of body 1, or of a cam, rad)."""
+        if self.motion is not None:
+            stand = self.motion.stand(position_rad)
+            stand.check()
+            return stand.turn_1, stand.turn_2
         turn_1, turn_2 = self.turns_at_zero_rad
         return turn_1 + position_rad, turn_2 - position_rad * self.ratio
 
@@ -99,8 +111,11 @@ class Pairing:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds of both bodies' frames at positions, rad per rad of the position.
 
-        As the positions count: in the sense of body 1's torque, whoever drives.
+        As the positions count: in the sense of body 1's torque, whoever drives; a cam in its own.
         """
+        if self.motion is not None:
+            stand = self.motion.stand(position_rad)
+            return stand.rate(), np.full(stand.turn_1.shape, float(self.motion.sense))
         one = np.ones_like(np.asarray(position_rad, dtype=float))
         return one, -self.ratio * one
 
@@ -133,6 +148,8 @@ def pair_bodies(
     """
     if body_1.kind == "spline_shaft":
         return _pair_spline(body_1, body_2, center_distance_mm)
+    if body_1.kind == "follower":
+        return _pair_cam(body_1, body_2, center_distance_mm, position_rad)
     if body_1.outward < 0:
         raise SceneError(
             key="body_1",
@@ -195,6 +212,29 @@ def _pair_spline(shaft: Body, hub: Body, offset: float) -> Pairing:
         mesh=None,
         warnings=tuple(warnings),
         fit=fit,
+    )
+
+
+def _pair_cam(
+    follower: Body, cam: Body, distance: float, position_rad: NDArray[np.float64]
+) -> Pairing:
+    """A follower on its cam."""
+    motion = cam_motion(follower, cam, distance)
+    motion.stand(position_rad).check()
+    start = motion.stand(np.zeros(1))
+    none, site = np.zeros(1), np.zeros(1, dtype=np.int64)
+    return Pairing(
+        center_distance_mm=distance,
+        turns_at_zero_rad=(float(start.turn_1[0]), float(start.turn_2[0])),
+        ratio=nan,
+        period=period_of(follower, cam),
+        sites=site,
+        site_teeth=(site, site),
+        site_angles_rad=(none, none),
+        site_deviations_mm=(none, none),
+        mesh=None,
+        warnings=(),
+        motion=motion,
     )
 
 

@@ -271,6 +271,8 @@ def compliance_of(
             plane=plane,
             friction=scene.has_friction,
         )
+    if body.modes_part > 1.0:
+        asked, default = None, round(body.modes_part * (asked or default))
     return flank_compliance(
         body,
         n_modes=asked or _modes_of(body, default),
@@ -314,4 +316,5 @@ def _modes_of(body: Body, wanted: int) -> int:
     """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
     if body.mesh is None:
         return 0
-    return max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
+    count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
+    return count - 1 + count % 2 if body.curve.closed else count

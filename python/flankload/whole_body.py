@@ -24,6 +24,7 @@ def unit_loads(
     n_modes: int,
     *,
     friction: bool,
+    closed: bool = False,
 ) -> NDArray[np.float64]:
     """Loads of the modes along the normal; with friction followed by those along the tangent.
 
@@ -33,15 +34,17 @@ def unit_loads(
     mode_range_mm : (float, float)
     n_modes : int
     friction : bool
+    closed : bool
+        The modes' range is a turn around the body.
 
     Returns
     -------
     (2 N, n_modes) or (2 N, 2 n_modes) array
     """
-    normal = mode_loads(mesh, mode_range_mm, n_modes)
+    normal = mode_loads(mesh, mode_range_mm, n_modes, closed=closed)
     if not friction:
         return normal
-    tangent = mode_loads(mesh, mode_range_mm, n_modes, along="tangent")
+    tangent = mode_loads(mesh, mode_range_mm, n_modes, along="tangent", closed=closed)
     return np.hstack([normal, tangent])
 
 
@@ -54,6 +57,7 @@ def whole_response(
     *,
     friction: bool = False,
     readings: Callable[[int], NDArray[np.float64]] | None = None,
+    closed: bool = False,
 ) -> tuple[NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -71,6 +75,8 @@ def whole_response(
         Modes of load along the flanks follow those along the normals.
     readings : callable, optional
         Number of a flank to columns (2N, q) that only read the displacements.
+    closed : bool
+        The modes' range is a turn around the body.
 
     Returns
     -------
@@ -84,12 +90,13 @@ def whole_response(
     tell("factorisation")
     loads = []
     for flank in mesh.flanks:
-        loads.append(_nonzero(unit_loads(flank, mode_range_mm, n_modes, friction=friction)[free]))
+        own = unit_loads(flank, mode_range_mm, n_modes, friction=friction, closed=closed)[free]
+        loads.append(_nonzero(own))
     seen = loads
     if readings is not None:
         seen = []
         for i, flank in enumerate(mesh.flanks):
-            own = unit_loads(flank, mode_range_mm, n_modes, friction=friction)
+            own = unit_loads(flank, mode_range_mm, n_modes, friction=friction, closed=closed)
             seen.append(_nonzero(np.hstack([own, readings(i)])[free]))
     f, p, r = len(loads), loads[0][1].shape[1], seen[0][1].shape[1]
     response = np.empty((f, f, r, p))

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
+#: `flank_element_parts` of the default resolution.
+DEFAULT_PARTS = 1.0 / 4.5
 #: Flanks of splines are about half as high, in modules, as those of gears.
 SPLINE_PART = 0.45
 
@@ -29,7 +31,7 @@ def build_body(
 
     Parameters
     ----------
-    spec : Gear, Ring, SplineShaft, SplineHub, MeshBody or ComplianceBody
+    spec : Gear, Ring, SplineShaft, SplineHub, Cam, Follower, MeshBody or ComplianceBody
     key : str
         Key of the table in the scene, for messages.
     folder : Path
@@ -37,7 +39,8 @@ def build_body(
     flank_element_mm : float or None
         Largest length of a finite element along the flank of a parametric body.
     flank_element_parts : float
-        The same in modules, where `flank_element_mm` is None.
+        The same in modules, where `flank_element_mm` is None; cams and followers, which have no
+        module, have a number of elements along their flank in proportion.
 
     Returns
     -------
@@ -49,7 +52,7 @@ def build_body(
         If the body cannot be made; names the key. MeshError or ComplianceFileError where a
         file is at fault.
     """
-    from flankload.scene import ComplianceBody, Gear, MeshBody, Ring, SplineShaft
+    from flankload.scene import Cam, ComplianceBody, Follower, Gear, MeshBody, Ring, SplineShaft
 
     if isinstance(spec, ComplianceBody):
         from flankload.bodies.compliance_body import build_compliance_body
@@ -59,6 +62,17 @@ def build_body(
         from flankload.bodies.mesh_body import build_mesh_body
 
         return build_mesh_body(spec, key, folder=folder)
+    if isinstance(spec, Cam | Follower):
+        fineness = DEFAULT_PARTS / flank_element_parts
+        if isinstance(spec, Follower):
+            from flankload.bodies.follower import build_follower
+
+            return build_follower(spec, key, flank_element_mm=flank_element_mm, fineness=fineness)
+        from flankload.bodies.cam import build_cam
+
+        return build_cam(
+            spec, key, folder=folder, flank_element_mm=flank_element_mm, fineness=fineness
+        )
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
         if spec.kind in ("spline_shaft", "spline_hub"):

@@ -129,6 +129,40 @@ class FlankNodes:
 
 
 @dataclass(frozen=True)
+class Roller:
+    """How a follower touches its cam: with a roller.
+
+    Attributes
+    ----------
+    arm_mm : float
+        Distance of its centre from the axis, along x of the follower's frame.
+    radius_mm : float
+    angles_rad : (float, float)
+        Polar angles about its centre between which it is free to touch.
+    """
+
+    arm_mm: float
+    radius_mm: float
+    angles_rad: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Flat:
+    """How a follower touches its cam: with a flat along x of the follower's frame.
+
+    Attributes
+    ----------
+    offset_mm : float
+        Of its line from the axis, towards the cam.
+    ends_mm : (float, float)
+        Places along it, from the foot of the axis, both positive.
+    """
+
+    offset_mm: float
+    ends_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Body:
     """A body of equal teeth: its curve, its sites and what its compliance is made from.
 
@@ -139,7 +173,7 @@ class Body:
     Attributes
     ----------
     kind : str
-        "gear", "ring", "spline_shaft", "spline_hub", "mesh" or "compliance".
+        "gear", "ring", "spline_shaft", "spline_hub", "cam", "follower", "mesh" or "compliance".
     curve : FlankCurve
         From root to tip.
     teeth : int
@@ -151,7 +185,7 @@ class Body:
         Arc lengths between which pressure modes live.
     reference_radius_mm : float
         Turns a rotation into a transmission error; gears: the base radius;
-        splines: the pitch radius.
+        splines: the pitch radius; followers: the arm, or the middle of the flat.
     involute : Involute or None
         Radii and angles of an involute flank; None where the profile is not known.
     flank_angle_known : bool
@@ -173,6 +207,12 @@ class Body:
         Where the curve goes through nodes.
     given : ModalCompliance, NodalCompliance or None
         The compliance, where it comes with the body.
+    modes_part : float
+        Pressure modes over those of a gear's flank.
+    touches : Roller, Flat or None
+        What a follower touches its cam with.
+    turns_clockwise : bool
+        Of a cam.
     """
 
     kind: str
@@ -193,6 +233,9 @@ class Body:
     named_teeth: tuple[int, ...] = ()
     flank_nodes: FlankNodes | None = None
     given: GivenCompliance | None = None
+    modes_part: float = 1.0
+    touches: Roller | Flat | None = None
+    turns_clockwise: bool = False
 
     @property
     def outward(self) -> int:

@@ -62,7 +62,7 @@ def _yes(on: bool) -> str:
 
 
 def _rows_of_body(body: Body) -> list[tuple[str, str]]:
-    rows = [("teeth", f"{body.teeth}")]
+    rows = [] if body.kind in ("cam", "follower") else [("teeth", f"{body.teeth}")]
     involute = body.involute
     if involute is not None:
         for name, radius in (
@@ -76,6 +76,12 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         rows.append(
             ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
         )
+    elif body.curve.closed:
+        radii = np.hypot(*body.outline.T)
+        rows += [
+            ("profile", f"{body.curve.length_mm:.4f} mm around"),
+            ("radii of the profile", f"{radii.min():.4f} to {radii.max():.4f} mm"),
+        ]
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
     if body.given is not None:
@@ -99,9 +105,10 @@ def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
          f"{len(mesh.nodes)} nodes, {kinds}"),
         *quality_rows(mesh.nodes, mesh.cells),
         ("held", f"{mesh.fixed_nodes.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
-        ("flank", f"{mesh.flank_elements} elements, radii {low:.4f} to {high:.4f} mm"),
+        ("flank", f"{mesh.flank_elements} elements"
+         + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
     ]  # fmt: skip
-    if isinstance(mesh, WholeMesh):
+    if isinstance(mesh, WholeMesh) and len(mesh.flanks) > 1:
         rows.append(("flanks", f"{len(mesh.flanks)}"))
     if body.flank_nodes is not None:
         nodes = body.flank_nodes

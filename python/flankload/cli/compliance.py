@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flankload.cli.solving import check_folder
+from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -18,6 +19,13 @@ def compliance(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    if scene.body_2.kind == "cam":
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with teeth: no scene could read the file of a cam",
+            found="'cam'",
+        )
     from flankload.assembly import build_bodies
     from flankload.bodies.modal_file import modal_arrays
     from flankload.named_arrays import npz_of

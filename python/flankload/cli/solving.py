@@ -188,7 +188,8 @@ def mesh(arguments: Namespace) -> None:
         write_body(path, body.mesh, turn_rad=turn)
         part = f"one of {body.teeth} sectors"
         if isinstance(body.mesh, WholeMesh):
-            part = f"the whole body with {len(body.mesh.flanks)} flanks"
+            flanks = len(body.mesh.flanks)
+            part = f"the whole body with {flanks} flank{'s' * (flanks > 1)}"
         print(f"{path}: {len(body.mesh.nodes)} nodes, {part}")
 
 

@@ -10,6 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
+#: The ends of a closed curve are one place to this part of its length, one direction to this
+#: angle, rad.
+SAME_PLACE = 1e-9
+SAME_DIRECTION = 1e-6
+
 
 @dataclass(frozen=True)
 class FlankCurve:
@@ -36,6 +41,18 @@ class FlankCurve:
     def length_mm(self) -> float:
         """Arc length of the whole curve."""
         return float(self.breaks[-1])
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curve ends smoothly where it begins: one turn around a body."""
+        if self.corners[0] or self.corners[-1]:
+            return False
+        ends = [0.0, self.length_mm]
+        apart = np.diff(self.point(ends), axis=0), np.diff(self.tangent(ends), axis=0)
+        return bool(
+            np.linalg.norm(apart[0]) <= SAME_PLACE * self.length_mm
+            and np.linalg.norm(apart[1]) <= SAME_DIRECTION
+        )
 
     def derivatives(self, s: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """Place and its first two derivatives by arc length, each (m, 2).

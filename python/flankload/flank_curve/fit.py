@@ -40,6 +40,9 @@ class CurvePiece(NamedTuple):
         Ends of the parameter, in the direction from root to tip.
     corner_before : bool
         The curve has a sharp corner where the piece begins.
+    knots : (k,) array
+        Values of the parameter inside the piece, in its direction, at which a higher derivative
+        jumps.
     """
 
     label: str
@@ -47,6 +50,7 @@ class CurvePiece(NamedTuple):
     u_start: float
     u_end: float
     corner_before: bool = False
+    knots: Floats = np.empty(0)
 
 
 def fit_flank_curve(
@@ -96,7 +100,8 @@ def fit_flank_curve(
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order."""
-    ends = np.array([[piece.u_start, piece.u_end]], dtype=float)
+    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
+    ends = np.stack([marks[:-1], marks[1:]], axis=1)
     done: list[tuple[Floats, Floats, Floats]] = []
     for _ in range(_MOST_HALVINGS):
         lengths = _arc_lengths(piece, ends)

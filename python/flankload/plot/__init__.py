@@ -9,7 +9,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.plot.curves import plot_load_sharing, plot_peak_pressure, plot_transmission_error
+from flankload.plot.curves import (
+    plot_follower_motion,
+    plot_load_sharing,
+    plot_peak_pressure,
+    plot_transmission_error,
+)
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.root_stress import plot_root_stress
@@ -28,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = [
     "plot_all",
     "plot_flank_pressure",
+    "plot_follower_motion",
     "plot_load_per_tooth",
     "plot_load_sharing",
     "plot_loaded_pair",
@@ -53,7 +59,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     tuple of Path
         transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png;
         stiffness.png where there is a torque; profile_deviation.png where a body has an
-        involute. Of bodies that touch all around load_per_tooth.png, flank_pressure.png,
+        involute. Of a follower on its cam follower_motion.png in place of load_sharing.png. Of
+        bodies that touch all around load_per_tooth.png, flank_pressure.png,
         loaded_pair.png, and with several positions transmission_error.png. Of all
         root_stress.png where stress is asked for.
 
@@ -72,6 +79,9 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         pictures["stiffness.png"] = plot_stiffness
     if any(profile is not None for profile in result.drawing.profiles):
         pictures["profile_deviation.png"] = plot_profile_deviation
+    if result.has_cam:
+        del pictures["load_sharing.png"]
+        pictures["follower_motion.png"] = plot_follower_motion
     if result.whole_circle:
         pictures = {
             "load_per_tooth.png": plot_load_per_tooth,

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from flankload.plot.style import (
     COLOURS,
@@ -191,18 +191,57 @@ def plot_peak_pressure(result: Result) -> Figure:
         return figure
 
 
+def plot_follower_motion(result: Result) -> Figure:
+    """Angle of a follower over a turn of its cam, and the force between both.
+
+    Parameters
+    ----------
+    result : Result
+        Of a follower on its cam.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ValueError
+        If there is no cam.
+    """
+    if result.follower_angle_rad is None:
+        raise ValueError("result: expected a follower on its cam, found none")
+    with rc_context(STYLE):
+        figure, axes = figure_over_positions(result, "Follower")
+        angle, turned = curve(result, np.degrees(result.follower_angle_rad))
+        axes.plot(angle, turned, color=COLOURS[0], **marks(result))
+        axes.set_ylabel("follower angle in degrees", color=COLOURS[0])
+        if (result.site_force_N > 0).any():
+            second = axes.twinx()
+            second.spines["right"].set_visible(True)
+            second.grid(visible=False)
+            angle, force = curve(result, result.site_force_N.sum(axis=1) / 1e3)
+            second.plot(angle, force, color=COLOURS[1], linestyle=(0, (6, 3)), **marks(result))
+            second.set_ylim(0, 1.25 * float(np.nanmax(force)))
+            second.set_ylabel("force in kN (dashed)", color=COLOURS[1])
+        return figure
+
+
 def figure_over_positions(result: Result, title: str) -> tuple[Figure, Axes]:
     figure = new_figure(SIZE)
     axes = figure.add_subplot()
     axes.set_title(title)
     axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
-    axes.set_xlabel("angle of body 1 in degrees")
+    angle = "cam angle in degrees" if result.has_cam else "angle of body 1 in degrees"
+    axes.set_xlabel(angle)
     angles = np.degrees(result.position_rad)
     if _is_closed(result):
         axes.set_xlim(0, degrees(result.period_rad))
+        if result.has_cam:
+            axes.xaxis.set_major_locator(MultipleLocator(45))
+            return figure, axes
         axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
         pitch = degrees(result.pitch_rad)
-        axes.set_xlabel(f"angle of body 1 in degrees (one pitch = {pitch:.4g}°)")
+        axes.set_xlabel(f"{angle} (one pitch = {pitch:.4g}°)")
     elif np.ptp(angles) > 0:
         margin = 0.02 * np.ptp(angles)  # the marks at both ends are whole
         axes.set_xlim(angles.min() - margin, angles.max() + margin)
@@ -257,7 +296,7 @@ def _curve_of_pair(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of one pair: a period on it stands where the pair so many pitches further stood."""
-    if not _is_closed(result):
+    if not _is_closed(result) or result.has_cam:
         return curve(result, values[:, s])
     after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
     end = values[0, after[0]] if after.size else closing

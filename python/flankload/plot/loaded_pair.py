@@ -38,7 +38,8 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     ----------
     result : Result
     position : int, optional
-        Index of the position; if absent, one with most pairs in contact and the most even share.
+        Index of the position; if absent, one with most pairs in contact and the most even share,
+        with a cam that of the largest pressure.
 
     Returns
     -------
@@ -84,7 +85,12 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
 
 
 def _telling_position(result: Result) -> int:
-    """Most pairs in contact, off the corners where possible, and the most even share."""
+    """Most pairs in contact, off the corners where possible, and the most even share.
+
+    With a cam the position of the largest pressure.
+    """
+    if result.has_cam:
+        return int(np.argmax(result.peak_pressure_MPa.max(axis=1)))
     loaded = (result.site_force_N > 0).sum(axis=1)
     order = np.lexsort((result.load_share.max(axis=1), at_corner(result), -loaded))
     return int(order[0])
@@ -112,7 +118,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         if z == 1 and drawing.is_around:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # the other way round: the teeth are a hole
             shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
-        elif z == 0 and result.whole_circle and rims[z]:
+        elif (result.has_cam or (z == 0 and result.whole_circle)) and rims[z]:
             turn = np.linspace(0.0, -2 * np.pi, 361)
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         axes.add_patch(
@@ -127,7 +133,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         )
         if result.whole_circle:
             continue
-        same_way = z == 0 or drawing.is_around
+        same_way = z == 0 or drawing.is_around or drawing.cam_turns_clockwise is False
         at_left = (z == 0) != drawing.is_around
         axes.text(
             0.03 if at_left else 0.97,
@@ -148,6 +154,8 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
         half = np.array([1.04, 1.04]) * rim
         middle = np.array([drawing.center_distance_mm, 0.0])
         return middle - half, middle + half
+    if result.has_cam:
+        return _whole_window(result, p)
     tip_1 = float(np.max(np.hypot(*drawing.outline_1.T)))
     radii_2 = np.hypot(*drawing.outline_2.T)
     # the teeth meet between the axes, or, inside body 2, beyond the axis of body 1
@@ -159,6 +167,17 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
     reach = float(np.abs(places[:, 1]).max()) if len(places) else 0.0
     half = np.array([1.15, 1.25]) * max(pitch, reach + 0.35 * pitch)
     return middle - half, middle + half
+
+
+def _whole_window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Corners of the picture: both bodies, and room for their names below."""
+    drawing = result.drawing
+    one = _turned(drawing.outline_1, drawing.angle_1[p])
+    two = _turned(drawing.outline_2, drawing.angle_2[p])
+    places = np.concatenate([one, two + np.array([drawing.center_distance_mm, 0.0])])
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = 0.06 * float((high - low).max())
+    return low - np.array([room, 3 * room]), high + room
 
 
 def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -250,4 +269,6 @@ def _draw_pressure(axes: Axes, result: Result, p: int, s: int, site: int, reach:
         color=colour,
     )
     axes.set_ylabel("pressure in MPa")
-    axes.set_xlabel("along flank 1 in mm (tip →)")
+    axes.set_xlabel(
+        "along the follower in mm (outwards →)" if result.has_cam else "along flank 1 in mm (tip →)"
+    )

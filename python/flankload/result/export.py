@@ -34,6 +34,9 @@ ALONG_POSITIONS = {
     "status": "1",
 }
 
+#: The same, which only some pairs have.
+ALONG_SOME_POSITIONS = {"follower_angle_rad": "rad"}
+
 #: Arrays over positions and sites, with their units.
 OVER_SITES = {
     "load_share": "1",
@@ -61,6 +64,16 @@ SINGLE_NUMBERS = {
     "pitch_rad": "rad",
     "period_rad": "rad",
 }
+
+
+def along_positions(*results: Result) -> dict[str, str]:
+    """Arrays over the positions that a result has (or several of one scene), with their units."""
+    some = {
+        key: unit
+        for key, unit in ALONG_SOME_POSITIONS.items()
+        if all(getattr(result, key) is not None for result in results)
+    }
+    return ALONG_POSITIONS | some
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> None:
@@ -139,7 +152,7 @@ def _tree(result: Result) -> dict[str, Any]:
         "closed",
         "whole_circle",
         "sites",
-        *ALONG_POSITIONS,
+        *along_positions(result),
         *OVER_SITES,
     ]
     keys += ["summary", "estimate", "cost", "warnings"]
@@ -193,12 +206,13 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
     sites = sorted({int(site) for result in several for site in result.sites})
     keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _root_arrays(r))]))
+    along = along_positions(*several)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(
         [
             "torque_Nm",
-            *ALONG_POSITIONS,
+            *along,
             *(f"friction_{key}" for key in rubs),
             *(f"{key}_pair_{j}" for j in sites for key in keys),
         ]
@@ -208,7 +222,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
         over |= {key: values for key, (values, _) in _root_arrays(result).items()}
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
-            row = [result.torque_Nm, *(_at(result, key, p) for key in ALONG_POSITIONS)]
+            row = [result.torque_Nm, *(_at(result, key, p) for key in along)]
             row += [getattr(result.friction, key)[p] for key in rubs]
             for j in sites:
                 row += [_at_site(over, key, p, column.get(j)) for key in keys]
@@ -268,7 +282,7 @@ def to_xarray(result: Result) -> Any:
 
     along = {
         key: variable(("position",), key, unit)
-        for key, unit in ALONG_POSITIONS.items()
+        for key, unit in along_positions(result).items()
         if key != "position_rad" and getattr(result, key) is not None
     }
     if result.friction is not None:

@@ -103,6 +103,9 @@ def result_of(
             root_reading(pair, compliances[0], 0, carries, width),
             root_reading(pair, compliances[1], 1, carries, width),
         ),
+        follower_angle_rad=None
+        if pair.pairing.motion is None
+        else pair.pairing.turns(pair.position_rad)[0],
     )
     if pair.friction is None:
         return result
@@ -242,6 +245,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         bore_radius_1_mm=pair.body_1.bore_radius_mm,
         bore_radius_2_mm=pair.body_2.bore_radius_mm,
         profiles=profiles,
+        cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
         active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
     )
 

@@ -118,6 +118,8 @@ class PairDrawing:
         Of the bodies' flanks, where an involute is known.
     active_roll_mm : two (float, float) or None
         Roll lengths between which the flanks meet, by geometry without load, mm.
+    cam_turns_clockwise : bool or None
+        Of a cam; None of other bodies.
     """
 
     outline_1: Floats
@@ -131,6 +133,7 @@ class PairDrawing:
     bore_radius_2_mm: float | None = None
     profiles: tuple[ProfileDeviation | None, ProfileDeviation | None] = (None, None)
     active_roll_mm: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
+    cam_turns_clockwise: bool | None = None
 
     @property
     def is_around(self) -> bool:

@@ -42,16 +42,21 @@ class Result(ContactQuantities):
         Pair numbers: pair 0 is at the pitch point at position 0, greater numbers lie further into
         recess.
     position_rad, rotation_rad : (P,) arrays
-        Angle of body 1 from position zero, and how much further it has turned under load.
+        Angle of body 1 (with a cam: of the cam) from position zero, and how much further body 1
+        has turned under load.
     reference_radius_mm, face_width_mm : float
         Radius that turns rotation into transmission error; width.
     pitch_rad, period_rad : float
-        One tooth pitch of body 1; the turn of body 1 after which all repeats.
+        One tooth pitch of body 1 (a turn of the cam); the turn of body 1 after which all repeats.
     closed : bool
         Whether the positions, ascending, cover the period once from the first on: what follows the
         last is the first again, a period later.
     whole_circle : bool
         Whether the sites are all teeth of the bodies (splines), also those that carry nothing.
+    follower_angle_rad : (P,) array or None
+        Of a follower on its cam: where it stands without load, counter-clockwise from the line
+        between both axes to the line through its axis and its roller's centre (along its flat).
+        None of other pairs.
     site_force_N, peak_pressure_MPa : (P, S) arrays
         Force and largest pressure of each flank pair; 0 where open.
     stiffness_tangent_Nm_per_rad : (P,) array
@@ -98,6 +103,12 @@ class Result(ContactQuantities):
     friction: FrictionResult | None = None
     geometry: PairGeometry | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
+    follower_angle_rad: Floats | None = None
+
+    @property
+    def has_cam(self) -> bool:
+        """Whether a follower lies on a cam."""
+        return self.follower_angle_rad is not None
 
     @cached_property
     def transmission_error_um(self) -> Floats:
@@ -269,6 +280,7 @@ def make_result(
     whole_circle: bool = False,
     geometry: PairGeometry | None = None,
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None),
+    follower_angle_rad: Floats | None = None,
 ) -> Result:
     """Put a result together; arrays are copied and frozen.
 
@@ -325,4 +337,7 @@ def make_result(
         drawing=drawing,
         geometry=geometry,
         root_readings=root_readings,
+        follower_angle_rad=None
+        if follower_angle_rad is None
+        else array("follower_angle_rad", follower_angle_rad, along),
     )

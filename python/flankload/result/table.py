@@ -54,6 +54,8 @@ def _title(result: Result) -> str:
     count = result.position_rad.size
     where = f"{count} position{'s' * (count != 1)}"
     if result.closed:
+        if result.has_cam:
+            return f"{result.name}: {result.torque_Nm:g} N m, {where} over one turn of the cam"
         pitches = result.period_pitches
         where += f" over {'one pitch' if pitches == 1 else f'{pitches} pitches'}"
         where += f" of {degrees(result.pitch_rad):g} deg"
@@ -61,6 +63,9 @@ def _title(result: Result) -> str:
 
 
 def _rows(result: Result) -> Iterator[str]:
+    if result.has_cam:
+        yield from _rows_of_cam(result)
+        return
     sites = [f"pair {site}" for site in result.sites]
     widths = [len(text) for text in HEAD]
     yield "  ".join([*HEAD, *(f"{site:^15}" for site in sites)])
@@ -73,6 +78,24 @@ def _rows(result: Result) -> Iterator[str]:
     for p, cells in enumerate(_position_cells(result)):
         for s in range(result.sites.size):
             cells.append(_site_cell(result, p, s))
+        yield "  ".join(cells)
+
+
+def _rows_of_cam(result: Result) -> Iterator[str]:
+    """A row per position: where the follower stands, then what its one contact carries."""
+    assert result.follower_angle_rad is not None
+    more, units = ("follower", "force", "pressure"), ("deg", "kN", "MPa")
+    widths = [*map(len, HEAD), *(max(8, len(name)) for name in more)]
+    for texts in ((*HEAD, *more), (*UNITS, *units)):
+        yield "  ".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=True))
+    for p, cells in enumerate(_position_cells(result)):
+        cells.append(f"{degrees(result.follower_angle_rad[p]):8.3f}")
+        if result.site_force_N[p, 0] > 0:
+            mark = CORNER_MARK if result.corner_contact[p, 0] else ""
+            cells.append(f"{result.site_force_N[p, 0] / 1e3:8.3f}")
+            cells.append(f"{result.peak_pressure_MPa[p, 0]:8.0f}{mark}")
+        else:
+            cells += [f"{'-':>8}", f"{'-':>8}"]
         yield "  ".join(cells)
 
 

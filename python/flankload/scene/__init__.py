@@ -17,13 +17,16 @@ from typing import Any
 from msgspec.structs import replace
 
 from flankload.errors import SceneError
+from flankload.scene.cam_rules import check_cam, check_cam_pair, check_follower
 from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
     LARGEST_COEFFICIENT,
     Accuracy,
+    Cam,
     ComplianceBody,
     EffectsAsked,
+    Follower,
     Gear,
     InvoluteKeys,
     Load,
@@ -40,7 +43,9 @@ from flankload.scene.tables import (
 
 __all__ = [
     "BodySpec",
+    "Cam",
     "ComplianceBody",
+    "Follower",
     "Gear",
     "Load",
     "MeshBody",
@@ -53,7 +58,7 @@ __all__ = [
     "scene_schema",
 ]
 
-BodySpec = Gear | Ring | SplineShaft | SplineHub | MeshBody | ComplianceBody
+BodySpec = Gear | Ring | SplineShaft | SplineHub | Cam | Follower | MeshBody | ComplianceBody
 
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
@@ -70,9 +75,9 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1 : Gear, SplineShaft, MeshBody or ComplianceBody
+    body_1 : Gear, SplineShaft, Follower, MeshBody or ComplianceBody
         Free to turn; carries the torque.
-    body_2 : Gear, Ring, SplineHub, MeshBody or ComplianceBody
+    body_2 : Gear, Ring, SplineHub, Cam, MeshBody or ComplianceBody
     pair : Pair
         Centre distance, or offset of a spline, and face width, mm.
     load : Load
@@ -85,8 +90,8 @@ class Scene:
     """
 
     name: str
-    body_1: Gear | SplineShaft | MeshBody | ComplianceBody
-    body_2: Gear | Ring | SplineHub | MeshBody | ComplianceBody
+    body_1: Gear | SplineShaft | Follower | MeshBody | ComplianceBody
+    body_2: Gear | Ring | SplineHub | Cam | MeshBody | ComplianceBody
     pair: Pair
     load: Load
     positions: Positions
@@ -242,6 +247,12 @@ def _refuse(key: str, expected: str, found: object) -> None:
 def _check_body(body: BodySpec, given: Mapping[str, Any], key: str) -> None:
     if isinstance(body, ComplianceBody):
         return  # teeth and all else stand in its file
+    if isinstance(body, Cam):
+        check_cam(body, key)
+        return
+    if isinstance(body, Follower):
+        check_follower(body, key)
+        return
     if isinstance(body, MeshBody):
         check_sets(body, given, key)
     teeth = body.number_of_teeth
@@ -423,6 +434,7 @@ def _check_friction(asked: SceneFile) -> None:
 
 def _check_kinds(asked: SceneFile) -> None:
     """A shaft stands in a hub, on an offset; all other bodies stand on a centre distance."""
+    check_cam_pair(asked)
     splines = isinstance(asked.body_1, SplineShaft), isinstance(asked.body_2, SplineHub)
     if any(splines) and not all(splines):
         _refuse(

@@ -237,9 +237,15 @@ def expected_of(kind: inspect.Type) -> str:
     if isinstance(kind, inspect.TupleType):
         return f"a list of {len(kind.item_types)} {_plural(kind.item_types[0])}"
     if isinstance(kind, inspect.VarTupleType):
+        item = kind.item_type
         if kind.max_length is not None and kind.max_length == kind.min_length:
-            return f"a list of {kind.min_length} {_plural(kind.item_type)}"
-        return f"a {'non-empty ' if kind.min_length else ''}list of {_plural(kind.item_type)}"
+            return f"a list of {kind.min_length} {_plural(item)}"
+        of = (
+            f"lists of {len(item.item_types)} numbers"
+            if isinstance(item, inspect.TupleType)
+            else _plural(item)
+        )
+        return f"a {'non-empty ' if kind.min_length else ''}list of {of}"
     if isinstance(kind, inspect.StrType | inspect.IntType | inspect.FloatType):
         noun, bounds = _noun(kind)
         return ("an " if noun[0] in "aeiou" else "a ") + noun + bounds
