@@ -77,7 +77,7 @@ contains
         !> Set if no flanks meet, or a place of least gap could not be made exact
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: site, n_sites, n_zones
+        integer :: site, n_sites, n_zones, z
         real(wp) :: closed_moment
         real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
         type(zone_type), allocatable :: zones(:)
@@ -122,8 +122,8 @@ contains
             smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
         end associate
         position%smooth = smooth_1 + smooth_2
-        position%zones%lever_share = lever_share([(smooth_1(site, site), site=1, n_zones)], &
-            & [(smooth_2(site, site), site=1, n_zones)], body_1%compliance%kernel, &
+        position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n_zones)], &
+            & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
             & body_2%compliance%kernel)
     end subroutine look_at_position
 

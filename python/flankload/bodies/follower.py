@@ -217,13 +217,13 @@ def flat_curve(flat: Flat) -> FlankCurve:
     return fit_flank_curve([CurvePiece("flank", place, *flat.ends_mm)], corner_at_end=True)
 
 
-def outline_of(lever: Lever) -> Floats:
-    """Contour of a lever, counter-clockwise."""
+def outline_of(lever: Lever, points: int = 121) -> Floats:
+    """Contour of a lever, counter-clockwise, with so many points on each arc."""
     (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
-    turn = np.linspace(high, low + 2 * pi, 121)
+    turn = np.linspace(high, low + 2 * pi, points)
     parts = [hub * np.stack([np.cos(turn), np.sin(turn)], axis=1)]
     if isinstance(head, Roller):
-        turn = np.linspace(-head.angles_rad[1], head.angles_rad[1], 121)
+        turn = np.linspace(-head.angles_rad[1], head.angles_rad[1], points)
         circle = head.radius_mm * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         parts.append(circle + np.array([head.arm_mm, 0.0]))
     else:

@@ -456,8 +456,8 @@ class Positions(Table, frozen=True, kw_only=True):
         Annotated[int, Meta(ge=1, le=100000)],
         about(
             "-",
-            "positions per tooth pitch of body 1 (per turn of a cam), equally spaced; with adaptive "
-            "those to begin with; concentric splines have one",
+            "positions per tooth pitch of body 1 (per turn of a cam), equally spaced; with "
+            "adaptive those to begin with; concentric splines have one",
         ),
     ] = 32
     angles_deg: Annotated[
