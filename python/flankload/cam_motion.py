@@ -15,6 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import Roller
+from flankload.cam_search import (
+    Places,
+    cross,
+    dot,
+    first_of,
+    places_of,
+    polar,
+    samples_of,
+    turned,
+    wrapped,
+    zeros_on,
+)
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -27,11 +39,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Samples on each interval of the profile, in which candidates are looked for.
-SAMPLES = 4
 #: Positions that are looked at at once: bounds the memory.
 BLOCK = 256
-NEWTON_STEPS = 40
 #: Lever of the force about the follower's axis, over its distance from there: below, a force line
 #: passes too near to the axis to carry the torque.
 LEAST_LEVER = 0.1
@@ -90,7 +99,7 @@ class CamMotion:
         return Stand(self, position, turn_1, turn_2, s)
 
     def _stand_of(self, turn_2: Floats, position: Floats) -> tuple[Floats, Floats]:
-        s, turn_1 = _first(turn_2.size, *self._tangent_places(turn_2))
+        s, turn_1 = first_of(turn_2.size, *self._tangent_places(turn_2))
         if isinstance(self.head, Roller):
             _refuse_where(
                 np.isnan(turn_1),
@@ -101,7 +110,7 @@ class CamMotion:
             )
             return s, turn_1
         ends = [self._end_places(turn_2, end) for end in self.head.ends_mm]
-        _, at_end = _first(
+        _, at_end = first_of(
             turn_2.size, *(np.concatenate([one, two]) for one, two in zip(*ends, strict=True))
         )
         first = np.fmin(turn_1, at_end)
@@ -119,93 +128,56 @@ class CamMotion:
         return s, turn_1
 
     @cached_property
-    def _samples(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Arc lengths (n + 1,) over one turn, places, tangents and normals there."""
-        curve = self.cam
-        part = np.arange(SAMPLES) / SAMPLES
-        s = np.append(
-            (curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * part).ravel(),
-            curve.length_mm,
-        )
-        return s, curve.point(s), curve.tangent(s), curve.normal(s)
+    def samples(self) -> Places:
+        """Places all around the cam, in its frame."""
+        return samples_of(self.cam)
+
+    def apart(self, turn_2: Floats) -> Floats:
+        """From O1 to O2 (P, 2) in the frame of the cam, mm."""
+        return self.center_distance_mm * np.stack([np.cos(turn_2), -np.sin(turn_2)], axis=1)
+
+    def _zeros(
+        self, turn_2: Floats, rest: Callable[[Places], tuple[Floats, Floats]]
+    ) -> tuple[NDArray[np.int64], Places]:
+        """Positions and places, seen from O1, at which a function changes its sign."""
+        apart = self.apart(turn_2)
+        k, s = zeros_on(self.cam, self.samples, apart, rest)
+        return k, places_of(self.cam, s).seen_from(apart[k])
 
     def _tangent_places(self, turn_2: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Positions, arc lengths and turns of the follower of all places where it is tangent."""
         head = self.head
         if isinstance(head, Roller):
+            radius, arm = head.radius_mm, head.arm_mm
 
-            def rest(s: Floats, u: Floats) -> tuple[Floats, Floats]:
-                point, tangent, normal = self._placed(s, u)
-                centre = point + head.radius_mm * normal
-                bend = 1 + head.radius_mm * self.cam.curvature(s)
-                return _square(centre) - head.arm_mm**2, 2 * bend * _dot(centre, tangent)
+            def from_arm(at: Places) -> tuple[Floats, Floats]:
+                centre = at.point + radius * at.normal
+                bend = 1 + radius * at.curvature
+                return dot(centre, centre) - arm**2, 2 * bend * dot(centre, at.tangent)
 
-        else:
+            k, at = self._zeros(turn_2, from_arm)
+            return k, at.s, polar(at.point + radius * at.normal, turn_2[k])
+        offset, (low, high) = head.offset_mm, head.ends_mm
 
-            def rest(s: Floats, u: Floats) -> tuple[Floats, Floats]:
-                point, tangent, normal = self._placed(s, u)
-                slope = -self.cam.curvature(s) * _dot(point, tangent)
-                return -_dot(normal, point) - head.offset_mm, slope
+        def from_line(at: Places) -> tuple[Floats, Floats]:
+            return -dot(at.normal, at.point) - offset, -at.curvature * dot(at.point, at.tangent)
 
-        k, s = self._roots(turn_2, rest)
-        if isinstance(head, Roller):
-            point, _, normal = self._placed(s, _axis(turn_2[k]))
-            return k, s, _polar(point + head.radius_mm * normal, turn_2[k])
-        point, tangent, normal = self._placed(s, _axis(turn_2[k]))
-        along = -_dot(point, tangent)
-        low, high = head.ends_mm
-        there = (along >= low) & (along <= high)
+        k, at = self._zeros(turn_2, from_line)
         # the flat points against the cam's tangent
-        turned = _polar(-tangent, turn_2[k])
-        return k[there], s[there], turned[there]
+        along = -dot(at.point, at.tangent)
+        there = (along >= low) & (along <= high)
+        return k[there], at.s[there], polar(-at.tangent, turn_2[k])[there]
 
     def _end_places(self, turn_2: Floats, end: float) -> tuple[NDArray[np.int64], Floats, Floats]:
         """The same of all places where an end of the flat lies on the cam."""
         assert not isinstance(self.head, Roller)
         offset = self.head.offset_mm
 
-        def rest(s: Floats, u: Floats) -> tuple[Floats, Floats]:
-            point, tangent, _ = self._placed(s, u)
-            return _square(point) - end**2 - offset**2, 2 * _dot(point, tangent)
+        def from_end(at: Places) -> tuple[Floats, Floats]:
+            return dot(at.point, at.point) - end**2 - offset**2, 2 * dot(at.point, at.tangent)
 
-        k, s = self._roots(turn_2, rest)
-        turned = _polar(self._placed(s, _axis(turn_2[k]))[0], turn_2[k]) - np.arctan2(offset, end)
-        return k, s, _wrapped(turned)
-
-    def _placed(self, s: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """Places from O1, tangents and normals, all in the frame of the cam; u points to O2."""
-        return (
-            self.cam.point(s) + self.center_distance_mm * u,
-            self.cam.tangent(s),
-            self.cam.normal(s),
-        )
-
-    def _roots(
-        self, turn_2: Floats, rest: Callable[[Floats, Floats], tuple[Floats, Floats]]
-    ) -> tuple[NDArray[np.int64], Floats]:
-        """Positions and arc lengths at which a function of place and position changes its sign."""
-        s = self._samples[0]
-        u = _axis(turn_2)
-        count = turn_2.size
-        value, _ = rest(np.tile(s, count), np.repeat(u, s.size, axis=0))
-        value = value.reshape(count, s.size)
-        value[:, -1] = value[:, 0]
-        k, i = np.nonzero((value[:, :-1] < 0) != (value[:, 1:] < 0))
-        low, high, below = s[i], s[i + 1], value[k, i] < 0
-        place = 0.5 * (low + high)
-        for _ in range(NEWTON_STEPS):
-            found, slope = rest(place, u[k])
-            left = (found < 0) == below
-            low, high = np.where(left, place, low), np.where(left, high, place)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                new = place - found / slope
-            inside = (new >= low) & (new <= high)
-            new = np.where(inside, new, 0.5 * (low + high))
-            done = np.abs(new - place).max(initial=0.0) <= 1e-15 * self.cam.length_mm
-            place = new
-            if done:
-                break
-        return k, place
+        k, at = self._zeros(turn_2, from_end)
+        return k, at.s, wrapped(polar(at.point, turn_2[k]) - np.arctan2(offset, end))
 
 
 @dataclass(frozen=True)
@@ -230,19 +202,20 @@ class Stand:
 
     def contact(self) -> tuple[Floats, Floats]:
         """Places (P, 2) of contact, from O1, and the cam's normals there, in the common frame."""
-        point, _, normal = self.motion._placed(self.arc_length_mm, _axis(self.turn_2))
-        return _turned(point, self.turn_2), _turned(normal, self.turn_2)
+        at = places_of(self.motion.cam, self.arc_length_mm)
+        point = at.point + self.motion.apart(self.turn_2)
+        return turned(point, self.turn_2), turned(at.normal, self.turn_2)
 
     def rate(self) -> Floats:
         """Turn (P,) of the follower for each rad of the cam's: along the normal both move alike."""
         point, normal = self.contact()
         centre = np.array([self.motion.center_distance_mm, 0.0])
-        return self.motion.sense * _cross(point - centre, normal) / _cross(point, normal)
+        return self.motion.sense * cross(point - centre, normal) / cross(point, normal)
 
     def levers(self) -> Floats:
         """Levers (P,) of the force on the follower about its axis, mm; it turns it clockwise."""
         point, normal = self.contact()
-        return -_cross(point, normal)
+        return -cross(point, normal)
 
     def check(self) -> None:
         """Refuse a follower whose force cannot hold a torque, or whose arm is in the way.
@@ -256,7 +229,7 @@ class Stand:
         point, normal = self.contact()
         lever, radius = self.levers(), np.hypot(*point.T)
         if isinstance(head, Roller):
-            angle = _wrapped(np.arctan2(-normal[:, 1], -normal[:, 0]) - self.turn_1)
+            angle = wrapped(np.arctan2(-normal[:, 1], -normal[:, 0]) - self.turn_1)
             _refuse_where(
                 angle > head.angles_rad[1],
                 self.position_rad,
@@ -291,11 +264,10 @@ def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotio
     SceneError
         If the cam would sweep over the follower's axis, or the roller cannot follow a hollow.
     """
-    curve, head = cam.curve, follower.touches
+    head = follower.touches
     assert head is not None
-    motion = CamMotion(curve, head, center_distance_mm, -1 if cam.turns_clockwise else 1)
-    s, point, _, _ = motion._samples
-    reach = float(np.hypot(*point.T).max())
+    motion = CamMotion(cam.curve, head, center_distance_mm, -1 if cam.turns_clockwise else 1)
+    reach = float(np.hypot(*motion.samples.point.T).max())
     hub = float(np.hypot(*follower.outline.T).min())
     if center_distance_mm <= reach + hub:
         raise SceneError(
@@ -304,7 +276,7 @@ def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotio
             f"{hub:g} together",
             found=f"{center_distance_mm:g}",
         )
-    hollow = float(curve.curvature(s).min())
+    hollow = float(motion.samples.curvature.min())
     if isinstance(head, Roller) and -hollow * head.radius_mm > HOLLOW:
         raise SceneError(
             key="body_1.roller_radius_mm",
@@ -312,17 +284,6 @@ def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotio
             found=f"{head.radius_mm:g}",
         )
     return motion
-
-
-def _first(
-    count: int, position: NDArray[np.int64], s: Floats, turn: Floats
-) -> tuple[Floats, Floats]:
-    """Arc length and turn of each position's least turn; NaN where it has none."""
-    order = np.lexsort((turn, position))
-    known, first = np.unique(position[order], return_index=True)
-    found = np.full((2, count), np.nan)
-    found[:, known] = s[order][first], turn[order][first]
-    return found[0], found[1]
 
 
 def _refuse_where(
@@ -339,36 +300,3 @@ def _refuse_where(
             expected=expected,
             found=f"{found(k)} at a cam angle of {np.degrees(position[k]):.3f} deg",
         )
-
-
-def _axis(turn_2: Floats) -> Floats:
-    """Directions (P, 2) from O1 to O2 in the frame of the cam."""
-    return np.stack([np.cos(turn_2), -np.sin(turn_2)], axis=1)
-
-
-def _polar(vectors: Floats, turn: Floats) -> Floats:
-    """Polar angles in (-pi, pi] of vectors of a frame that is turned."""
-    return _wrapped(np.arctan2(vectors[:, 1], vectors[:, 0]) + turn)
-
-
-def _wrapped(angle: Floats) -> Floats:
-    return np.asarray(np.pi - (np.pi - angle) % (2 * np.pi))
-
-
-def _turned(vectors: Floats, turn: Floats) -> Floats:
-    c, s = np.cos(turn), np.sin(turn)
-    return np.stack(
-        [c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], 1
-    )
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.asarray((a * b).sum(axis=1))
-
-
-def _square(a: Floats) -> Floats:
-    return _dot(a, a)
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
