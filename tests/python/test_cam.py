@@ -221,6 +221,15 @@ def test_friction_on_a_cam_is_not_known() -> None:
     assert not fl.Scene.from_dict(cam_scene(effects={"friction_coefficient": 0})).has_friction
 
 
+def test_a_cam_has_no_tooth_roots() -> None:
+    with pytest.raises(SceneError) as caught:
+        fl.Scene.from_dict(cam_scene(effects={"root_stress": True}))
+    assert str(caught.value) == (
+        "effects.root_stress: expected nothing: a cam and its follower have no tooth roots, "
+        "found true"
+    )
+
+
 # --- what cannot move ---------------------------------------------------------------------------
 
 
@@ -448,6 +457,7 @@ def test_result_says_where_the_follower_stands(tmp_path: Path) -> None:
         "transmission_error.png",
         "peak_pressure.png",
         "loaded_pair.png",
+        "stiffness.png",
         "follower_motion.png",
     }
 
