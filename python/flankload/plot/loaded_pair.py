@@ -270,5 +270,5 @@ def _draw_pressure(axes: Axes, result: Result, p: int, s: int, site: int, reach:
     )
     axes.set_ylabel("pressure in MPa")
     axes.set_xlabel(
-        "along the follower in mm (outwards →)" if result.has_cam else "along flank 1 in mm (tip →)"
+        "along flank 1 in mm (out →)" if result.has_cam else "along flank 1 in mm (tip →)"
     )

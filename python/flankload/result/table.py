@@ -239,12 +239,13 @@ def _contact_lines(result: Result) -> Iterator[str]:
         text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"
         yield _labelled("line load", text)
     if summary["largest_sliding_mm_per_rad"]:
-        text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of body 1"
+        turning = "the cam, as if no roller turned" if result.has_cam else "body 1"
+        text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
         yield _labelled("sliding", text)
     if summary["coast_flank_gap_min_um"] is not None:
         text = f"at least {summary['coast_flank_gap_min_um']:.1f} um apart, bodies turned as loaded"
         yield _labelled("coast flanks", text)
-    elif result.geometry is not None:
+    elif result.geometry is not None and not result.has_cam:
         reason = result.geometry.coast_unknown or "none face each other"
         yield _labelled("coast flanks", f"not known: {reason}")
 
