@@ -194,6 +194,16 @@ def test_curve_has_no_gaps(teeth: int, keys: dict) -> None:
     np.testing.assert_allclose(last[:-1], curve.coefficients[1:, :, 0], rtol=0, atol=EXACT)
 
 
+def test_linear_relief_begins_in_a_corner_and_parabolic_relief_does_not() -> None:
+    """The pressure on the kink has no limit under refinement; it came without a mark."""
+    keys = {"tip_relief_um": 20.0, "tip_relief_start_diameter_mm": 79.0, "tip_radius_mm": 0.2}
+    for shape, corners in (("linear", 1), ("parabolic", 0)):
+        curve = gear_profile(gear(**keys, tip_relief_shape=shape), "body_1").curve
+        assert np.count_nonzero(curve.corners) == corners
+        start = curve.range_of("relief")[0]
+        assert bool(curve.corners[np.searchsorted(curve.breaks, start)]) == bool(corners)
+
+
 @pytest.mark.parametrize(("shape", "half"), [("linear", 0.5), ("parabolic", 0.25)])
 def test_tip_relief_takes_off_what_it_says(shape: str, half: float) -> None:
     spec = gear(tip_relief_um=20.0, tip_relief_start_diameter_mm=79.0, tip_relief_shape=shape)

@@ -160,7 +160,8 @@ def flank_and_tip(
     plain = replace(flank, modifications=replace(flank.modifications, tip_relief_mm=0.0))
     pieces = [CurvePiece("flank", plain.place, start.roll, first_end, start.undercut)]
     if relieved:
-        pieces.append(CurvePiece("relief", flank.place, kink, end))
+        kinked = flank.modifications.relief_power == 1
+        pieces.append(CurvePiece("relief", flank.place, kink, end, kinked))
     return [*pieces, *tip]
 
 
