@@ -6,6 +6,7 @@ module flankload_contact_pairs
     use flankload_polar_geometry, only: cross
     use flankload_circle_pair, only: pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
+    use flankload_contact_normal, only: normal_at, normal_type
     implicit none
     private
 
@@ -79,15 +80,14 @@ contains
         !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
         real(wp) :: reach(2)
 
-        !> Cells are laid by it: a part of this size is all that is wanted.
-        real(wp), parameter :: tolerance = 0.03_wp
-        integer, parameter :: max_steps = 12
+        !> Cells are laid by it: what it may be wrong by shows as a step where the number of rounds
+        !> changes.
+        real(wp), parameter :: tolerance = 1.0e-4_wp
+        integer, parameter :: max_steps = 40
         !> Only to begin with [1/mm]
         real(wp), parameter :: least_curvature = 1.0e-3_wp
-        !> The gap grows with a power of the distance between these (kinks 1, parabolas 2).
-        real(wp), parameter :: least_power = 1.0_wp, largest_power = 4.0_wp
         integer :: side, step
-        real(wp) :: room, inner, outer, x, x_old, part, part_old, power
+        real(wp) :: room, inner, outer, x, part, part_inner, part_outer
         type(pair_type) :: pair
         logical :: found
 
@@ -96,6 +96,8 @@ contains
                 & side == 1)
             inner = 0.0_wp
             outer = room
+            part_inner = 0.0_wp
+            part_outer = 0.0_wp
             x = sqrt(2.0_wp*growth/max(zone%curvature, least_curvature))
             if (is_level(zone)) then
                 inner = merge(zone%nearest%s_1 - zone%level_low, &
@@ -103,38 +105,53 @@ contains
                 x = inner + 0.01_wp*x
             end if
             x = min(room, x)
-            x_old = 0.0_wp
-            part_old = 0.0_wp
             pair = zone%nearest
             do step = 1, max_steps
                 call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
                     & zone%nearest%s_1 + merge(-x, x, side == 1), &
                     & [zone%s_2_low, zone%s_2_high], pair, found)
-                if (.not. found) then
-                    outer = x
-                    x = 0.5_wp*(inner + outer)
-                    cycle
-                end if
-                part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
-                if (part < 1.0_wp) then
-                    if (x >= room) exit
-                    inner = x
+                if (found) then
+                    part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
+                    if (part < 1.0_wp) then
+                        if (x >= room) exit
+                        inner = x
+                        part_inner = part
+                    else
+                        outer = x
+                        part_outer = part
+                    end if
+                    if (abs(part - 1.0_wp) <= tolerance) exit
+                    x = next_place()
                 else
                     outer = x
+                    part_outer = 0.0_wp
+                    x = 0.5_wp*(inner + outer)
                 end if
-                power = 2.0_wp
-                if (part > 0.0_wp .and. part_old > 0.0_wp .and. abs(x - x_old) > 0.0_wp) then
-                  power = min(largest_power, max(least_power, log(part/part_old)/log(x/x_old)))
-                end if
-                x_old = x
-                part_old = part
-                x = min(room, x*max(0.1_wp, min(10.0_wp, max(part, tiny(1.0_wp))**(-1.0_wp/power))))
-                if (abs(part - 1.0_wp) <= tolerance) exit
-                if (part < 1.0_wp .and. outer < room .and. x >= outer) x = 0.5_wp*(inner + outer)
-                if (x <= inner) x = 0.5_wp*(inner + outer)
             end do
             reach(side) = x
         end do
+
+    contains
+
+        !> The next place: the gap as a power of the distance through both that enclose the wanted
+        !> one, halved at times; a parabola through the last one while nothing encloses it.
+        pure function next_place() result(place)
+            real(wp) :: place
+
+            real(wp), parameter :: least = 0.1_wp, largest = 10.0_wp
+
+            if (part_inner > 0.0_wp .and. part_outer > 0.0_wp .and. mod(step, 4) /= 0) then
+                place = inner*(outer/inner)**(-log(part_inner)/log(part_outer/part_inner))
+            else if (part_outer > 0.0_wp .and. inner > 0.0_wp) then
+                place = 0.5_wp*(inner + outer)
+            else
+                place = x*max(least, min(largest, 1.0_wp/sqrt(max(part, tiny(1.0_wp)))))
+                if (place >= outer .and. outer < room) place = 0.5_wp*(inner + outer)
+                if (place <= inner) place = 0.5_wp*(inner + outer)
+            end if
+            place = min(room, place)
+        end function next_place
+
     end function zone_reach
 
     !> The grid that a zone wants for itself.
@@ -209,27 +226,63 @@ contains
     end function level_grid
 
     !> Where the grids of two zones of a site would overlap, part them: no place has two cells.
-    pure subroutine part_neighbours(zone, next, reach, next_reach, grid, next_grid)
+    !>
+    !> The border is where the gap is greatest between both places: away from either contact.
+    pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
         !> Two zones of a site, the first at smaller arc length
         type(zone_type), intent(in) :: zone
         type(zone_type), intent(in) :: next
-        !> How far they reach to both sides [mm], shape (2)
-        real(wp), intent(in) :: reach(2)
-        real(wp), intent(in) :: next_reach(2)
         !> Their grids
         type(grid_type), intent(inout) :: grid
         type(grid_type), intent(inout) :: next_grid
 
-        real(wp) :: border
+        !> Halvings: the border is known to a millionth of the distance.
+        integer, parameter :: steps = 20
+        integer :: step
+        real(wp) :: low, high, border
+        type(pair_type) :: pair
+        logical :: found
 
         if (grid%high <= next_grid%low) return
-        border = zone%nearest%s_1 + (next%nearest%s_1 - zone%nearest%s_1) &
-            & *reach(2)/(reach(2) + next_reach(1))
+        low = zone%level_high
+        high = next%level_low
+        pair = zone%nearest
+        do step = 1, steps
+            border = 0.5_wp*(low + high)
+            pair%s_2 = guessed_s_2(pair, border)
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, border, &
+                & [zone%s_2_low, zone%s_2_high], pair, found)
+            if (.not. found) exit
+            if (pair%slope > 0.0_wp) then
+                low = border
+            else
+                high = border
+            end if
+        end do
         grid%high = border
         grid%open_high = .false.
         next_grid%low = border
         next_grid%open_low = .false.
     end subroutine part_neighbours
+
+    !> Where flank 2 about meets the circle through another place of flank 1: dr = (P.t) ds/r.
+    pure function guessed_s_2(pair, s_1) result(s_2)
+        !> A pair not far away
+        type(pair_type), intent(in) :: pair
+        !> The place on flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        !> Arc length on flank 2 [mm]
+        real(wp) :: s_2
+
+        s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
+            & /dot_product(pair%point_2, pair%tangent_2)
+    end function guessed_s_2
 
     !> Lay the cells between the ends of a grid.
     !>
@@ -336,7 +389,7 @@ contains
 
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
-            & deviation, corner_weight, pairs, found)
+            & normal, deviation, pairs, found)
         !> Flank of body 1 and where it stands
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
@@ -348,22 +401,21 @@ contains
         integer, intent(in) :: number
         !> Its cells
         type(grid_type), intent(in) :: grid
+        !> Direction of the forces over its contact
+        type(normal_type), intent(in) :: normal
         !> Metal that touches early, sum of both flanks, along the normal [mm]
         real(wp), intent(in) :: deviation
-        !> 0: each body has its own normal; 1: both have the mean, where the contact is one-sided
-        real(wp), intent(in) :: corner_weight
         !> The pairs; room must have been reserved
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle misses flank 2
         logical, intent(out) :: found
 
         integer :: k, i
-        real(wp) :: s_1, cell, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2), normal(2), weight
+        real(wp) :: s_1, cell, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2)
         type(pair_type) :: pair
 
         s_2_range = [zone%s_2_low, zone%s_2_high]
         pair = zone%nearest
-        weight = 0.5_wp*corner_weight
         found = .true.
         do k = 1, grid%n
             s_1 = grid%first + (k - 1)*grid%cell
@@ -372,25 +424,23 @@ contains
                 s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
                 cell = grid%ends(k + 1) - grid%ends(k)
             end if
-            ! both flanks meet the circle through the neighbour's points: dr = (P.t) ds/r
-            pair%s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
-                & /dot_product(pair%point_2, pair%tangent_2)
+            pair%s_2 = guessed_s_2(pair, s_1)
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
             if (.not. found) return
             ! Out of body 1, by each flank; n = t turned by a right angle, so |P x n| = |P . t|
             own_1 = [-pair%tangent_1(2), pair%tangent_1(1)]
             own_2 = [pair%tangent_2(2), -pair%tangent_2(1)]
-            if (is_level(zone) .and. (s_1 < zone%level_low .or. s_1 > zone%level_high)) then
-                call take_steadier(own_1, own_2)
-            end if
             i = pairs%n + 1
             pairs%cell_1(i) = cell
             pairs%cell_2(i) = cell*abs(cross(pair%point_1, own_1)/cross(pair%point_2, own_2))
-            normal = (1.0_wp - weight)*own_2 + weight*own_1
-            lever_2 = abs(cross(pair%point_2, normal))/norm2(normal)
-            normal = (1.0_wp - weight)*own_1 + weight*own_2
-            normal = normal/norm2(normal)
-            lever_1 = abs(cross(pair%point_1, normal))   ! Eq. (17)
+            if (.not. is_level(zone)) then
+                own_1 = normal_at(normal, s_1, 1)
+                own_2 = normal_at(normal, s_1, 2)
+            else if (s_1 < zone%level_low .or. s_1 > zone%level_high) then
+                call take_steadier(own_1, own_2)
+            end if
+            lever_1 = abs(cross(pair%point_1, own_1))   ! Eq. (17)
+            lever_2 = abs(cross(pair%point_2, own_2))
             pairs%n = i
             pairs%site(i) = zone%site
             pairs%zone(i) = number
@@ -403,7 +453,7 @@ contains
             pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
             pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
             pairs%point(:, i) = pair%point_1
-            pairs%normal(:, i) = normal
+            pairs%normal(:, i) = own_1
         end do
 
     contains

@@ -3,7 +3,9 @@
 module flankload_position_cells
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error
+    use flankload_flank_curve, only: flank_curve_type
     use flankload_contact_zones, only: zone_type
+    use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_friction, only: rub_pairs
@@ -95,6 +97,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z, site, first
+        type(normal_type) :: normal
         logical :: found
 
         cells%part = max(cells%estimate, cells%least)
@@ -110,7 +113,7 @@ contains
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), cells%widths(:, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
-            call part_grids(zones, cells%joins, cells%reach, grids)
+            call part_grids(body_1%flank%curve, body_2%flank%curve, position, cells%joins, grids)
             do z = 1, size(zones)
                 if (cells%joins(z)) call lay_cells(zones(z), grids(z))
             end do
@@ -119,10 +122,11 @@ contains
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
                 first = pairs%n + 1
+                normal = contact_normal(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                    & frames_2(site), zones(z), cells%reach(:, z))
                 call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
-                    & frames_2(site), zones(z), z, grids(z), &
-                    & body_1%deviations(site) + body_2%deviations(site), &
-                    & corner_weight(zones(z), maxval(cells%reach(:, z))), pairs, found)
+                    & frames_2(site), zones(z), z, grids(z), normal, &
+                    & body_1%deviations(site) + body_2%deviations(site), pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -138,39 +142,31 @@ contains
     end subroutine lay_pairs
 
     !> Part the grids of neighbouring zones of a site.
-    pure subroutine part_grids(zones, joins, reach, grids)
-        !> The zones, those of a site by ascending arc length, and which of them join
-        type(zone_type), intent(in) :: zones(:)
+    pure subroutine part_grids(flank_1, flank_2, position, joins, grids)
+        !> The flanks
+        type(flank_curve_type), intent(in) :: flank_1
+        type(flank_curve_type), intent(in) :: flank_2
+        !> The position; its zones of a site stand by ascending arc length
+        type(position_type), intent(in) :: position
+        !> Which of the zones join
         logical, intent(in) :: joins(:)
-        !> How far the contacts reach to both sides [mm], shape (2, zones)
-        real(wp), intent(in) :: reach(:, :)
         !> Their grids
         type(grid_type), intent(inout) :: grids(:)
 
-        integer :: z, last
+        integer :: z, last, site
 
         last = 0
-        do z = 1, size(zones)
+        do z = 1, size(joins)
             if (.not. joins(z)) cycle
+            site = position%zones(z)%site
             if (last > 0) then
-                if (zones(last)%site == zones(z)%site) call part_neighbours(zones(last), zones(z), &
-                    & reach(:, last), reach(:, z), grids(last), grids(z))
+                if (position%zones(last)%site == site) call part_neighbours(flank_1, &
+                    & position%frames_1(site), flank_2, position%frames_2(site), &
+                    & position%zones(last), position%zones(z), grids(last), grids(z))
             end if
             last = z
         end do
     end subroutine part_grids
-
-    !> How one-sided a contact is because of a sharp corner: 1 on it, 0 from a half-width on.
-    elemental function corner_weight(zone, half_width) result(weight)
-        !> The zone
-        type(zone_type), intent(in) :: zone
-        !> Expected half-width of the contact [mm]
-        real(wp), intent(in) :: half_width
-        real(wp) :: weight
-
-        weight = max(0.0_wp, 1.0_wp - min(zone%to_corner_low, zone%to_corner_high, half_width)/half_width)
-        if (zone%corner > 0) weight = 1.0_wp
-    end function corner_weight
 
     !> The pairs inside the contacts that are expected: the loop's warm set.
     pure function expected_pairs(pairs, zones, cells) result(warm)
