@@ -14,7 +14,7 @@ module flankload_position_cells
     private
 
     public :: cells_type, grid_settings
-    public :: new_cells, lay_pairs, expected_pairs, check_grids
+    public :: new_cells, measure_reach, reached_curvatures, lay_pairs, expected_pairs, check_grids
     public :: least_half_width
 
     !> How fine the cells are.
@@ -80,6 +80,43 @@ contains
         allocate (cells%grids(n))
     end function new_cells
 
+    !> How far the contacts reach under the forces that are expected.
+    pure subroutine measure_reach(body_1, body_2, position, cells)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> For what the cells are laid; the reach is filled in
+        type(cells_type), intent(inout) :: cells
+
+        integer :: z, site
+
+        cells%part = max(cells%estimate, cells%least)
+        cells%reach = 0.0_wp
+        do z = 1, size(cells%joins)
+            if (.not. cells%joins(z)) cycle
+            site = position%zones(z)%site
+            cells%reach(:, z) = max(least_half_width, zone_reach(body_1%flank%curve, &
+                & position%frames_1(site), body_2%flank%curve, position%frames_2(site), &
+                & position%zones(z), position%kernel*cells%part(z)))
+        end do
+    end subroutine measure_reach
+
+    !> Sums of curvatures that would let the contacts reach as far [1/mm]; where nothing is known
+    !> of that, those at the places of least gap.
+    pure function reached_curvatures(position, cells) result(curvatures)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> The cells, their reach measured
+        type(cells_type), intent(in) :: cells
+        real(wp) :: curvatures(size(cells%joins))
+
+        curvatures = position%zones%curvature
+        where (cells%joins) curvatures = 8.0_wp*position%kernel*cells%part &
+            & /max(sum(cells%reach, dim=1), least_half_width)**2
+    end function reached_curvatures
+
     !> Lay the cells and the pairs on them.
     pure subroutine lay_pairs(body_1, body_2, position, settings, cells, pairs, error)
         !> The bodies
@@ -89,7 +126,7 @@ contains
         type(position_type), intent(in) :: position
         !> How fine the cells are
         type(grid_settings), intent(in) :: settings
-        !> For what the cells are laid, and how they lie
+        !> For what the cells are laid, their reach measured, and how they lie
         type(cells_type), intent(inout) :: cells
         !> The pairs
         type(pairs_type), intent(out) :: pairs
@@ -100,16 +137,10 @@ contains
         type(normal_type) :: normal
         logical :: found
 
-        cells%part = max(cells%estimate, cells%least)
-        cells%reach = 0.0_wp
         associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
             & frames_2 => position%frames_2)
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
-                site = zones(z)%site
-                cells%reach(:, z) = max(least_half_width, zone_reach(body_1%flank%curve, &
-                    & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), &
-                    & position%kernel*cells%part(z)))
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), cells%widths(:, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do

@@ -12,7 +12,7 @@ module flankload_position_load
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
-        & lay_pairs, least_half_width, new_cells
+        & lay_pairs, least_half_width, measure_reach, new_cells, reached_curvatures
     implicit none
     private
 
@@ -53,6 +53,9 @@ module flankload_position_load
     !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
     !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
     real(wp), parameter :: joining = 0.02_wp
+    !> A contact is not that of a parabola where its width differs by half as much: beside a kink, a
+    !> rounding or an end, where curvatures change at once and widths do not.
+    real(wp), parameter :: other_shape = 0.1_wp
 
 contains
 
@@ -113,7 +116,7 @@ contains
 
         integer :: n_sites, pass
         type(cells_type) :: cells
-        real(wp), allocatable :: estimate(:)
+        real(wp), allocatable :: estimate(:), curvatures(:)
         real(wp) :: rotation
         logical, allocatable :: touches(:)
         logical :: settled
@@ -132,8 +135,20 @@ contains
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
                 & .or. gap < rotation + joining*(rotation - minval(gap)), settings)
+            call measure_reach(body_1, body_2, position, cells)
+            curvatures = reached_curvatures(position, cells)
+            if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
+                call lumped_contact(position%smooth, gap, zones%lever, curvatures, &
+                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
+                    & least_half_width, estimate, rotation, state%pivots, error)
+                if (allocated(error)) return
+                cells%estimate = estimate
+                cells%joins = cells%joins .or. estimate > 0.0_wp
+                call measure_reach(body_1, body_2, position, cells)
+            end if
             do pass = 1, max_passes
                 state%passes = pass
+                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
                 call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
                 if (allocated(error)) return
                 call solve_pairs(body_1, body_2, expected_pairs(state%pairs, zones, cells), &

@@ -148,7 +148,7 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
 
 
 def test_relief_and_rounding_take_load_from_the_tips() -> None:
-    body = {"tip_radius_mm": 0.3, "tip_relief_um": 20.0}
+    body = {"tip_radius_mm": 0.3, "tip_relief_um": 20.0, "tip_relief_shape": "parabolic"}
     plain = fl.solve(scene())
     found = fl.solve(
         scene(
