@@ -47,7 +47,8 @@ def on_circle(points: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
     """Point, unit tangent and weights of the points where a flank meets a circle about O1."""
     spline, chord = spline_of(points)
     radii = np.linalg.norm(points, axis=1)
-    k = min(int(np.searchsorted(np.sort(radii), radius, side="right")) - 1, len(radii) - 2)
+    k = int(np.searchsorted(np.sort(radii), radius, side="right")) - 1
+    k = min(max(k, 0), len(radii) - 2)  # an end of the flank is on the circle to rounding
     if radii[0] > radii[-1]:
         k = len(radii) - 2 - k
     ends = chord[k : k + 2]
