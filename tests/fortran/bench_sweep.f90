@@ -13,7 +13,7 @@ program bench_sweep
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position, only: look_at_position, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
-        & least_half_width, new_cells
+        & least_half_width, measure_reach, new_cells
     implicit none
 
     !> Zones; lumped level; cells and pairs; influence numbers; the loop as a position calls it; all
@@ -164,6 +164,7 @@ contains
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)
+            call measure_reach(body_1, body_2, position, cells)
             call lay_pairs(body_1, body_2, position, case%settings, cells, laid, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_pairs))
