@@ -40,6 +40,17 @@ def test_files_that_the_readme_names_exist() -> None:
         assert (ROOT / path).exists(), path
 
 
+def test_the_page_of_examples_has_all_scenes_and_its_pictures() -> None:
+    folder = ROOT / "examples"
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w]+\.toml)`", text))
+    assert named == {path.name for path in (folder / "scenes").glob("*.toml")}
+    pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
+    assert pictures
+    for picture in pictures:
+        assert (folder / picture).exists(), picture
+
+
 def test_compliance_files_of_the_example_are_those_of_its_gears() -> None:
     """They were written by `flankload compliance`; where this fails, write them again."""
     scenes = ROOT / "examples" / "scenes"
