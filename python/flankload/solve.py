@@ -18,6 +18,7 @@ from flankload.result import Result
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
 from flankload.sweep import sweep
+from flankload.tangent import with_tangents
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -114,7 +115,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         If a position has no answer.
     """
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
-    sweeps = 1 + (N_ESTIMATES if scene.accuracy.estimate else 0)
+    sweeps = 2 + (N_ESTIMATES if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
     with clock.stage("bodies", 0):
         pair = build_bodies(scene)
@@ -140,10 +141,21 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
 
         pair, found, errors, rounds = _all_positions(scene, pair, run_round)
     run = partial(run, position_rad=pair.position_rad)
+    with clock.stage("tangent", fixed + SWEEP_STEPS):
+        found = with_tangents(
+            found,
+            partial(
+                run,
+                compliances=compliances,
+                grid=pair.resolution.grid,
+                keep_pairs=False,
+                progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
+            ),
+        )
     geometry = pair_geometry(pair)
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
-        with clock.stage("estimate", fixed + SWEEP_STEPS):
+        with clock.stage("estimate", fixed + 2 * SWEEP_STEPS):
             estimates = _estimates(found, run, pair, compliances, clock)
     results = tuple(
         result_of(
@@ -175,7 +187,7 @@ def _estimates(
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
     if not loaded:
         return {}
-    before = BODY_STEPS + 2 * COMPLIANCE_STEPS + SWEEP_STEPS
+    before = BODY_STEPS + 2 * COMPLIANCE_STEPS + 2 * SWEEP_STEPS
 
     def run_again(*, part: int, **other: object) -> tuple[Sweep, ...]:
         return run(

@@ -60,6 +60,8 @@ SCENE = {
         "MPa", 1e-5, 0.0, "a force over its cell: the least smooth number"
     ),
     "stiffness_secant_Nm_per_rad": Quantity("N m/rad", 1e-6, 0.0, _ROUNDED),
-    "stiffness_tangent_Nm_per_rad": Quantity("N m/rad", 1e-6, 0.0, _ROUNDED),
+    "stiffness_tangent_Nm_per_rad": Quantity(
+        "N m/rad", 1e-5, 0.0, "a difference over 2e-3 of the torque of rotations known to 1e-9"
+    ),
     "fe_factorisations": Quantity("1", 0.0, 0.0, _EXACT),
 }
