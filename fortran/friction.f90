@@ -26,6 +26,8 @@ module flankload_friction
     !> Sliding below this part of the speeds of both surfaces is no sliding: bodies that turn
     !> together about one axis have nothing but rounding there.
     real(wp), parameter :: least_sliding = 1.0e-7_wp
+    !> Bodies whose speeds differ by less than this part turn at one rate.
+    real(wp), parameter :: one_rate = 1.0e-9_wp
 
 contains
 
@@ -70,7 +72,8 @@ contains
     !>
     !> Each surface runs along its own flank there, so that the speed changes its sign inside a
     !> contact that lies over the pitch point. Inside the cell in which it does, the factor is the
-    !> mean over the cell: the state stays smooth in the position.
+    !> mean over the cell: the state stays smooth in the position. Bodies that turn at one rate on
+    !> axes apart (a spline with an offset) slide everywhere by the same vector.
     pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, first, &
             & pairs)
         !> What the scene says
@@ -119,6 +122,12 @@ contains
             speed_1 = -speeds(1)*dot_product(point_1, normal_1)
             speed_2 = -speeds(2)*dot_product(point_2, normal_2)
             pairs%sliding(i) = speed_2 - speed_1
+            if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
+                ! nothing rolls, the axes alone are apart: each flank's own normal, however little
+                ! it differs from the other's, would bring more speed than there is
+                pairs%sliding(i) = dot_product(speeds(2)*frame_2%origin &
+                    & - speeds(1)*frame_1%origin, pairs%normal(:, i))
+            end if
             largest = max(largest, abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2))
         end do
         call sliding_changes(pairs%sliding(first:pairs%n), change)
