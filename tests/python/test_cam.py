@@ -170,8 +170,8 @@ def test_table_that_is_no_profile(profile: list, line: str) -> None:
 @pytest.mark.parametrize(
     ("follower", "cam", "line"),
     [
-        ({}, {"bore_diameter_mm": 44.0}, ("body_2.bore_diameter_mm: expected less than twice the "
-         "least radius of the profile, 44.0000, found 44")),
+        ({}, {"bore_diameter_mm": 44.0}, ("body_2.bore_diameter_mm: expected at most 0.98 of twice "
+         "the least radius of the profile: 43.1200, found 44")),
         ({}, {"profile_file": "x.csv", "profile": disc()}, ("body_2.profile: expected a table of "
          "angles and radii, here or in body_2.profile_file, found both")),
         ({}, {"profile": [[0.0, 30.0], [1.0]]}, ("body_2.profile[1]: expected a list of 2 numbers "

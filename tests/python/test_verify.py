@@ -514,6 +514,8 @@ def test_bodies_without_elements_are_refused() -> None:
         fl.verify(fl.read_scene(SCENES / "external_gear_compliance.toml"), run=False)
     with pytest.raises(SceneError, match=r"load\.torque_Nm: expected a torque to hold, found 0"):
         fl.verify(scene_of(load={"torque_Nm": 0}), run=False)
+    with pytest.raises(SceneError, match=r"body_2\.kind: expected bodies with teeth"):
+        fl.verify(fl.read_scene(SCENES / "cam.toml"), run=False)
 
 
 # --- the other program itself ---------------------------------------------------------------------

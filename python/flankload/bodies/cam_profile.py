@@ -88,7 +88,8 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
         raise SceneError(
             key=f"{key}.bore_diameter_mm",
-            expected=f"less than twice the least radius of the profile, {2 * least:.4f}",
+            expected=f"at most {1 - LEAST_WALL:g} of twice the least radius of the profile: "
+            f"{2 * (1 - LEAST_WALL) * least:.4f}",
             found=f"{spec.bore_diameter_mm:g}",
         )
     return CamProfile(curve, least, largest)

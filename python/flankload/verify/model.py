@@ -63,6 +63,13 @@ def check_bodies(scene: Scene) -> None:
     ------
     SceneError
     """
+    if scene.body_2.kind == "cam":
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with teeth: no deck is written for a cam and its follower",
+            found="'cam'",
+        )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
         if spec.kind == "compliance":
             raise SceneError(
