@@ -83,7 +83,7 @@ def result_of(
         reference_radius_mm=pair.body_1.reference_radius_mm,
         site_force_N=found.site_force_N[:, carries],
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
-        stiffness_tangent_Nm_per_rad=1e-3 / found.tangent_rad_per_Nmm,
+        stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=PairTables(
             len(found.n_pairs), partial(_pair_table, pair.pairing, found.pairs, width)
@@ -110,6 +110,13 @@ def result_of(
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Torque over rotation; NaN where a torque next to nothing turns body 1 by nothing."""
+    stiffness = np.full_like(tangent_rad_per_Nmm, np.nan)
+    np.divide(1e-3, tangent_rad_per_Nmm, out=stiffness, where=tangent_rad_per_Nmm != 0)
+    return stiffness
 
 
 def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> PairTable:

@@ -527,7 +527,8 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "Coulomb friction between the flanks: a number; or one per tooth of body 1, in the "
             "order in which the teeth come into contact, from the tooth of pair 0; or rows of roll "
             "position in mm (along the line of action from the pitch point, positive towards "
-            "recess, ascending) and coefficient, linear between; 0 = no friction",
+            "recess as body 1's torque turns it, whoever drives; ascending) and coefficient, "
+            "linear between; 0 = no friction",
         ),
     ] = None
     root_stress: Annotated[
