@@ -9,15 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.core_thread import call_and_watch
-from flankload.errors import (
-    ContactError,
-    InputError,
-    NoContactState,
-    PivotLimit,
-    SingularContact,
-)
+from flankload.errors import InputError
 from flankload.friction import FrictionArguments
 from flankload.packed_pairs import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
+from flankload.sweep_failure import raise_first_failure
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -30,24 +25,8 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
 
-#: Status of a position without an answer: the contact loop's codes, then those of the stages before
-#: it.
-FAILURES: dict[int, tuple[type[ContactError], str]] = {
-    -1: (NoContactState, "no state of contact was found for this torque"),
-    -2: (PivotLimit, "the contact loop used up its pivots"),
-    -3: (SingularContact, "the equations of the pairs in contact are singular"),
-    -4: (InputError, "numbers that do not make a contact problem"),
-    -5: (InputError, "no pair could carry the torque"),
-    -11: (NoContactState, "no circle about O1 cuts two facing flanks: no flank can touch here"),
-    -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
-    -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
-    -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
-    -16: (ContactError, "stopped before it was solved"),
-}
-
 #: Status of a position whose pairs found no room: it is asked for again, with more.
 NO_ROOM = -15
-
 #: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
 #: is never written costs nothing.
 FIRST_ROOM = 256
@@ -140,18 +119,32 @@ def sweep(
     start = perf_counter()
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
-    call = _CoreCall(
-        turns=pairing.turns(positions),
-        pairing=pairing,
-        torques=torques,
-        arguments=_core_arguments(bodies, compliances, pairing, face_width_mm),
-        grid=grid,
-        rubbing=FrictionArguments.of(friction, compliances, pairing, positions, face_width_mm),
-        progress=progress,
-    )
-    found = call.all_positions(FIRST_ROOM if keep_pairs else 0)
+    arguments = _core_arguments(bodies, compliances, pairing, face_width_mm)
+
+    def call(
+        where: NDArray[np.float64],
+        under: NDArray[np.float64],
+        tell: Callable[[int, int], None] | None,
+    ) -> _CoreCall:
+        return _CoreCall(
+            turns=pairing.turns(where),
+            pairing=pairing,
+            torques=under,
+            arguments=arguments,
+            grid=grid,
+            rubbing=FrictionArguments.of(friction, compliances, pairing, where, face_width_mm),
+            progress=tell,
+        )
+
+    def holds(k: int, under: NDArray[np.float64]) -> NDArray[np.bool_]:
+        numbers = call(positions[k : k + 1], under, None).all_positions(0).numbers
+        return np.asarray(numbers[0][0] >= 0)
+
+    found = call(positions, torques, progress).all_positions(FIRST_ROOM if keep_pairs else 0)
     (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
-    _raise_first_failure(status, positions, torques, certificate, rubs=friction is not None)
+    raise_first_failure(
+        status, positions, torques, certificate, rubs=friction is not None, holds=holds
+    )
     seconds = perf_counter() - start
     return tuple(
         Sweep(
@@ -331,32 +324,3 @@ class _CoreCall:
             pair_site=site[:used],
             pair_table=table.reshape(-1, columns)[:used],
         )
-
-
-def _raise_first_failure(
-    status: NDArray[np.int64],
-    position_rad: NDArray[np.float64],
-    torques: NDArray[np.float64],
-    certificate: NDArray[np.float64],
-    *,
-    rubs: bool,
-) -> None:
-    failed = np.argwhere(status < 0)
-    if failed.size == 0:
-        return
-    k, t = (int(number) for number in failed[0])
-    where = (
-        f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
-    )
-    more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
-    kind, reason = FAILURES[int(status[k, t])]
-    if status[k, t] != NoContactState.code:
-        raise kind(f"{where}: {reason}{more}")
-    part, proven = certificate[:2, k, t]
-    held = float(torques[t] * part)
-    jams = "the pair jams by friction, " if rubs else ""
-    raise NoContactState(
-        f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
-        proven=bool(proven),
-        largest_torque=held,
-    )

@@ -23,6 +23,7 @@ from flankload.packed_pairs import COLUMNS
 from flankload.pairing import Pairing
 from flankload.solve import compliance_of
 from flankload.sweep import Sweep, sweep
+from flankload.sweep_failure import raise_first_failure
 
 TORQUES = [40e3, 302e3, 0.0, 900e3]
 GEARS = {
@@ -189,7 +190,7 @@ def test_a_failure_names_position_and_torque() -> None:
         fl.errors.NoContactState,
         match=r"position 2 \(11.* torque 0\.5 N m: no st.* about 0\.125 N m can be held",
     ) as caught:
-        sweep_room._raise_first_failure(
+        raise_first_failure(
             status, np.array([0.0, 0.1, 0.2]), np.array([0.0, 500.0]), certificate, rubs=False
         )
     assert caught.value.largest_torque == pytest.approx(125.0)

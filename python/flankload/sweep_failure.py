@@ -1,0 +1,116 @@
+"""What is raised where a position has no answer, and how much torque could be held there."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import (
+    ContactError,
+    InputError,
+    NoContactState,
+    PivotLimit,
+    SingularContact,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+#: Status of a position without an answer: the contact loop's codes, then those of the stages before
+#: it.
+FAILURES: dict[int, tuple[type[ContactError], str]] = {
+    -1: (NoContactState, "no state of contact was found for this torque"),
+    -2: (PivotLimit, "the contact loop used up its pivots"),
+    -3: (SingularContact, "the equations of the pairs in contact are singular"),
+    -4: (InputError, "numbers that do not make a contact problem"),
+    -5: (InputError, "no pair could carry the torque"),
+    -11: (NoContactState, "no circle about O1 cuts two facing flanks: no flank can touch here"),
+    -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
+    -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
+    -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
+    -16: (ContactError, "stopped before it was solved"),
+}
+
+
+#: The torque that a jammed pair can hold is looked for from this part on, in so many steps, which
+#: leave 3e-4 of it after so many rounds.
+LEAST_HELD, HELD_STEPS, HELD_ROUNDS = 1e-4, 40, 3
+
+
+def raise_first_failure(
+    status: NDArray[np.int64],
+    position_rad: NDArray[np.float64],
+    torques: NDArray[np.float64],
+    certificate: NDArray[np.float64],
+    *,
+    rubs: bool,
+    holds: Callable[[int, NDArray[np.float64]], NDArray[np.bool_]] | None = None,
+) -> None:
+    """Raise what the first state without an answer asks for; nothing where all have one.
+
+    Parameters
+    ----------
+    status : (P, T) array
+        Of the core; negative where there is no state.
+    position_rad : (P,) array
+    torques : (T,) array
+        N mm.
+    certificate : (3, P, T) array
+        Where there is no state: part of the torque that can be held, 1 where that is proven.
+    rubs : bool
+        With friction.
+    holds : callable, optional
+        holds(k, torques) tells which torques position k can hold.
+
+    Raises
+    ------
+    ContactError
+        `NoContactState` carries the largest torque that can be held.
+    """
+    failed = np.argwhere(status < 0)
+    if failed.size == 0:
+        return
+    k, t = (int(number) for number in failed[0])
+    where = (
+        f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
+    )
+    more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
+    kind, reason = FAILURES[int(status[k, t])]
+    if status[k, t] != NoContactState.code:
+        raise kind(f"{where}: {reason}{more}")
+    part, proven = certificate[:2, k, t]
+    held = float(torques[t] * part)
+    if held > 0.0 and holds is not None:
+        held = _largest_held(held, float(torques[t]), partial(holds, k))
+    jams = "the pair jams by friction, " if rubs else ""
+    raise NoContactState(
+        f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
+        proven=bool(proven),
+        largest_torque=held,
+    )
+
+
+def _largest_held(
+    guess: float, torque: float, holds: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+) -> float:
+    """Largest torque below one that is too much, N mm; the guess where none of those tried holds.
+
+    The guess comes from cells that were laid for the torque asked for, as wide as its contacts
+    would be; here each torque has its own.
+    """
+    found = guess
+    tried = np.geomspace(LEAST_HELD * torque, torque, HELD_STEPS)
+    for _ in range(HELD_ROUNDS):
+        held = np.flatnonzero(holds(tried))
+        if held.size == 0:
+            return found
+        last = int(held[-1])
+        found = float(tried[last])
+        if last + 1 == tried.size:
+            return found
+        tried = np.linspace(found, tried[last + 1], HELD_STEPS)
+    return found
