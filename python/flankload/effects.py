@@ -1,41 +1,160 @@
-"""Which effects a scene calls for, as data; what it does not call for is not computed."""
+"""The effects that a scene can call for, as one table; what it does not call for is not computed.
+
+A row of the table says which keys call for an effect, what it adds to a run, in which counters that
+shows and how its size is found before the run (`Effect`). What other rooms read is one truth value
+a row (`Effects`), and on request because of which key it is so (`Switch`).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Literal
 
 from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody, Scene
+
+#: How the size of an effect is found before the run: the same pair with another compliance, with
+#: other gaps, with other places of contact, with other levers; or it changes no state at all.
+SizeBy = Literal["compliance", "gaps", "places", "levers", "nothing"]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """Whether a scene calls for an effect, and because of what.
+
+    Attributes
+    ----------
+    on : bool
+    because : str
+        The key that says so, with its value; or what holds without a key.
+    named : bool
+        The scene names the key.
+    """
+
+    on: bool
+    because: str
+    named: bool
+
+
+@dataclass(frozen=True)
+class Work:
+    """What an effect adds to a run, in units of what is there without it; negative: saves.
+
+    Attributes
+    ----------
+    factorisations, growth_loads : float
+        Of each body with finite elements; load cases that stand for the body's own forces.
+    normal_loads, tangential_loads : float
+        For each pressure mode of each loaded flank.
+    recoveries : float
+        For each place in the root fillets of a tooth.
+    columns : float
+        Influence columns, for each of the contact pairs of a position under a torque.
+    solves : float
+        Contact problems, for each position under a torque.
+    """
+
+    factorisations: float = 0
+    growth_loads: float = 0
+    normal_loads: float = 0
+    tangential_loads: float = 0
+    recoveries: float = 0
+    columns: float = 0
+    solves: float = 0
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A row of the table.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Effects`.
+    title : str
+    keys : tuple of str
+        What calls for it; "body_*" is either body.
+    switch : callable
+        Scene to Switch.
+    stages : tuple of str
+        Stages of the run that do its work, as `result.cost["stages"]` names them.
+    work : Work
+    counters : tuple of str
+        Counters of `result.cost` that are 0 or absent without it.
+    size_by : SizeBy
+    excludes : tuple of str
+        Effects that do not go with it; a scene with both is refused, and the error names both keys.
+    """
+
+    name: str
+    title: str
+    keys: tuple[str, ...]
+    switch: Callable[[Scene], Switch]
+    stages: tuple[str, ...]
+    work: Work = Work()
+    counters: tuple[str, ...] = ()
+    size_by: SizeBy = "nothing"
+    excludes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Effects:
-    """What a scene calls for.
+    """What a scene calls for: a field for each row of the table.
 
     Attributes
     ----------
     elastic_body_1, elastic_body_2 : bool
         The body yields: finite elements are solved for it, once, unless its compliance comes from
         a file. Not where it is rigid, and not where no torque loads it.
+    segment, single_tooth : bool
+        A body is a segment of its teeth, or one tooth, with held cuts in place of the whole.
+    tooth_coupling : bool
+        A load on a tooth moves the other teeth, too.
+    nodal_near_field : bool
+        Compliance as tables between the nodes of the flanks.
+    finite_influence : bool
+        Influence numbers of finite forces, by the deformed flanks.
+    lumped_contact : bool
+        One unknown for each place of contact, in place of contact pairs.
+    tip_contact : bool
+        Tip corners, tip roundings and root fillets can carry.
+    coast_flanks : bool
+        The flanks on the other side of the teeth can carry, too.
     flank_modifications : bool
         A profile departs from the involute below its tip circle (relief, crowning, tip radius or
         chamfer), by the keys of the scene.
     pitch_errors : bool
         Teeth stand beside their place; the period of the result is then one of many.
-    several_torques : bool
-        One result per torque.
-    root_stress : bool
-        Stress in the tooth roots of the bodies that yield.
+    thermal_growth, centrifugal_growth : bool
+        The bodies grow by heat, by their speed.
     friction : bool
         Flanks rub on each other: their compliance along the tangent is solved, too.
+    power_loss : bool
+        What friction takes of the power.
+    root_stress : bool
+        Stress in the tooth roots of the bodies that yield.
+    several_torques : bool
+        One result per torque.
     """
 
     elastic_body_1: bool
     elastic_body_2: bool
+    segment: bool
+    single_tooth: bool
+    tooth_coupling: bool
+    nodal_near_field: bool
+    finite_influence: bool
+    lumped_contact: bool
+    tip_contact: bool
+    coast_flanks: bool
     flank_modifications: bool
     pitch_errors: bool
-    several_torques: bool
+    thermal_growth: bool
+    centrifugal_growth: bool
     friction: bool
-    root_stress: bool = False
+    power_loss: bool
+    root_stress: bool
+    several_torques: bool
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -49,28 +168,284 @@ def effects_of(scene: Scene) -> Effects:
     -------
     Effects
     """
-    bodies = (scene.body_1, scene.body_2)
-    loaded = any(scene.torques_Nm)
-    return Effects(
-        elastic_body_1=loaded and not scene.body_1.rigid,
-        elastic_body_2=loaded and not scene.body_2.rigid,
-        flank_modifications=any(_is_modified(body) for body in bodies),
-        pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
-        several_torques=scene.has_torque_list,
-        friction=scene.has_friction,
-        root_stress=loaded and scene.effects.root_stress,
-    )
+    return Effects(**{effect.name: effect.switch(scene).on for effect in EFFECTS})
 
 
-def _is_modified(body: BodySpec) -> bool:
+def switches_of(scene: Scene) -> dict[str, Switch]:
+    """Effects that a scene calls for, each with the key that says so.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to Switch
+        In the order of the table.
+    """
+    return {effect.name: effect.switch(scene) for effect in EFFECTS}
+
+
+# --- switches -------------------------------------------------------------------------------------
+def _is_loaded(scene: Scene) -> bool:
+    return any(scene.torques_Nm)
+
+
+def _yields(number: int) -> Callable[[Scene], Switch]:
+    """A body yields unless it is rigid or nothing loads it."""
+
+    def switch(scene: Scene) -> Switch:
+        rigid = (scene.body_1, scene.body_2)[number - 1].rigid
+        if rigid:
+            return Switch(False, f"body_{number}.rigid = true", True)
+        if not _is_loaded(scene):
+            return Switch(False, "load.torque_Nm = 0", True)
+        return Switch(True, f"body_{number}.rigid absent", False)
+
+    return switch
+
+
+def _level(key: str, value: object, default: object) -> Callable[[Scene], Switch]:
+    """A key of [effects] has this value."""
+
+    def switch(scene: Scene) -> Switch:
+        asked = getattr(scene.effects, key, default)
+        if key in scene.named_effects:
+            return Switch(asked == value, f"effects.{key} = {_shown(asked)}", True)
+        return Switch(asked == value, f"effects.{key} absent", False)
+
+    return switch
+
+
+def _quantity(key: str) -> Callable[[Scene], Switch]:
+    """A key of [effects] has a number, or numbers, other than 0."""
+
+    def switch(scene: Scene) -> Switch:
+        asked = getattr(scene.effects, key, None)
+        if asked is None:
+            return Switch(False, f"effects.{key} absent", False)
+        numbers = asked if isinstance(asked, tuple) else (asked,)
+        return Switch(any(numbers), f"effects.{key} = {_shown(asked)}", True)
+
+    return switch
+
+
+def _rubs(scene: Scene) -> Switch:
+    asked = scene.effects.friction_coefficient
+    if asked is None:
+        return Switch(False, "effects.friction_coefficient absent", False)
+    return Switch(scene.has_friction, f"effects.friction_coefficient = {_shown(asked)}", True)
+
+
+def _stressed(scene: Scene) -> Switch:
+    switch = _level("root_stress", True, False)(scene)
+    if switch.on and not _is_loaded(scene):
+        return Switch(False, "load.torque_Nm = 0", True)
+    return switch
+
+
+def _modified(scene: Scene) -> Switch:
+    """The first key that says so."""
+    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+        key = _modification(body)
+        if key is not None:
+            return Switch(True, f"body_{number}.{key}", True)
+    return Switch(False, "no relief, crowning, tip radius or chamfer", False)
+
+
+def _modification(body: BodySpec) -> str | None:
     if isinstance(body, ComplianceBody | Cam | Follower):
-        return False
+        return None
+    inside = "profile." if isinstance(body, MeshBody) else ""
     profile = body.profile if isinstance(body, MeshBody) else body
-    return profile is not None and any(
-        (
-            profile.tip_relief_um,
-            profile.profile_crowning_um,
-            profile.tip_radius_mm,
-            profile.tip_chamfer_mm,
-        )
-    )
+    for key in MODIFICATIONS if profile is not None else ():
+        value = getattr(profile, key)
+        if value:
+            return f"{inside}{key} = {_shown(value)}"
+    return None
+
+
+def _misplaced(scene: Scene) -> Switch:
+    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+        if any(body.pitch_errors_um):
+            return Switch(True, f"body_{number}.pitch_errors_um", True)
+    return Switch(False, "body_*.pitch_errors_um absent", False)
+
+
+def _several(scene: Scene) -> Switch:
+    torque = scene.load.torque_Nm
+    return Switch(scene.has_torque_list, f"load.torque_Nm = {_shown(torque)}", True)
+
+
+def _shown(value: Any) -> str:
+    """A value as a scene file has it, of a list no more than its length."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return f"[{len(value)} entries]"
+    return f'"{value}"' if isinstance(value, str) else f"{value:g}"
+
+
+# --- the table ------------------------------------------------------------------------------------
+#: Keys of a body by which its flank departs from the involute.
+MODIFICATIONS = ("tip_relief_um", "profile_crowning_um", "tip_radius_mm", "tip_chamfer_mm")
+BOTH_BODIES = ("compliance body 1", "compliance body 2")
+ALL_SWEEPS = ("sweep", "tangent", "estimate")
+
+EFFECTS: tuple[Effect, ...] = (
+    Effect(
+        name="elastic_body_1",
+        title="body 1 yields",
+        keys=("body_1.rigid",),
+        switch=_yields(1),
+        stages=("compliance body 1",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+    ),
+    Effect(
+        name="elastic_body_2",
+        title="body 2 yields",
+        keys=("body_2.rigid",),
+        switch=_yields(2),
+        stages=("compliance body 2",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+    ),
+    Effect(
+        name="segment",
+        title="a segment of the teeth with held cuts",
+        keys=("effects.body", "effects.segment_teeth"),
+        switch=_level("body", "segment", "whole"),
+        stages=BOTH_BODIES,
+        size_by="compliance",
+    ),
+    Effect(
+        name="single_tooth",
+        title="a single tooth with held cuts",
+        keys=("effects.body",),
+        switch=_level("body", "tooth", "whole"),
+        stages=BOTH_BODIES,
+        size_by="compliance",
+    ),
+    Effect(
+        name="tooth_coupling",
+        title="coupling between teeth",
+        keys=("effects.tooth_coupling",),
+        switch=_level("tooth_coupling", True, True),
+        stages=BOTH_BODIES,
+        size_by="compliance",
+    ),
+    Effect(
+        name="nodal_near_field",
+        title="near field from plain nodes",
+        keys=("effects.near_field",),
+        switch=_level("near_field", "nodes", "analytic"),
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        size_by="compliance",
+    ),
+    Effect(
+        name="finite_influence",
+        title="influence numbers of finite force",
+        keys=("effects.influence",),
+        switch=_level("influence", "finite", "small"),
+        stages=ALL_SWEEPS,
+        work=Work(columns=2, solves=2),
+        size_by="levers",
+    ),
+    Effect(
+        name="lumped_contact",
+        title="lumped Hertz contact",
+        keys=("effects.contact",),
+        switch=_level("contact", "lumped", "pairs"),
+        stages=ALL_SWEEPS,
+        work=Work(columns=-1, solves=-1),
+        size_by="places",
+    ),
+    Effect(
+        name="tip_contact",
+        title="tip and fillet contact",
+        keys=("effects.tip_contact",),
+        switch=_level("tip_contact", True, True),
+        stages=ALL_SWEEPS,
+        size_by="places",
+    ),
+    Effect(
+        name="coast_flanks",
+        title="contact on the coast flanks",
+        keys=("effects.coast_flank",),
+        switch=_level("coast_flank", True, False),
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        work=Work(normal_loads=1),
+        size_by="places",
+    ),
+    Effect(
+        name="flank_modifications",
+        title="flank modifications",
+        keys=tuple(f"body_*.{key}" for key in MODIFICATIONS),
+        switch=_modified,
+        stages=("bodies",),
+        size_by="gaps",
+    ),
+    Effect(
+        name="pitch_errors",
+        title="pitch errors",
+        keys=("body_*.pitch_errors_um",),
+        switch=_misplaced,
+        stages=("bodies",),
+        size_by="gaps",
+    ),
+    Effect(
+        name="thermal_growth",
+        title="thermal growth",
+        keys=("effects.temperature_rise_K", "effects.thermal_expansion_per_K"),
+        switch=_quantity("temperature_rise_K"),
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        work=Work(growth_loads=1),
+        size_by="gaps",
+    ),
+    Effect(
+        name="centrifugal_growth",
+        title="centrifugal expansion",
+        keys=("effects.speed_rpm", "effects.density_kg_m3"),
+        switch=_quantity("speed_rpm"),
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        work=Work(growth_loads=1),
+        size_by="gaps",
+    ),
+    Effect(
+        name="friction",
+        title="friction",
+        keys=("effects.friction_coefficient",),
+        switch=_rubs,
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        work=Work(tangential_loads=1, columns=1),
+        counters=("unit_loads_tangential",),
+        size_by="levers",
+    ),
+    Effect(
+        name="power_loss",
+        title="power loss",
+        keys=("effects.friction_coefficient",),
+        switch=_rubs,
+        stages=("result",),
+    ),
+    Effect(
+        name="root_stress",
+        title="stress in the tooth roots",
+        keys=("effects.root_stress",),
+        switch=_stressed,
+        stages=(*BOTH_BODIES, "result"),
+        work=Work(recoveries=1),
+        counters=("stress_recoveries",),
+    ),
+    Effect(
+        name="several_torques",
+        title="several torques",
+        keys=("load.torque_Nm",),
+        switch=_several,
+        stages=ALL_SWEEPS,
+        work=Work(columns=1, solves=1),
+    ),
+)

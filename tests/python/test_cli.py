@@ -146,8 +146,8 @@ def test_check_says_what_was_understood(scene: Path, capsys: pytest.CaptureFixtu
     assert words["tip diameter"] == "118.3600 mm"
     assert words["working pressure angle"].startswith("22.4")
     assert words["contact ratio"].startswith("1.4")
-    assert words["elastic body 1"] == "yes"
-    assert words["friction"] == "no"
+    assert words["body 1 yields"] == "yes (body_1.rigid absent)"
+    assert words["friction"] == "no (effects.friction_coefficient absent)"
 
 
 def test_rigid_body_has_no_mesh_file(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flankload.bodies.body import Body
+    from flankload.effects import Switch
 
 
 def check(arguments: Namespace) -> None:
@@ -27,7 +27,7 @@ def _check_scene(path: Path) -> None:
 
     scene = read_scene(path)
     from flankload.assembly import build_bodies
-    from flankload.effects import effects_of
+    from flankload.effects import EFFECTS, switches_of
     from flankload.gear_mesh import describe_mesh
     from flankload.solve import compliance_of
     from flankload.spline_fit import describe_fit
@@ -49,16 +49,16 @@ def _check_scene(path: Path) -> None:
             *(describe_fit(fit) if fit is not None else ()),
         ],
     )
-    asked = asdict(effects_of(scene))
-    _print_rows("effects", [(name.replace("_", " "), _yes(on)) for name, on in asked.items()])
+    switches = switches_of(scene)
+    _print_rows("effects", [(row.title, _said(switches[row.name])) for row in EFFECTS])
     if pair.notes:
         print()
     for note in pair.notes:
         print(f"warning: {note}")
 
 
-def _yes(on: bool) -> str:
-    return "yes" if on else "no"
+def _said(switch: Switch) -> str:
+    return f"{'yes' if switch.on else 'no'} ({switch.because})"
 
 
 def _rows_of_body(body: Body) -> list[tuple[str, str]]:

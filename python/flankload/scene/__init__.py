@@ -87,6 +87,8 @@ class Scene:
     accuracy : Accuracy
     file : Path or None
         The scene's file.
+    named_effects : frozenset of str
+        Keys of [effects] that are named, not left to their defaults.
     """
 
     name: str
@@ -98,6 +100,7 @@ class Scene:
     effects: EffectsAsked
     accuracy: Accuracy
     file: Path | None = None
+    named_effects: frozenset[str] = frozenset()
 
     @property
     def folder(self) -> Path:
@@ -163,6 +166,7 @@ class Scene:
             effects=asked.effects,
             accuracy=asked.accuracy,
             file=path,
+            named_effects=frozenset(d.get("effects", {})),
         )
 
 
