@@ -21,7 +21,7 @@ module flankload
     use flankload_position, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: position_state, solve_position
-    use flankload_sweep, only: sweep_positions, sweep_type, pair_columns, &
+    use flankload_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
         & pair_columns_with_friction
     implicit none
     private
@@ -40,6 +40,6 @@ module flankload
     public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
     public :: body_type, grid_settings, position_state, solve_position
     public :: friction_type, new_friction
-    public :: sweep_positions, sweep_type, pair_columns, pair_columns_with_friction
+    public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
 
 end module flankload

@@ -37,6 +37,9 @@ module flankload_position_load
         real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
         !> Counters: pivots, influence columns, passes over the grid, refactorisations
         integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
+        !> More of them: influence columns of tangential forces, solutions with one unknown for each
+        !> place of contact
+        integer :: tangential_columns = 0, lumped_solutions = 0
         !> Without a state: part of the torque that can be held, and whether there is none for
         !> certain
         real(wp) :: largest_part = 0.0_wp
@@ -114,7 +117,7 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n_sites, pass
+        integer :: n_sites, pass, spent
         type(cells_type) :: cells
         real(wp), allocatable :: estimate(:), curvatures(:)
         real(wp) :: rotation
@@ -131,7 +134,8 @@ contains
             end if
             call lumped_contact(position%smooth, gap, zones%lever, zones%curvature, &
                 & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                & least_half_width, estimate, rotation, state%pivots, error)
+                & least_half_width, estimate, rotation, spent, error)
+            call count_lumped(spent, state)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
                 & .or. gap < rotation + joining*(rotation - minval(gap)), settings)
@@ -140,7 +144,8 @@ contains
             if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
                 call lumped_contact(position%smooth, gap, zones%lever, curvatures, &
                     & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                    & least_half_width, estimate, rotation, state%pivots, error)
+                    & least_half_width, estimate, rotation, spent, error)
+                call count_lumped(spent, state)
                 if (allocated(error)) return
                 cells%estimate = estimate
                 cells%joins = cells%joins .or. estimate > 0.0_wp
@@ -168,6 +173,17 @@ contains
             call sum_over_sites(state, zones)
         end associate
     end subroutine solve_load
+
+    !> Count a solution with one unknown for each place of contact.
+    pure subroutine count_lumped(pivots, state)
+        !> Pivots that it took
+        integer, intent(in) :: pivots
+        !> Where it is counted
+        type(position_state), intent(inout) :: state
+
+        state%pivots = state%pivots + pivots
+        state%lumped_solutions = state%lumped_solutions + 1
+    end subroutine count_lumped
 
     !> No torque: body 1 stands where the first pair touches.
     pure subroutine unloaded_state(zones, gap, state)
@@ -208,6 +224,10 @@ contains
         n = state%pairs%n
         allocate (matrix(n, n), motions(n, 1), load_rows(n, 1))
         call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
+        state%columns = state%columns + n
+        if (allocated(state%pairs%friction)) then
+            state%tangential_columns = state%tangential_columns + n
+        end if
         motions(:, 1) = state%pairs%lever
         load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
         structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
@@ -216,6 +236,8 @@ contains
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
             & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
             & warm_pairs, contact, error)
+        state%pivots = state%pivots + contact%pivots
+        state%refactorisations = state%refactorisations + contact%refactorisations
         if (allocated(error)) then
             state%largest_part = contact%largest_part
             state%none_proven = contact%none_proven
@@ -235,9 +257,6 @@ contains
         state%condition = contact%condition
         state%backward_error = contact%backward_error
         state%margin = contact%margin
-        state%pivots = state%pivots + contact%pivots
-        state%refactorisations = state%refactorisations + contact%refactorisations
-        state%columns = state%columns + n
     end subroutine solve_pairs
 
     !> Which zones close their gap: by the rotation, less what the forces of other sites push back

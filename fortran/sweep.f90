@@ -16,7 +16,7 @@ module flankload_sweep
 
     public :: sweep_type
     public :: sweep_positions
-    public :: pair_columns, pair_columns_with_friction, code_no_room, code_stopped
+    public :: n_counters, pair_columns, pair_columns_with_friction, code_no_room, code_stopped
 
     !> What is found in a sweep; NaN where there is no state.
     type :: sweep_type
@@ -27,8 +27,9 @@ module flankload_sweep
         !> Backward error, condition, margin, shape (3, positions, torques); where contact has no
         !> state, part of the torque that can be held and 1 if there is none for certain
         real(wp), allocatable :: certificate(:, :, :)
-        !> Pivots, influence columns, passes over the grid, refactorisations, shape (4, positions,
-        !> torques)
+        !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
+        !> tangential forces, lumped solutions, shape (n_counters, positions, torques); of states
+        !> without an answer and of those that found no room, too
         integer, allocatable :: counters(:, :, :)
         !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works, shape
         !> (sites, positions, torques)
@@ -39,6 +40,8 @@ module flankload_sweep
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type sweep_type
 
+    !> Counters of a state.
+    integer, parameter :: n_counters = 6
     !> Columns of a pair: s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm], lever of
     !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
     !> coefficient times its sign.
@@ -115,6 +118,7 @@ contains
             before = used
             used = used + needed
             !$omp end atomic
+            call note_work(at, states, found)
             if (before + needed > room) return
             call note_states(at, states, found)
             if (room > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
@@ -140,13 +144,32 @@ contains
         allocate (found%rotation(n_positions, n_torques), source=nan)
         allocate (found%tangent(n_positions, n_torques), source=nan)
         allocate (found%certificate(3, n_positions, n_torques), source=nan)
-        allocate (found%counters(4, n_positions, n_torques), source=0)
+        allocate (found%counters(n_counters, n_positions, n_torques), source=0)
         allocate (found%site_force(n_sites, n_positions, n_torques), source=nan)
         allocate (found%site_peak(n_sites, n_positions, n_torques), source=nan)
         allocate (found%site_corner(n_sites, n_positions, n_torques), source=0)
         allocate (found%n_pairs(n_positions, n_torques), source=0)
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve
+
+    !> Note what a position took, found or not.
+    pure subroutine note_work(k, states, found)
+        !> Number of the position
+        integer, intent(in) :: k
+        !> Its states, shape (torques)
+        type(position_state), intent(in) :: states(:)
+        !> What is found
+        type(sweep_type), intent(inout) :: found
+
+        integer :: t
+
+        do t = 1, size(states)
+            associate (state => states(t))
+                found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
+                    & state%refactorisations, state%tangential_columns, state%lumped_solutions]
+            end associate
+        end do
+    end subroutine note_work
 
     !> Note what was found at a position.
     pure subroutine note_states(k, states, found)
@@ -170,8 +193,6 @@ contains
                 found%rotation(k, t) = state%rotation
                 found%tangent(k, t) = state%tangent
                 found%certificate(:, k, t) = [state%backward_error, state%condition, state%margin]
-                found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
-                    & state%refactorisations]
                 found%site_force(:, k, t) = state%site_force
                 found%site_peak(:, k, t) = state%site_peak
                 found%site_corner(:, k, t) = state%site_corner

@@ -107,8 +107,10 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> Backward error, condition, margin of the final state; where contact has no state (status
     !> -1), part of the torque that can be held, and 1 if there is none for certain
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
-    !> Pivots, influence columns, passes over the grid, refactorisations
-    integer, intent(out) :: counters(4, n_positions, n_torques)
+    !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
+    !> tangential forces, solutions with one unknown for each place of contact; also where there is
+    !> no answer
+    integer, intent(out) :: counters(6, n_positions, n_torques)
     !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
     !> the site that touches without torque, off corners)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)

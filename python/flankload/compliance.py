@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
+from flankload.cost import Account
 from flankload.elasticity import condensed, degrees_of, stiffness
 from flankload.near_field import (
     jump_strength,
@@ -24,10 +25,10 @@ from flankload.near_field import (
     projected_logarithm,
     projected_sign,
 )
-from flankload.whole_body import unit_loads, whole_response
+from flankload.whole_body import count_loads, unit_loads, whole_response
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_matrix
@@ -48,13 +49,10 @@ class RootResponse:
         response[t] maps the pressure modes of tooth 0 (MPa, pulling out of the material) to the
         stress in the root of tooth t, MPa; with friction followed by as many modes of load along
         the flank, towards growing arc length.
-    recoveries : int
-        Solutions that it took beside those of the unit loads.
     """
 
     points: RootPoints
     response: NDArray[np.float64]
-    recoveries: int
 
 
 @dataclass(frozen=True)
@@ -83,8 +81,12 @@ class BodyCompliance:
     asymmetry : float
         Largest relative difference of a response and its transposed counterpart before both were
         averaged.
-    degrees_of_freedom, fe_factorisations, unit_loads_normal, unit_loads_tangential : int
-    bytes : int
+    degrees_of_freedom : int
+        Of its elements, those that are not held.
+    counters : mapping of str to int
+        What it took, by the names of `cost.COUNTERS`, without zeros.
+    workspace_bytes : int
+        Of stiffness, factors and solutions, which are given back.
     seconds : dict of str to float
         CPU seconds of assembly, factorisation, solution, ring closure; "wall" for the whole.
     root : RootResponse or None
@@ -100,10 +102,8 @@ class BodyCompliance:
     closed: bool = False
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
-    fe_factorisations: int = 0
-    unit_loads_normal: int = 0
-    unit_loads_tangential: int = 0
-    bytes: int = 0
+    counters: Mapping[str, int] = field(default_factory=dict)
+    workspace_bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
     root: RootResponse | None = None
 
@@ -166,14 +166,11 @@ class CondensedSector:
         right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
-    factorisations : int
-        How many it took.
     """
 
     local: NDArray[np.float64]
     carried: NDArray[np.float64]
     stiffness: NDArray[np.float64]
-    factorisations: int = 1
 
 
 def flank_compliance(
@@ -216,7 +213,7 @@ def flank_compliance(
     mesh, closed = body.mesh, body.curve.closed
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
-    factorisations = 1
+    account = Account(workspace_bytes=_sparse_bytes(matrix))
     stress = _stress_columns(fillets, body, plane, matrix.shape[0])
     if isinstance(mesh, WholeMesh):
         lap("assembly")
@@ -230,23 +227,23 @@ def flank_compliance(
             friction=friction,
             closed=closed,
             readings=stress,
+            account=account,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
     else:
         loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction)
         lap("assembly")
-        sector, free = condense(matrix, loads, mesh, lap, readings=stress(0) if stress else None)
-        factorisations = sector.factorisations
+        readings = stress(0) if stress else None
+        count_loads(account, loads.shape[1], friction=friction)
+        sector, free = condense(matrix, loads, mesh, lap, readings=readings, account=account)
         response = close_ring(sector, mesh.teeth)
         own = np.zeros(1, dtype=np.int64)
         across = -np.arange(mesh.teeth) % mesh.teeth
     root = None
     if fillets is not None:
-        # a whole body is read where its loads are solved for, a sector takes solutions more
-        more = 0 if flanks else fillets.points.arc_length_mm.size
         count = response.shape[2]
-        root = RootResponse(fillets.points, response[:, count:], more)
+        root = RootResponse(fillets.points, response[:, count:])
         response = response[:, :count]
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
@@ -267,7 +264,6 @@ def flank_compliance(
     response = 0.5 * (response + mirrored)
     lap("ring")
     seconds["wall"] = perf_counter() - wall
-    count = n_modes * max(1, len(flanks))
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
         kernel=strength,
@@ -278,13 +274,15 @@ def flank_compliance(
         closed=closed,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
-        fe_factorisations=factorisations,
-        unit_loads_normal=count,
-        unit_loads_tangential=count if friction else 0,
-        bytes=response.nbytes + matrix.data.nbytes + matrix.indices.nbytes,
+        counters=account.counters,
+        workspace_bytes=account.workspace_bytes,
         seconds=seconds,
         root=root,
     )
+
+
+def _sparse_bytes(matrix: csc_matrix) -> int:
+    return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
 
 
 def _stress_columns(
@@ -306,6 +304,7 @@ def condense(
     lap: Callable[[str], None] | None = None,
     *,
     readings: NDArray[np.float64] | None = None,
+    account: Account | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -320,6 +319,8 @@ def condense(
         Told the name of each step when it is done.
     readings : (2N, q) array, optional
         Columns that only read the displacements.
+    account : Account, optional
+        Where factorisations and solutions are counted.
 
     Returns
     -------
@@ -328,24 +329,27 @@ def condense(
         Those that are not held.
     """
     tell = lap if lap is not None else (lambda step: None)
+    if account is None:
+        account = Account()
     cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
     held = degrees_of(mesh.fixed_nodes)
     inner = np.ones(matrix.shape[0], dtype=bool)
     inner[cut] = False
     inner[held] = False
     inside = np.flatnonzero(inner)
-    solve, complement, factorisations = condensed(matrix, inside, cut)
+    solve, complement = condensed(matrix, inside, cut, account)
     tell("factorisation")
     columns, solved = loads, solve(loads[inside])
     if readings is not None:
         # on their own, so that the loads' solutions stay what they are to the last bit
+        account.count(stress_recoveries=readings.shape[1])
         columns = np.hstack([loads, readings])
         solved = np.hstack([solved, solve(readings[inside])])
+    account.workspace_bytes += columns.nbytes + solved.nbytes
     sector = CondensedSector(
         local=columns[inside].T @ solved[:, : loads.shape[1]],
         carried=columns[cut] - matrix[cut][:, inside] @ solved,
         stiffness=complement,
-        factorisations=factorisations,
     )
     tell("solution")
     return sector, inside.size + cut.size // 2

@@ -12,6 +12,8 @@ import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
+from flankload.cost import Account
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -113,24 +115,33 @@ def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
     return (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
 
 
-def factored(matrix: csc_matrix) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def factored(
+    matrix: csc_matrix, account: Account | None = None
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Factorise a symmetric positive definite matrix once.
 
     Parameters
     ----------
     matrix : csc_matrix, (n, n)
+    account : Account, optional
+        Where the factorisation and every solution are counted.
 
     Returns
     -------
     callable
         Right-hand sides (n, k) to solutions (n, k).
     """
-    return _in_blocks(_factor(matrix, "MMD_AT_PLUS_A"))
+    if account is None:
+        account = Account()
+    return _in_blocks(_factor(matrix, "MMD_AT_PLUS_A", account), account)
 
 
 def condensed(
-    matrix: csc_matrix, inner: NDArray[np.int64], kept: NDArray[np.int64]
-) -> tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], NDArray[np.float64], int]:
+    matrix: csc_matrix,
+    inner: NDArray[np.int64],
+    kept: NDArray[np.int64],
+    account: Account | None = None,
+) -> tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], NDArray[np.float64]]:
     """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
 
     Few kept unknowns take a solution each. For many a second factorisation is cheaper, with the
@@ -142,6 +153,8 @@ def condensed(
     matrix : csc_matrix, (n, n)
     inner, kept : arrays
         Unknowns; others are held.
+    account : Account, optional
+        Where factorisations and solutions are counted.
 
     Returns
     -------
@@ -149,25 +162,32 @@ def condensed(
         Right-hand sides of the inner unknowns (i, k) to their solutions, those kept held at 0.
     complement : (m, m) array
         Schur complement of the kept unknowns.
-    factorisations : int
-        1 or 2.
     """
-    factor = _factor(matrix[inner][:, inner].tocsc(), "MMD_AT_PLUS_A")
-    solve = _in_blocks(factor)
+    if account is None:
+        account = Account()
+    factor = _factor(matrix[inner][:, inner].tocsc(), "MMD_AT_PLUS_A", account)
+    solve = _in_blocks(factor, account)
     if kept.size > MANY_KEPT:
-        complement = _last_block(matrix, inner[np.argsort(factor.perm_c)], kept)
+        complement = _last_block(matrix, inner[np.argsort(factor.perm_c)], kept, account)
         if complement is not None:
-            return solve, complement, 2
+            return solve, complement
     coupling = matrix[inner][:, kept].toarray()
-    return solve, matrix[kept][:, kept].toarray() - coupling.T @ solve(coupling), 1
+    account.count(cut_columns=kept.size)
+    return solve, matrix[kept][:, kept].toarray() - coupling.T @ solve(coupling)
 
 
-def _factor(matrix: csc_matrix, order: str) -> SuperLU:
-    return splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+def _factor(matrix: csc_matrix, order: str, account: Account) -> SuperLU:
+    factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    account.count(fe_factorisations=1)
+    account.workspace_bytes += matrix.data.itemsize * factor.nnz  # the values of L and U
+    return factor
 
 
-def _in_blocks(factor: SuperLU) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _in_blocks(
+    factor: SuperLU, account: Account
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     def solve(right: NDArray[np.float64]) -> NDArray[np.float64]:
+        account.count(fe_solutions=right.shape[1])
         solved = np.empty_like(right)
         for first in range(0, right.shape[1], BLOCK):
             block = slice(first, first + BLOCK)
@@ -178,11 +198,14 @@ def _in_blocks(factor: SuperLU) -> Callable[[NDArray[np.float64]], NDArray[np.fl
 
 
 def _last_block(
-    matrix: csc_matrix, inner: NDArray[np.int64], kept: NDArray[np.int64]
+    matrix: csc_matrix,
+    inner: NDArray[np.int64],
+    kept: NDArray[np.int64],
+    account: Account,
 ) -> NDArray[np.float64] | None:
     """L22 U22 of the factors with the kept unknowns last; None where the factors mix them up."""
     order = np.concatenate([inner, kept])
-    factor = _factor(matrix[order][:, order].tocsc(), "NATURAL")
+    factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)
     place = factor.perm_c
     first = inner.size
     if (place[first:] < first).any() or (factor.perm_r != place).any():

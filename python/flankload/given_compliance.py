@@ -122,7 +122,6 @@ def _of_modes(
         else None,
         jump=given.jump if friction else 0.0,
         asymmetry=max(given.asymmetry, asymmetry),
-        bytes=smooth.nbytes,
     )
 
 
@@ -162,7 +161,6 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
         kernel=strength,
         mode_range_mm=body.mode_range_mm,
         asymmetry=given.asymmetry,
-        bytes=given.matrix.nbytes,
     )
 
 

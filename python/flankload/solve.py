@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptively
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
+from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import Estimate, estimate_errors
 from flankload.given_compliance import given_compliance
 from flankload.resolution import choose_resolution, position_tolerance
 from flankload.result import Result
+from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
 from flankload.sweep import sweep
@@ -46,17 +47,17 @@ BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS, N_ESTIMATES = 1, 5, 20, 2
 
 
 class _Clock:
-    """Seconds of each stage, and the progress that is told on the way."""
+    """Accounts of the stages, and the progress that is told on the way."""
 
     def __init__(self, progress: Progress | None, total: int) -> None:
-        self.stages: dict[str, dict[str, float]] = {}
+        self.stages: dict[str, Account] = {}
         self._progress = progress
         self._total = total
         self._told = ("", 0)
 
-    def stage(self, name: str, done: int) -> _Stage:
+    def stage(self, name: str, done: int) -> Account:
         self.tell(name, done)
-        return _Stage(self.stages.setdefault(name, {"wall_s": 0.0, "cpu_s": 0.0}))
+        return self.stages.setdefault(name, Account())
 
     def tell(self, name: str, done: int) -> None:
         """Tell what is new."""
@@ -78,18 +79,6 @@ class _Clock:
 
     def finish(self) -> None:
         self.tell("done", self._total)
-
-
-class _Stage:
-    def __init__(self, account: dict[str, float]) -> None:
-        self._account = account
-
-    def __enter__(self) -> None:
-        self._wall, self._cpu = perf_counter(), process_time()
-
-    def __exit__(self, *_: object) -> None:
-        self._account["wall_s"] += perf_counter() - self._wall
-        self._account["cpu_s"] += process_time() - self._cpu
 
 
 def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Result, ...]:
@@ -117,9 +106,10 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (N_ESTIMATES if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
-    with clock.stage("bodies", 0):
+    with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene)
-        standing = _standing_gap(scene, pair)
+        standing = _standing_gap(scene, pair, account)
+        account.bytes += held_bytes(pair)
     compliances = _compliances(scene, pair, clock)
     run = partial(
         sweep,
@@ -128,7 +118,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         face_width_mm=scene.pair.face_width_mm,
         friction=pair.friction,
     )
-    with clock.stage("sweep", fixed):
+    with clock.stage("sweep", fixed) as account:
 
         def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
             return run(
@@ -136,12 +126,14 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
                 compliances=compliances,
                 grid=pair.resolution.grid,
                 torques_Nmm=[1000.0 * torque for torque in scene.torques_Nm],
+                account=account,
                 progress=clock.sweep_progress("sweep", fixed, number if pair.adaptive else None),
             )
 
         pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+        account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
-    with clock.stage("tangent", fixed + SWEEP_STEPS):
+    with clock.stage("tangent", fixed + SWEEP_STEPS) as account:
         found = with_tangents(
             found,
             partial(
@@ -149,28 +141,33 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
                 compliances=compliances,
                 grid=pair.resolution.grid,
                 keep_pairs=False,
+                account=account,
                 progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
             ),
         )
-    geometry = pair_geometry(pair)
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
-        with clock.stage("estimate", fixed + 2 * SWEEP_STEPS):
-            estimates = _estimates(found, run, pair, compliances, clock)
-    results = tuple(
-        result_of(
-            part,
-            pair,
-            compliances,
-            name=scene.name,
-            face_width_mm=scene.pair.face_width_mm,
-            estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
-            stages=clock.stages,
-            geometry=geometry,
-            notes=(*standing, *_not_enough(scene, pair, errors[t])),
-            rounds=rounds,
+        with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
+            estimates = _estimates(found, partial(run, account=account), pair, compliances, clock)
+    with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
+        geometry = pair_geometry(pair)
+        results = tuple(
+            result_of(
+                part,
+                pair,
+                compliances,
+                name=scene.name,
+                face_width_mm=scene.pair.face_width_mm,
+                estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
+                geometry=geometry,
+                notes=(*standing, *_not_enough(scene, pair, errors[t])),
+            )
+            for t, part in enumerate(found)
         )
-        for t, part in enumerate(found)
+        account.bytes += held_bytes(results)
+    results = tuple(
+        replace(result, cost=cost_of(clock.stages, part, compliances, rounds=rounds))
+        for result, part in zip(results, found, strict=True)
     )
     clock.finish()
     return results if scene.has_torque_list else results[0]
@@ -250,8 +247,13 @@ def _compliances(
         if not elastic[z]:
             found.append(no_compliance(body))
             continue
-        with clock.stage(f"compliance body {z + 1}", BODY_STEPS + z * COMPLIANCE_STEPS):
-            found.append(compliance_of(body, scene, fillets=pair.fillets[z]))
+        stage = f"compliance body {z + 1}"
+        with clock.stage(stage, BODY_STEPS + z * COMPLIANCE_STEPS) as account:
+            compliance = compliance_of(body, scene, fillets=pair.fillets[z])
+            account.count(**compliance.counters)
+            account.bytes += held_bytes(compliance)
+            account.workspace_bytes += compliance.workspace_bytes
+            found.append(compliance)
     return found[0], found[1]
 
 
@@ -294,7 +296,7 @@ def compliance_of(
     )
 
 
-def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
+def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, ...]:
     """How far apart bodies stand whose files say where they stand; too far is an error."""
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return ()
@@ -306,6 +308,7 @@ def _standing_gap(scene: Scene, pair: BodyPair) -> tuple[str, ...]:
         torques_Nmm=[0.0],
         face_width_mm=scene.pair.face_width_mm,
         grid=pair.resolution.grid,
+        account=account,
     )
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius

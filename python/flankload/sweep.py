@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.core_thread import call_and_watch
+from flankload.cost import Account, held_bytes
 from flankload.errors import InputError
 from flankload.friction import FrictionArguments
 from flankload.packed_pairs import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
@@ -25,8 +25,18 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
 
-#: Status of a position whose pairs found no room: it is asked for again, with more.
-NO_ROOM = -15
+#: Status of a position whose pairs found no room: it is asked for again, with more; of one that was
+#: not begun.
+NO_ROOM, STOPPED = -15, -16
+#: What the core counts of every state, in its order.
+CORE_COUNTERS = (
+    "pivots",
+    "influence_columns",
+    "contact_passes",
+    "refactorisations",
+    "influence_columns_tangential",
+    "lumped_solutions",
+)
 #: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
 #: is never written costs nothing.
 FIRST_ROOM = 256
@@ -42,16 +52,14 @@ class Sweep:
     status, rotation_rad, tangent_rad_per_Nmm : (P,) arrays
     certificate : (P, 3) array
         Backward error, condition, margin.
-    counters : (P, 4) array
-        Pivots, influence columns, passes over the cells, refactorisations.
+    counters : (P, 6) array
+        What each state took: `CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
         that touches without torque, off corners).
     n_pairs : (P,) array
     pairs : PackedPairs
         Empty where pairs are not kept.
-    seconds : float
-        Of the whole call, all torques together.
     """
 
     torque_Nmm: float
@@ -65,7 +73,6 @@ class Sweep:
     site_corner: NDArray[np.int64]
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
-    seconds: float
 
 
 def sweep(
@@ -79,6 +86,7 @@ def sweep(
     grid: Grid,
     friction: Friction | None = None,
     keep_pairs: bool = True,
+    account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Sweep, ...]:
     """Solve all positions for all torques in one call of the core.
@@ -103,6 +111,8 @@ def sweep(
         Of the flanks; the compliances must have their tangential parts then.
     keep_pairs : bool
         Whether the single pairs are wanted; the numbers of the sites are there in any case.
+    account : Account, optional
+        Where all work of the core is counted, that for states without an answer too.
     progress : callable, optional
         Called as progress(done, P) several times a second.
 
@@ -116,7 +126,7 @@ def sweep(
         If a position has no answer for a torque; the message names the first one. `NoContactState`
         carries the largest torque that can be held there.
     """
-    start = perf_counter()
+    spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
     arguments = _core_arguments(bodies, compliances, pairing, face_width_mm)
@@ -133,6 +143,7 @@ def sweep(
             arguments=arguments,
             grid=grid,
             rubbing=FrictionArguments.of(friction, compliances, pairing, where, face_width_mm),
+            account=spent,
             progress=tell,
         )
 
@@ -142,10 +153,10 @@ def sweep(
 
     found = call(positions, torques, progress).all_positions(FIRST_ROOM if keep_pairs else 0)
     (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
+    spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
         status, positions, torques, certificate, rubs=friction is not None, holds=holds
     )
-    seconds = perf_counter() - start
     return tuple(
         Sweep(
             torque_Nmm=float(torque),
@@ -159,7 +170,6 @@ def sweep(
             site_corner=corner[..., t].T,
             n_pairs=n_pairs[:, t],
             pairs=found.pairs_of(t),
-            seconds=seconds,
         )
         for t, torque in enumerate(torques)
     )
@@ -178,12 +188,11 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     -------
     Sweep
     """
-    single = ("torque_Nmm", "pairs", "seconds")
+    single = ("torque_Nmm", "pairs")
     names = [item.name for item in fields(Sweep) if item.name not in single]
     return Sweep(
         torque_Nmm=parts[0].torque_Nmm,
         pairs=join_pairs([part.pairs for part in parts], order),
-        seconds=sum(part.seconds for part in parts),
         **{name: np.concatenate([getattr(part, name) for part in parts])[order] for name in names},
     )
 
@@ -229,6 +238,13 @@ class _Found:
     pair_site: NDArray[np.intc]
     pair_table: NDArray[np.float64]
 
+    @property
+    def nbytes(self) -> int:
+        """Of all outputs, and of the influence numbers of the state with most pairs."""
+        influence = 8 * int(self.numbers[-1].max(initial=0)) ** 2
+        table = self.pair_site.nbytes + self.pair_table.nbytes
+        return influence + table + held_bytes(self.numbers)
+
     def pairs_of(self, t: int) -> PackedPairs:
         """Pairs of a torque."""
         first = self.first_pair[:, t]
@@ -254,6 +270,7 @@ class _CoreCall:
     arguments: list[tuple[NDArray[Any] | float, ...]]
     grid: Grid
     rubbing: FrictionArguments
+    account: Account
     progress: Callable[[int, int], None] | None
 
     def all_positions(self, room: int) -> _Found:
@@ -316,6 +333,7 @@ class _CoreCall:
         if info < 0:
             raise InputError(f"argument {-info} of flankload_sweep is not valid")
         tell(int(control[1]))
+        _count(numbers[0], numbers[4], self.account)
         used = int(np.max(first_pair - 1 + numbers[-1], initial=0, where=first_pair > 0))
         site[:used] -= 1
         return _Found(
@@ -324,3 +342,10 @@ class _CoreCall:
             pair_site=site[:used],
             pair_table=table.reshape(-1, columns)[:used],
         )
+
+
+def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
+    """Count what a call of the core has done, also for states that found no room."""
+    begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
+    sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
+    account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))

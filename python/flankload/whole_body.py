@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.cost import Account
 from flankload.elasticity import degrees_of, factored
 from flankload.near_field import mode_loads
 
@@ -48,6 +49,20 @@ def unit_loads(
     return np.hstack([normal, tangent])
 
 
+def count_loads(account: Account, columns: int, *, friction: bool) -> None:
+    """Count load cases of a flank by direction, as `unit_loads` orders them.
+
+    Parameters
+    ----------
+    account : Account
+    columns : int
+        Normal ones, with friction followed by as many tangential ones.
+    friction : bool
+    """
+    tangential = columns // 2 if friction else 0
+    account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
+
+
 def whole_response(
     matrix: csc_matrix,
     mesh: WholeMesh,
@@ -58,6 +73,7 @@ def whole_response(
     friction: bool = False,
     readings: Callable[[int], NDArray[np.float64]] | None = None,
     closed: bool = False,
+    account: Account | None = None,
 ) -> tuple[NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -77,6 +93,8 @@ def whole_response(
         Number of a flank to columns (2N, q) that only read the displacements.
     closed : bool
         The modes' range is a turn around the body.
+    account : Account, optional
+        Where load cases and solutions are counted.
 
     Returns
     -------
@@ -86,7 +104,9 @@ def whole_response(
         Those that are not held.
     """
     free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(mesh.fixed_nodes))
-    solve = factored(matrix[free][:, free].tocsc())
+    if account is None:
+        account = Account()
+    solve = factored(matrix[free][:, free].tocsc(), account)
     tell("factorisation")
     loads = []
     for flank in mesh.flanks:
@@ -103,6 +123,7 @@ def whole_response(
     for j, (rows, column) in enumerate(loads):
         right = np.zeros((free.size, p))
         right[rows] = column
+        count_loads(account, p, friction=friction)
         moved = solve(right)
         for i, (places, weight) in enumerate(seen):
             response[i, j] = weight.T @ moved[places]

@@ -9,6 +9,7 @@ from scipy.sparse.linalg import spsolve
 from tolerances import ROUND_OFF, SOLVER
 
 from flankload import elasticity
+from flankload.cost import Account
 from flankload.elasticity import condensed, degrees_of, stiffness
 from flankload.plane_mesh import boundary_edges
 
@@ -137,8 +138,12 @@ def test_condensed_is_the_dense_schur_complement(
     kept = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
     held = degrees_of(mesh.fixed_nodes)
     inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([kept, held]))
-    solve, complement, factorisations = condensed(matrix, inner, kept)
-    assert factorisations == (2 if many == 0 else 1)
+    account = Account()
+    solve, complement = condensed(matrix, inner, kept, account)
+    solutions = {"fe_solutions": kept.size, "cut_columns": kept.size}
+    assert account.counters == (
+        {"fe_factorisations": 2} if many == 0 else {"fe_factorisations": 1, **solutions}
+    )
     dense = matrix.toarray()
     own, across = dense[np.ix_(inner, inner)], dense[np.ix_(inner, kept)]
     wanted = dense[np.ix_(kept, kept)] - across.T @ np.linalg.solve(own, across)

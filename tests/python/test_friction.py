@@ -86,8 +86,8 @@ def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
     """With the jump taken out of the right side; on the wrong side it would be doubled."""
     body = build_bodies(scene_of()).body_1
     found = flank_compliance(body, n_modes=5, plane="strain", friction=True)
-    assert found.unit_loads_tangential == found.unit_loads_normal == 5
-    assert found.fe_factorisations == 1
+    assert found.counters["unit_loads_tangential"] == found.counters["unit_loads_normal"] == 5
+    assert found.counters["fe_factorisations"] == 1
     assert found.tangential.shape == found.smooth.shape
     low, high = body.mode_range_mm
     norms = mode_norms(body.mode_range_mm, 5)
@@ -98,7 +98,8 @@ def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
     np.testing.assert_array_equal(fewer.tangential, found.tangential[:, :4, :4])
     plain = flank_compliance(body, n_modes=5, plane="strain")
     assert plain.tangential is None
-    assert (plain.jump, plain.unit_loads_tangential) == (0.0, 0)
+    assert plain.jump == 0.0
+    assert "unit_loads_tangential" not in plain.counters
     np.testing.assert_allclose(
         plain.smooth, found.smooth, rtol=0, atol=1e-12 * np.abs(plain.smooth).max()
     )

@@ -148,8 +148,8 @@ def test_asking_for_stress_leaves_the_compliance_as_it_is() -> None:
     assert plain.root is None
     assert asked.root is not None
     assert asked.root.response.shape == (16, asked.root.points.working.size, 4)
-    assert asked.fe_factorisations == plain.fe_factorisations
-    assert asked.unit_loads_normal == plain.unit_loads_normal
+    assert asked.counters["fe_factorisations"] == plain.counters["fe_factorisations"]
+    assert asked.counters["unit_loads_normal"] == plain.counters["unit_loads_normal"]
 
 
 def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:
@@ -253,7 +253,7 @@ def test_stress_of_a_spline_without_errors_is_the_same_on_every_tooth() -> None:
 def test_a_scene_that_does_not_ask_holds_nothing_of_it() -> None:
     result = solved(asked=False)
     assert result.root_stress == (None, None)
-    assert "stress_recoveries" not in result.cost
+    assert result.cost["stress_recoveries"] == 0
     assert not any("root" in key for key in result.summary)
     assert "root_" not in result.to_csv().splitlines()[0]
     assert not any("root" in key for key in json.loads(result.to_json()))

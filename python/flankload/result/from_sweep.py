@@ -1,4 +1,4 @@
-"""From what the core found to a result: units of the trade, costs, warnings, a drawing."""
+"""From what the core found to a result: units of the trade, warnings, a drawing."""
 
 from __future__ import annotations
 
@@ -39,12 +39,10 @@ def result_of(
     name: str,
     face_width_mm: float,
     estimate: Mapping[str, object] | None,
-    stages: Mapping[str, Mapping[str, float]],
     geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
-    rounds: int = 1,
 ) -> Result:
-    """Make the result of one torque.
+    """Make the result of one torque; what it costs is added when all is done.
 
     Parameters
     ----------
@@ -57,14 +55,10 @@ def result_of(
     face_width_mm : float
     estimate : mapping or None
         Error estimates, as the result shows them.
-    stages : mapping
-        Seconds of each stage.
     geometry : PairGeometry, optional
         Of the pair; results of several torques share it.
     notes : tuple of str
         More that a user must know.
-    rounds : int
-        Sweeps in which the positions were found.
 
     Returns
     -------
@@ -95,7 +89,7 @@ def result_of(
         whole_circle=circle,
         face_width_mm=width,
         estimate=estimate,
-        cost=_cost(compliances, found, stages, rounds),
+        cost={},
         warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
         drawing=_drawing(pair),
         geometry=geometry,
@@ -164,36 +158,6 @@ def _friction(
         over_period=over_period,
     )
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
-
-
-def _cost(
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    found: Sweep,
-    stages: Mapping[str, Mapping[str, float]],
-    rounds: int,
-) -> dict[str, object]:
-    pivots, columns, passes, refactorisations = found.counters.sum(axis=0).tolist()
-    recoveries = [c.root.recoveries for c in compliances if c.root is not None]
-    return {
-        "fe_factorisations": sum(c.fe_factorisations for c in compliances),
-        "unit_loads_normal": sum(c.unit_loads_normal for c in compliances),
-        "unit_loads_tangential": sum(c.unit_loads_tangential for c in compliances),
-        "positions": found.status.size,
-        "position_rounds": rounds,
-        **({"stress_recoveries": sum(recoveries)} if recoveries else {}),
-        "influence_columns": columns,
-        "pivots": pivots,
-        "contact_passes": passes,
-        "refactorisations": refactorisations,
-        "fe_degrees_of_freedom": [c.degrees_of_freedom for c in compliances],
-        "bytes": {
-            "compliance": sum(c.bytes for c in compliances),
-            "pairs": found.pairs.nbytes,
-        },
-        "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
-        "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
-        "stages": {name: dict(account) for name, account in stages.items()},
-    }
 
 
 def _warnings(

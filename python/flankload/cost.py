@@ -1,0 +1,137 @@
+"""What a run costs: seconds, bytes and counted work, stage by stage.
+
+Work is counted where it is done (a factorisation by what factorises, a column by what makes it),
+into the account of the stage that asked for it. What was predicted before the run is another
+matter: both stand side by side in `cost_of`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+#: Everything that is counted, and what one of it is.
+COUNTERS = {
+    "fe_factorisations": "factorisation of the stiffness of a body",
+    "fe_solutions": "solution with such a factor, whatever for",
+    "unit_loads_normal": "load case of pressure on a flank",
+    "unit_loads_tangential": "load case along a flank",
+    "cut_columns": "solution for an unknown of the cuts of a sector",
+    "stress_recoveries": "solution for a place of stress in a root fillet",
+    "states": "position under a torque",
+    "lumped_solutions": "contact problem with one unknown for each place of contact",
+    "contact_passes": "contact problem with pairs",
+    "influence_columns": "column of influence numbers of normal forces",
+    "influence_columns_tangential": "column of influence numbers of tangential forces",
+    "pivots": "pair that joins or leaves the contact",
+    "refactorisations": "factorisation anew of the pairs in contact",
+}
+
+
+@dataclass
+class Account:
+    """What a stage has spent; a stage without any of some work does not name it.
+
+    Attributes
+    ----------
+    wall_s, cpu_s : float
+    bytes : int
+        Of the arrays that it holds, or hands on, at its end.
+    workspace_bytes : int
+        Of the largest arrays that it held on the way, where known.
+    counters : dict of str to int
+        By the names of `COUNTERS`, without zeros.
+    """
+
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    bytes: int = 0
+    workspace_bytes: int = 0
+    counters: dict[str, int] = field(default_factory=dict)
+
+    def count(self, **numbers: int) -> None:
+        """Add to counters."""
+        for name, number in numbers.items():
+            if name not in COUNTERS:
+                raise KeyError(name)
+            if number:
+                self.counters[name] = self.counters.get(name, 0) + int(number)
+
+    def __enter__(self) -> Account:
+        self._began = (perf_counter(), process_time())
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        where: TracebackType | None,
+    ) -> None:
+        self.wall_s += perf_counter() - self._began[0]
+        self.cpu_s += process_time() - self._began[1]
+
+    def as_dict(self) -> dict[str, Any]:
+        """As the result shows it."""
+        return {
+            "wall_s": self.wall_s,
+            "cpu_s": self.cpu_s,
+            "bytes": self.bytes,
+            "workspace_bytes": self.workspace_bytes,
+            "counters": dict(self.counters),
+        }
+
+
+def totals(stages: Mapping[str, Account]) -> dict[str, int]:
+    """Sum of every counter over all stages, zeros included.
+
+    Parameters
+    ----------
+    stages : mapping of str to Account
+
+    Returns
+    -------
+    dict of str to int
+    """
+    accounts = stages.values()
+    return {name: sum(account.counters.get(name, 0) for account in accounts) for name in COUNTERS}
+
+
+def held_bytes(*things: object) -> int:
+    """Bytes of all arrays that things hold, each once: those of dataclasses, sequences, mappings.
+
+    Parameters
+    ----------
+    *things : object
+
+    Returns
+    -------
+    int
+        A view counts as the array whose memory it shows; what says its `nbytes` itself, as that.
+    """
+    owners: dict[int, int] = {}
+    left, seen = list(things), set()
+    while left:
+        thing = left.pop()
+        if id(thing) in seen:
+            continue
+        seen.add(id(thing))
+        if isinstance(thing, np.ndarray):
+            while isinstance(thing.base, np.ndarray):
+                thing = thing.base
+            owners[id(thing)] = thing.nbytes
+        elif is_dataclass(thing) and hasattr(thing, "nbytes"):
+            owners[id(thing)] = thing.nbytes
+        elif is_dataclass(thing):
+            left += [getattr(thing, item.name) for item in fields(thing)]
+        elif isinstance(thing, Mapping):
+            left += thing.values()
+        elif isinstance(thing, list | tuple):
+            left += thing
+    return sum(owners.values())

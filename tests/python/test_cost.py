@@ -1,0 +1,180 @@
+"""What a run costs: every kind of work counted where it is done, in the stage that asked for it."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+from test_scene import changed
+
+import flankload as fl
+from flankload import elasticity
+from flankload import sweep as sweep_room
+from flankload.cost import COUNTERS, Account, held_bytes, totals
+from flankload.packed_pairs import PackedPairs
+
+#: Of every solution with a factor it is known what for.
+SOLUTIONS = ("unit_loads_normal", "unit_loads_tangential", "cut_columns", "stress_recoveries")
+FEW = {"positions__count": 4}
+ALL = {"effects__friction_coefficient": 0.1, "effects__root_stress": True, **FEW}
+
+
+def solved(**changes: Any) -> fl.Result:
+    found = fl.solve(fl.Scene.from_dict(changed(**changes)))
+    assert isinstance(found, fl.Result)
+    return found
+
+
+# --- accounts -------------------------------------------------------------------------------------
+def test_an_account_names_nothing_that_was_not_done() -> None:
+    account = Account()
+    account.count(pivots=3, states=0)
+    account.count(pivots=2)
+    assert account.counters == {"pivots": 5}
+    assert totals({"a": account, "b": Account(counters={"pivots": 1})}) == {
+        **dict.fromkeys(COUNTERS, 0),
+        "pivots": 6,
+    }
+
+
+def test_what_has_no_name_is_not_counted() -> None:
+    with pytest.raises(KeyError, match="pirouettes"):
+        Account().count(pirouettes=1)
+
+
+def test_an_account_runs_while_its_stage_does() -> None:
+    account = Account()
+    with account:
+        sum(range(1000))
+    once = account.wall_s
+    with account:
+        sum(range(1000))
+    assert 0 < once < account.wall_s
+
+
+def test_arrays_are_held_once_each_and_views_as_what_they_show() -> None:
+    whole = np.zeros((10, 4))
+    assert held_bytes(whole) == 320
+    assert held_bytes({"a": [whole[:2], (whole, whole.T)]}, whole) == 320
+    assert held_bytes(whole[:2], np.zeros(3)) == 344
+    assert held_bytes(Account(), "text", 1, None) == 0
+
+
+def test_packed_pairs_count_what_is_used_of_their_room() -> None:
+    pairs = PackedPairs(
+        site=np.zeros(100, dtype=np.intc),
+        table=np.zeros((100, 11)),
+        first=np.array([0, 40]),
+        count=np.array([7, 3]),
+    )
+    assert held_bytes([pairs]) == pairs.nbytes == 10 * (4 + 11 * 8)
+
+
+# --- elements -------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("changes", "kinds"),
+    [
+        (FEW, {"unit_loads_normal", "cut_columns"}),
+        (ALL, set(SOLUTIONS)),
+        ({"body_1__rigid": True, **ALL}, set(SOLUTIONS)),
+        ({"load__torque_Nm": 0, **ALL}, set()),
+    ],
+    ids=["plain", "friction and stress", "rigid", "no torque"],
+)
+def test_factorisations_and_solutions_are_those_that_scipy_did(
+    changes: dict[str, Any], kinds: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: Counter[str] = Counter()
+
+    class Watched:
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            done["fe_factorisations"] += 1
+            self._factor = plain(*arguments, **options)
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._factor, name)
+
+        def solve(self, right: np.ndarray) -> np.ndarray:
+            done["fe_solutions"] += right.shape[1]
+            return self._factor.solve(right)
+
+    plain = elasticity.splu
+    monkeypatch.setattr(elasticity, "splu", Watched)
+    cost = solved(**changes).cost
+    for name in ("fe_factorisations", "fe_solutions"):
+        assert cost[name] == done[name]
+    assert {name for name in SOLUTIONS if cost[name]} == kinds
+    for stage in cost["stages"].values():
+        counters = stage["counters"]
+        assert sum(counters.get(name, 0) for name in SOLUTIONS) == counters.get("fe_solutions", 0)
+
+
+# --- the sweep ------------------------------------------------------------------------------------
+def test_counters_at_the_top_are_those_of_all_stages() -> None:
+    cost = solved(**ALL).cost
+    stages = cost["stages"].values()
+    for name in COUNTERS:
+        assert cost[name] == sum(stage["counters"].get(name, 0) for stage in stages)
+    assert cost["bytes"] == sum(stage["bytes"] for stage in stages)
+
+
+def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
+    with_both = solved(**FEW).cost
+    stages = with_both["stages"]
+    assert [stages[name]["counters"]["states"] for name in ("sweep", "tangent", "estimate")] == [
+        4,
+        8,
+        8,
+    ]
+    for name in ("influence_columns", "pivots", "contact_passes"):
+        assert stages["sweep"]["counters"][name] == with_both["of_this_torque"][name]
+        assert stages["tangent"]["counters"][name] > 0
+        assert stages["estimate"]["counters"][name] > 0
+    alone = solved(accuracy__estimate=False, **FEW).cost
+    assert "estimate" not in alone["stages"]
+    assert alone["pivots"] == with_both["pivots"] - stages["estimate"]["counters"]["pivots"]
+
+
+def test_torques_of_a_list_share_the_run_and_tell_their_own_part() -> None:
+    scene = fl.Scene.from_dict(changed(load__torque_Nm=[0, 100, 302], **FEW))
+    nothing, light, full = (result.cost for result in fl.solve(scene))
+    assert nothing["stages"] == light["stages"] == full["stages"]
+    assert nothing["stages"]["sweep"]["counters"]["states"] == 12
+    assert nothing["stages"]["tangent"]["counters"]["states"] == 16
+    assert not any(nothing["of_this_torque"].values())
+    for name, number in full["stages"]["sweep"]["counters"].items():
+        if name != "states":
+            assert number == light["of_this_torque"][name] + full["of_this_torque"][name]
+
+
+def test_friction_makes_a_tangential_column_for_each_normal_one() -> None:
+    rubbed, plain = solved(**ALL).cost, solved(**FEW).cost
+    assert rubbed["influence_columns_tangential"] == rubbed["influence_columns"] > 0
+    assert plain["influence_columns_tangential"] == 0
+
+
+def test_rounds_of_adaptive_positions_are_counted_together() -> None:
+    cost = solved(positions__adaptive=True, positions__count=8, accuracy__estimate=False).cost
+    assert cost["position_rounds"] > 1
+    assert cost["stages"]["sweep"]["counters"]["states"] == cost["positions"]
+
+
+def test_states_that_found_no_room_are_counted_when_they_are_solved_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plain = solved(**FEW)
+    monkeypatch.setattr(sweep_room, "FIRST_ROOM", 1)
+    again = solved(**FEW)
+    assert again.cost["of_this_torque"] == plain.cost["of_this_torque"]
+    once, twice = (result.cost["stages"]["sweep"]["counters"] for result in (plain, again))
+    assert twice["states"] > once["states"]
+    assert twice["influence_columns"] > once["influence_columns"]
+
+
+# --- as text and JSON -----------------------------------------------------------------------------
+def test_costs_are_plain_json() -> None:
+    result = solved(**FEW)
+    assert json.loads(result.to_json())["cost"] == result.cost
