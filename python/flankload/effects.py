@@ -84,6 +84,8 @@ class Effect:
     size_by : SizeBy
     excludes : tuple of str
         Effects that do not go with it; a scene with both is refused, and the error names both keys.
+    of_teeth : bool
+        Only bodies with teeth know it; a cam and its follower do not.
     """
 
     name: str
@@ -95,6 +97,7 @@ class Effect:
     counters: tuple[str, ...] = ()
     size_by: SizeBy = "nothing"
     excludes: tuple[str, ...] = ()
+    of_teeth: bool = False
 
 
 @dataclass(frozen=True)
@@ -320,6 +323,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("body", "segment", "whole"),
         stages=BOTH_BODIES,
         size_by="compliance",
+        of_teeth=True,
     ),
     Effect(
         name="single_tooth",
@@ -328,6 +332,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("body", "tooth", "whole"),
         stages=BOTH_BODIES,
         size_by="compliance",
+        of_teeth=True,
     ),
     Effect(
         name="tooth_coupling",
@@ -336,6 +341,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("tooth_coupling", True, True),
         stages=BOTH_BODIES,
         size_by="compliance",
+        of_teeth=True,
     ),
     Effect(
         name="nodal_near_field",
@@ -370,6 +376,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("tip_contact", True, True),
         stages=ALL_SWEEPS,
         size_by="places",
+        of_teeth=True,
     ),
     Effect(
         name="coast_flanks",
@@ -379,6 +386,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         work=Work(normal_loads=1),
         size_by="places",
+        of_teeth=True,
     ),
     Effect(
         name="flank_modifications",
@@ -387,6 +395,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_modified,
         stages=("bodies",),
         size_by="gaps",
+        of_teeth=True,
     ),
     Effect(
         name="pitch_errors",
@@ -395,6 +404,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_misplaced,
         stages=("bodies",),
         size_by="gaps",
+        of_teeth=True,
     ),
     Effect(
         name="thermal_growth",
@@ -439,6 +449,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=(*BOTH_BODIES, "result"),
         work=Work(recoveries=1),
         counters=("stress_recoveries",),
+        of_teeth=True,
     ),
     Effect(
         name="several_torques",

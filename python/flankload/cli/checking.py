@@ -50,7 +50,9 @@ def _check_scene(path: Path) -> None:
         ],
     )
     switches = switches_of(scene)
-    _print_rows("effects", [(row.title, _said(switches[row.name])) for row in EFFECTS])
+    has_teeth = pair.pairing.motion is None
+    rows = [row for row in EFFECTS if has_teeth or not row.of_teeth]
+    _print_rows("effects", [(row.title, _said(switches[row.name])) for row in rows])
     if pair.notes:
         print()
     for note in pair.notes:
