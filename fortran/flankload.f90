@@ -19,8 +19,9 @@ module flankload
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
         & find_nodal_pairs, nodal_influences
     use flankload_position, only: body_type
-    use flankload_position_cells, only: grid_settings
-    use flankload_position_load, only: position_state, solve_position
+    use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
+    use flankload_position_load, only: solve_position
+    use flankload_position_state, only: position_state
     use flankload_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
         & pair_columns_with_friction
     implicit none
@@ -39,6 +40,7 @@ module flankload
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
     public :: body_type, grid_settings, position_state, solve_position
+    public :: level_lumped, level_pairs
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
 

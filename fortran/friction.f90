@@ -14,6 +14,7 @@ module flankload_friction
 
     public :: friction_type
     public :: new_friction, coefficient_at, rub_pairs
+    public :: friction_lever, slide_at, mean_sign, half_turn_between
 
     !> What a scene says of friction.
     type :: friction_type
@@ -94,8 +95,7 @@ contains
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
-        real(wp) :: turn, speed_1, speed_2, largest, lever
-        real(wp), dimension(2) :: point_1, point_2, normal_1, normal_2
+        real(wp) :: turn, speeds_there, largest
         real(wp) :: change(pairs%n - first + 1)
 
         if (.not. allocated(pairs%sliding)) then
@@ -105,44 +105,105 @@ contains
         turn = half_turn_between(zone%nearest)
         largest = 0.0_wp
         do i = first, pairs%n
-            call placed_point(flank_1, frame_1, pairs%s_1(i), point_1, normal_1)
-            call placed_point(flank_2, frame_2, pairs%s_2(i), point_2, normal_2)
-            point_1 = point_1 - frame_1%origin
-            ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
-            normal_1 = turned([-normal_1(2), normal_1(1)], turn)
-            if (zone%level_high > zone%level_low) then
-                ! flanks that lie upon each other have one normal, which turns with its point until
-                ! both meet
-                normal_2 = turned(normal_1, angle_between(point_1, point_2 - frame_1%origin))
-            else
-                normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
-            end if
-            point_2 = point_2 - frame_2%origin
-            ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
-            speed_1 = -speeds(1)*dot_product(point_1, normal_1)
-            speed_2 = -speeds(2)*dot_product(point_2, normal_2)
-            pairs%sliding(i) = speed_2 - speed_1
-            if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
-                ! nothing rolls, the axes alone are apart: each flank's own normal, however little
-                ! it differs from the other's, would bring more speed than there is
-                pairs%sliding(i) = dot_product(speeds(2)*frame_2%origin &
-                    & - speeds(1)*frame_1%origin, pairs%normal(:, i))
-            end if
-            largest = max(largest, abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2))
+            call slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, pairs%s_1(i), &
+                & pairs%s_2(i), pairs%normal(:, i), pairs%sliding(i), speeds_there)
+            largest = max(largest, speeds_there)
         end do
         call sliding_changes(pairs%sliding(first:pairs%n), change)
         do i = first, pairs%n
             pairs%friction(i) = coefficient_at(friction, pairs%site(i), pairs%s_1(i)) &
                 & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
                 & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
-            point_1 = pairs%point(:, i) - frame_1%origin
-            normal_1 = pairs%normal(:, i)
-            lever = dot_product(point_1, normal_1)
-            ! m = b - mu sigma sign(P x n) P x t, with P x t = -P.n
             pairs%torque_lever(i) = pairs%torque_lever(i) &
-                & + pairs%friction(i)*sign(lever, lever*cross(point_1, normal_1))
+                & + pairs%friction(i)*friction_lever(pairs%point(:, i) - frame_1%origin, &
+                & pairs%normal(:, i))
         end do
     end subroutine rub_pairs
+
+    !> Lever of the tangential force in the torque row: m = b - mu sigma sign(P x n) P x t, with P x
+    !> t = -P.n.
+    pure function friction_lever(point, normal) result(lever)
+        !> Point of flank 1 as seen from O1 [mm], and normal out of body 1
+        real(wp), intent(in) :: point(2)
+        real(wp), intent(in) :: normal(2)
+        !> What mu sigma multiplies [mm]
+        real(wp) :: lever
+
+        lever = dot_product(point, normal)
+        lever = sign(lever, lever*cross(point, normal))
+    end function friction_lever
+
+    !> Sliding speed at a pair.
+    pure subroutine slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, s_2, &
+            & normal, sliding, speeds_there)
+        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        real(wp), intent(in) :: speeds(2)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone, and half the angle between its normals [rad]
+        type(zone_type), intent(in) :: zone
+        real(wp), intent(in) :: turn
+        !> Places on both flanks [mm]
+        real(wp), intent(in) :: s_1
+        real(wp), intent(in) :: s_2
+        !> Direction of the force there
+        real(wp), intent(in) :: normal(2)
+        !> (v2 - v1).t, and the speeds of both surfaces together [mm per rad of the position]
+        real(wp), intent(out) :: sliding
+        real(wp), intent(out) :: speeds_there
+
+        real(wp), dimension(2) :: point_1, point_2, normal_1, normal_2
+
+        call placed_point(flank_1, frame_1, s_1, point_1, normal_1)
+        call placed_point(flank_2, frame_2, s_2, point_2, normal_2)
+        point_1 = point_1 - frame_1%origin
+        ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
+        normal_1 = turned([-normal_1(2), normal_1(1)], turn)
+        if (zone%level_high > zone%level_low) then
+            ! flanks that lie upon each other have one normal, which turns with its point until
+            ! both meet
+            normal_2 = turned(normal_1, angle_between(point_1, point_2 - frame_1%origin))
+        else
+            normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
+        end if
+        point_2 = point_2 - frame_2%origin
+        ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
+        sliding = speeds(1)*dot_product(point_1, normal_1) &
+            & - speeds(2)*dot_product(point_2, normal_2)
+        if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
+            ! nothing rolls, the axes alone are apart: each flank's own normal, however little it
+            ! differs from the other's, would bring more speed than there is
+            sliding = dot_product(speeds(2)*frame_2%origin - speeds(1)*frame_1%origin, normal)
+        end if
+        speeds_there = abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2)
+    end subroutine slide_at
+
+    !> Mean sign of the sliding over a Hertz contact, weighted with its pressure.
+    !>
+    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h) it is 2/pi (asin u +
+    !> u sqrt(1 - u²)), and 1 or -1 where |u| >= 1.
+    pure subroutine mean_sign(at_ends, speeds_there, mean, slope, part)
+        !> Sliding speeds at the ends of the contact [mm per rad of the position]
+        real(wp), intent(in) :: at_ends(2)
+        !> Speeds of both surfaces together
+        real(wp), intent(in) :: speeds_there
+        !> The mean, its derivative by u, and u within -1 and 1
+        real(wp), intent(out) :: mean
+        real(wp), intent(out) :: slope
+        real(wp), intent(out) :: part
+
+        real(wp), parameter :: two_over_pi = 2.0_wp/acos(-1.0_wp)
+
+        part = sum(at_ends)/max(abs(at_ends(2) - at_ends(1)), &
+            & 2.0_wp*least_sliding*speeds_there, tiny(1.0_wp))
+        part = max(-1.0_wp, min(1.0_wp, part))
+        mean = two_over_pi*(asin(part) + part*sqrt(1.0_wp - part**2))
+        slope = 2.0_wp*two_over_pi*sqrt(1.0_wp - part**2)
+    end subroutine mean_sign
 
     !> Half the angle from the normal of flank 1 to that of flank 2 at a place of least gap, once it
     !> is closed: 0, but where a corner works and both turn towards each other by half of it.

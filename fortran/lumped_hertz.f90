@@ -12,7 +12,11 @@ module flankload_lumped_hertz
     private
 
     public :: lumped_contact, hertz_half_width
+    public :: least_half_width
 
+    !> Half-width below which near fields are not followed, nor cells made [mm]: gaps between these
+    !> would drown in rounding (x²/(2 rho) of a tenth of it against 1e-16 of the radius).
+    real(wp), parameter :: least_half_width = 1.0e-4_wp
     !> The half-width stands under a logarithm: after three passes forces change by less than 1 %.
     integer, parameter :: n_passes = 3
     !> Flanks flatter than this against each other are treated as if curved by it [1/mm].
@@ -35,7 +39,7 @@ contains
 
     !> Forces and rotation with one unknown for each place.
     subroutine lumped_contact(smooth, gap_angles, levers, curvatures, widest, kernel, torque, &
-            & least_half_width, forces, rotation, pivots, error)
+            & forces, rotation, pivots, error)
         !> Smooth compliance of both bodies between the places [mm/N], shape (n, n)
         real(wp), intent(in) :: smooth(:, :)
         !> Gap angles [rad], lever arms [mm], sums of curvatures [1/mm], shape (n)
@@ -48,8 +52,6 @@ contains
         real(wp), intent(in) :: kernel
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Half-width below which the near field is not followed [mm]
-        real(wp), intent(in) :: least_half_width
         !> Forces [N], shape (n)
         real(wp), allocatable, intent(out) :: forces(:)
         !> Rotation of body 1 [rad]

@@ -9,16 +9,22 @@ module flankload_position_cells
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_friction, only: rub_pairs
+    use flankload_lumped_hertz, only: least_half_width
     use flankload_position, only: body_type, position_type, code_circle_misses
     implicit none
     private
 
     public :: cells_type, grid_settings
+    public :: level_pairs, level_lumped
     public :: new_cells, measure_reach, reached_curvatures, lay_pairs, expected_pairs, check_grids
-    public :: least_half_width
 
-    !> How fine the cells are.
+    !> Levels of contact: pairs on cells, or one unknown for each place of contact.
+    integer, parameter :: level_pairs = 0, level_lumped = 1
+
+    !> The level of contact, and how fine the cells are.
     type :: grid_settings
+        !> One of the levels above
+        integer :: level = level_pairs
         !> Cells on the Hertz half-width
         real(wp) :: strips_per_half_width = 10.0_wp
         !> The same where a sharp corner lies inside the grid
@@ -49,9 +55,6 @@ module flankload_position_cells
     real(wp), parameter :: widening = 1.6_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
-    !> Cells are never made for a half-width below this [mm]: gaps between them would drown in
-    !> rounding (x²/(2 rho) of a tenth of it against 1e-16 of the radius).
-    real(wp), parameter :: least_half_width = 1.0e-4_wp
 
 contains
 

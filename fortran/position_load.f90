@@ -1,50 +1,24 @@
-!> A position under its torques: cells, influence numbers and contact loop; the cells are laid anew
-!> until every force lies inside them and no flank left out could touch.
+!> A position under its torques, at the level that is asked for: lumped, or by cells, influence
+!> numbers and contact loop; the cells are laid anew until every force lies inside them and no flank
+!> left out could touch.
 module flankload_position_load
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, invalid_scale, no_contact_state
     use flankload_contact_zones, only: zone_type
-    use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_influence_number, only: influence_matrix
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_position, only: solve_lumped
     use flankload_position, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
-        & lay_pairs, least_half_width, measure_reach, new_cells, reached_curvatures
+        & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
+    use flankload_position_state, only: blank_state, count_lumped, position_state, unloaded_state, &
+        & would_touch
     implicit none
     private
 
-    public :: position_state
     public :: solve_position
-
-    !> What is found at a position under a torque.
-    type :: position_state
-        !> 0 … 3 of the contact loop, or a negative error code
-        integer :: status = 0
-        !> Rotation of body 1 [rad] and its growth with the torque [rad/(N mm)]
-        real(wp) :: rotation = 0.0_wp
-        real(wp) :: tangent = 0.0_wp
-        !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
-        type(pairs_type) :: pairs
-        real(wp), allocatable :: forces(:), gaps(:)
-        !> Force [N], peak of force over cell width [N/mm], and body whose corner works (-1: the
-        !> site that touches without torque, off corners), shape (sites)
-        real(wp), allocatable :: site_force(:), site_peak(:)
-        integer, allocatable :: site_corner(:)
-        !> Certificate of the contact loop
-        real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
-        !> Counters: pivots, influence columns, passes over the grid, refactorisations
-        integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
-        !> More of them: influence columns of tangential forces, solutions with one unknown for each
-        !> place of contact
-        integer :: tangential_columns = 0, lumped_solutions = 0
-        !> Without a state: part of the torque that can be held, and whether there is none for
-        !> certain
-        real(wp) :: largest_part = 0.0_wp
-        logical :: none_proven = .false.
-    end type position_state
 
     !> Error code of this stage, beside those of the stages before it.
     integer, parameter :: code_unsettled = -13
@@ -72,7 +46,7 @@ contains
         real(wp), intent(in) :: angle_2
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> How fine the cells are
+        !> The level of contact, and how fine its cells are
         type(grid_settings), intent(in) :: settings
         !> What is found, shape (torques); without a state the status is an error code
         type(position_state), intent(out) :: states(:)
@@ -92,7 +66,15 @@ contains
                 if (present(speeds)) position%speeds = speeds
             end if
             if (.not. allocated(error)) then
-                call solve_load(body_1, body_2, position, torques(t), settings, states(t), error)
+                call blank_state(size(body_1%site_angles), states(t))
+                if (torques(t) <= 0.0_wp) then
+                    call unloaded_state(position, states(t))
+                else if (settings%level == level_lumped) then
+                    call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
+                else
+                    call solve_load(body_1, body_2, position, torques(t), settings, states(t), &
+                        & error)
+                end if
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
@@ -101,40 +83,33 @@ contains
         end do
     end subroutine solve_position
 
-    !> One torque.
+    !> One torque, on cells.
     subroutine solve_load(body_1, body_2, position, torque, settings, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Torque on body 1 [N mm]
+        !> Torque on body 1, above 0 [N mm]
         real(wp), intent(in) :: torque
         !> How fine the cells are
         type(grid_settings), intent(in) :: settings
-        !> What is found
-        type(position_state), intent(out) :: state
+        !> What is found; blank on entry
+        type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n_sites, pass, spent
+        integer :: pass, spent
         type(cells_type) :: cells
         real(wp), allocatable :: estimate(:), curvatures(:)
         real(wp) :: rotation
         logical, allocatable :: touches(:)
         logical :: settled
 
-        n_sites = size(body_1%site_angles)
-        allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
-        allocate (state%site_corner(n_sites), source=0)
         associate (zones => position%zones, gap => position%gap)
-            if (torque <= 0.0_wp) then
-                call unloaded_state(zones, gap, state)
-                return
-            end if
             call lumped_contact(position%smooth, gap, zones%lever, zones%curvature, &
                 & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                & least_half_width, estimate, rotation, spent, error)
+                & estimate, rotation, spent, error)
             call count_lumped(spent, state)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
@@ -144,7 +119,7 @@ contains
             if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
                 call lumped_contact(position%smooth, gap, zones%lever, curvatures, &
                     & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                    & least_half_width, estimate, rotation, spent, error)
+                    & estimate, rotation, spent, error)
                 call count_lumped(spent, state)
                 if (allocated(error)) return
                 cells%estimate = estimate
@@ -160,7 +135,7 @@ contains
                     & torque, state, error)
                 if (allocated(error)) return
                 call check_grids(state%forces, cells, settled)
-                touches = would_touch(zones, gap, position%smooth, cells%estimate, state%rotation)
+                touches = would_touch(position, cells%estimate, state%rotation)
                 if (any(touches .and. .not. cells%joins)) settled = .false.
                 cells%joins = cells%joins .or. touches
                 if (settled) exit
@@ -173,35 +148,6 @@ contains
             call sum_over_sites(state, zones)
         end associate
     end subroutine solve_load
-
-    !> Count a solution with one unknown for each place of contact.
-    pure subroutine count_lumped(pivots, state)
-        !> Pivots that it took
-        integer, intent(in) :: pivots
-        !> Where it is counted
-        type(position_state), intent(inout) :: state
-
-        state%pivots = state%pivots + pivots
-        state%lumped_solutions = state%lumped_solutions + 1
-    end subroutine count_lumped
-
-    !> No torque: body 1 stands where the first pair touches.
-    pure subroutine unloaded_state(zones, gap, state)
-        !> The zones and their gap angles
-        type(zone_type), intent(in) :: zones(:)
-        real(wp), intent(in) :: gap(:)
-        !> What is found
-        type(position_state), intent(inout) :: state
-
-        integer :: z
-
-        z = minloc(gap, dim=1)
-        state%rotation = gap(z)
-        state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
-        state%site_corner(zones(z)%site) = merge(zones(z)%corner, -1, zones(z)%corner > 0)
-        call reserve_pairs(state%pairs, 0)
-        allocate (state%forces(0), state%gaps(0))
-    end subroutine unloaded_state
 
     !> Build K of the pairs and solve.
     subroutine solve_pairs(body_1, body_2, warm_pairs, torque, state, error)
@@ -258,29 +204,6 @@ contains
         state%backward_error = contact%backward_error
         state%margin = contact%margin
     end subroutine solve_pairs
-
-    !> Which zones close their gap: by the rotation, less what the forces of other sites push back
-    !> there (or pull near: where a rim is thin, a tooth may lean towards its mate).
-    pure function would_touch(zones, gap, smooth, forces, rotation) result(touches)
-        !> The zones and their gap angles [rad]
-        type(zone_type), intent(in) :: zones(:)
-        real(wp), intent(in) :: gap(:)
-        !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
-        real(wp), intent(in) :: smooth(:, :)
-        !> Forces of the zones [N]
-        real(wp), intent(in) :: forces(:)
-        !> Rotation [rad]
-        real(wp), intent(in) :: rotation
-        logical :: touches(size(zones))
-
-        integer :: z
-
-        do z = 1, size(zones)
-            ! the own site pushes back at any place; how much the cells will tell
-            touches(z) = zones(z)%lever*(gap(z) - rotation) + min(0.0_wp, &
-                & sum(smooth(z, :)*forces, mask=zones%site /= zones(z)%site)) < 0.0_wp
-        end do
-    end function would_touch
 
     !> Forces, peaks and corners of the sites.
     pure subroutine sum_over_sites(state, zones)

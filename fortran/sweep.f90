@@ -10,7 +10,8 @@ module flankload_sweep
     use flankload_error, only: no_contact_state
     use flankload_position, only: body_type
     use flankload_position_cells, only: grid_settings
-    use flankload_position_load, only: position_state, solve_position
+    use flankload_position_load, only: solve_position
+    use flankload_position_state, only: position_state
     implicit none
     private
 
@@ -31,8 +32,9 @@ module flankload_sweep
         !> tangential forces, lumped solutions, shape (n_counters, positions, torques); of states
         !> without an answer and of those that found no room, too
         integer, allocatable :: counters(:, :, :)
-        !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works, shape
-        !> (sites, positions, torques)
+        !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (-1: the
+        !> site that touches without torque, -2: no parabola's contact at the lumped level, both off
+        !> corners), shape (sites, positions, torques)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
         !> Number of pairs, and where the first of them stands in the caller's room (from 1), shape

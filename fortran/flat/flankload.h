@@ -95,7 +95,7 @@ void flankload_sweep_(const int *n_positions, const int *n_torques, const double
                       const double *mode_range_1, const double *kernel_1, const double *smooth_1,
                       const int *block_1, const int *n_modes_2, const int *n_blocks_2,
                       const double *mode_range_2, const double *kernel_2, const double *smooth_2,
-                      const int *block_2, const double *grid, const int *n_speeds,
+                      const int *block_2, const double *grid, const int *level, const int *n_speeds,
                       const double *speeds, const int *n_mu, const double *mu_places,
                       const double *mu_values, const int *n_tangential_1,
                       const double *tangential_1, const double *jump_1, const int *n_tangential_2,

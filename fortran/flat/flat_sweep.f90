@@ -16,13 +16,14 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, &
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
-        & grid, n_speeds, speeds, n_mu, mu_places, mu_values, &
+        & grid, level, n_speeds, speeds, n_mu, mu_places, mu_values, &
         & n_tangential_1, tangential_1, jump_1, n_tangential_2, tangential_2, jump_2, &
         & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload, only: body_type, grid_settings, new_flank, new_flank_curve, new_friction, &
-        & pair_columns, pair_columns_with_friction, sweep_positions, sweep_type
+    use flankload, only: body_type, grid_settings, level_lumped, level_pairs, new_flank, &
+        & new_flank_curve, new_friction, pair_columns, pair_columns_with_friction, &
+        & sweep_positions, sweep_type
     implicit none
     !> Numbers of positions and torques, and the turns of both bodies [rad]
     integer, intent(in) :: n_positions
@@ -69,6 +70,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: block_2(n_sites, n_sites)
     !> Cells per Hertz half-width, the same at sharp corners, half-width of the grid in half-widths
     double precision, intent(in) :: grid(3)
+    !> Level of contact: pairs on cells (0), or one unknown for each place of contact (1), which
+    !> asks for no cells
+    integer, intent(in) :: level
     !> Friction: speeds with which both bodies turn [rad per rad of the position], at every position
     !> (n_speeds = n_positions; 0 without friction)
     integer, intent(in) :: n_speeds
@@ -94,7 +98,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> (1): anything but 0 asks to stop: positions not yet begun are left out, status -16; (2):
     !> grows by one with each position that is done
     integer, volatile, intent(inout) :: control(2)
-    !> Pairs: site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
+    !> Pairs (lumped: the places of contact, with cells over which the largest pressure would carry
+    !> the force): site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
     !> lever of the torque row, with friction sliding speed [mm per rad of the position] and
     !> friction coefficient times its sign
     integer, intent(inout) :: pair_site(room)
@@ -112,7 +117,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> no answer
     integer, intent(out) :: counters(6, n_positions, n_torques)
     !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
-    !> the site that touches without torque, off corners)
+    !> the site that touches without torque, -2: no parabola's contact at the lumped level, both off
+    !> corners)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)
@@ -146,10 +152,11 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -27
     if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -33
     if (.not. all(grid > 0.0d0)) info = -34
-    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -35
-    if (.not. all(ieee_is_finite(speeds))) info = -36
-    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -39
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -46
+    if (level /= level_pairs .and. level /= level_lumped) info = -35
+    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -36
+    if (.not. all(ieee_is_finite(speeds))) info = -37
+    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -40
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -47
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -177,6 +184,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_1%compliance%jump = jump_1
     if (n_tangential_2 > 0) body_2%compliance%tangential = tangential_2
     body_2%compliance%jump = jump_2
+    settings%level = level
     settings%strips_per_half_width = grid(1)
     settings%corner_strips_per_half_width = grid(2)
     settings%zone_half_widths = grid(3)

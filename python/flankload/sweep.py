@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
 
+#: Levels of contact, cheapest last, as the core numbers them.
+Level = Literal["pairs", "lumped"]
+LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 #: Status of a position whose pairs found no room: it is asked for again, with more; of one that was
 #: not begun.
 NO_ROOM, STOPPED = -15, -16
@@ -56,7 +59,7 @@ class Sweep:
         What each state took: `CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
-        that touches without torque, off corners).
+        that touches without torque, -2: a lumped contact that no parabola makes, both off corners).
     n_pairs : (P,) array
     pairs : PackedPairs
         Empty where pairs are not kept.
@@ -84,6 +87,7 @@ def sweep(
     torques_Nmm: Sequence[float],
     face_width_mm: float,
     grid: Grid,
+    level: Level = "pairs",
     friction: Friction | None = None,
     keep_pairs: bool = True,
     account: Account | None = None,
@@ -107,6 +111,11 @@ def sweep(
         Width over which both bodies touch.
     grid : Grid
         How fine the cells are.
+    level : str
+        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, as wide as
+        Hertz contact; no cells, hence no influence columns, and a pair for each place in the table.
+        Its cell is π/2 half-widths, over which the largest pressure would carry the force. Flanks
+        that conform have no such place.
     friction : Friction, optional
         Of the flanks; the compliances must have their tangential parts then.
     keep_pairs : bool
@@ -142,6 +151,7 @@ def sweep(
             torques=under,
             arguments=arguments,
             grid=grid,
+            level=level,
             rubbing=FrictionArguments.of(friction, compliances, pairing, where, face_width_mm),
             account=spent,
             progress=tell,
@@ -269,6 +279,7 @@ class _CoreCall:
     torques: NDArray[np.float64]
     arguments: list[tuple[NDArray[Any] | float, ...]]
     grid: Grid
+    level: Level
     rubbing: FrictionArguments
     account: Account
     progress: Callable[[int, int], None] | None
@@ -317,6 +328,7 @@ class _CoreCall:
                 *field_1,
                 *field_2,
                 np.array(knobs),
+                LEVELS[self.level],
                 *self.rubbing.at(which),
                 columns,
                 control,

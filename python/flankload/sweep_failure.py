@@ -33,6 +33,14 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
     -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
     -16: (ContactError, "stopped before it was solved"),
+    -17: (
+        InputError,
+        (
+            'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
+            'and touch over a length (contact = "pairs" follows that)'
+        ),
+    ),
+    -18: (PivotLimit, "the half-widths of the lumped contacts do not settle"),
 }
 
 

@@ -13,7 +13,7 @@ program bench_sweep
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position, only: look_at_position, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
-        & least_half_width, measure_reach, new_cells
+        & measure_reach, new_cells
     implicit none
 
     !> Zones; lumped level; cells and pairs; influence numbers; the loop as a position calls it; all
@@ -160,7 +160,7 @@ contains
             call lumped_contact(position%smooth, position%gap, position%zones%lever, &
                 & position%zones%curvature, &
                 & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), position%kernel, &
-                & torque, least_half_width, estimate, rotation, pivots, error)
+                & torque, estimate, rotation, pivots, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)

@@ -14,7 +14,7 @@ from flankload.flank_curve import CurvePiece, fit_flank_curve
 from flankload.pairing import Pairing
 from flankload.period import Period
 from flankload.resolution import Grid
-from flankload.sweep import sweep
+from flankload.sweep import Level, sweep
 
 CASE = json.loads(
     (Path(__file__).parents[1] / "reference_solutions" / "closed_form.json").read_text()
@@ -34,7 +34,7 @@ def arc(centre: tuple[float, float], radius: float, start: float, end: float):
     return fit_flank_curve([CurvePiece("flank", place, start, end, False)])
 
 
-def contact(force_N_per_mm: float, grid: Grid):
+def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
     """Two half-plane cylinders pressed together at (LEVER, 0) along y."""
     # body 1 pushes up (+y) at (LEVER, 0); its centre is below. Clockwise on the top: t towards +x.
     one = arc((LEVER, -RADIUS_1), RADIUS_1, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
@@ -64,6 +64,7 @@ def contact(force_N_per_mm: float, grid: Grid):
         torques_Nmm=[force_N_per_mm * LEVER],
         face_width_mm=1.0,
         grid=grid,
+        level=level,
     )
     return found
 

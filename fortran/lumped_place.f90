@@ -1,0 +1,194 @@
+!> A place of contact as a whole, under a force: how far it reaches, by how much its near field lets
+!> both bodies approach, and how it rubs; with the derivatives of all that by the force.
+module flankload_lumped_place
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type, frame_type
+    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
+    use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
+        & slide_at
+    implicit none
+    private
+
+    public :: place_type
+    public :: reach_of, near_field_of, rub_place
+
+    !> A place under a force.
+    type :: place_type
+        !> The force that it is looked at under [N]
+        real(wp) :: force = 0.0_wp
+        !> How far the contact reaches to both sides [mm], and its growth with the force [mm/N]
+        real(wp) :: reach(2) = 0.0_wp, reach_slope(2) = 0.0_wp
+        !> Approach of both bodies by the near field [mm], and its growth with the force [mm/N]
+        real(wp) :: approach = 0.0_wp, approach_slope = 0.0_wp
+        !> Levers of its pair: of the row, and of the normal force in the torque row without
+        !> friction [mm], and their growth with the force [mm/N]
+        real(wp) :: lever = 0.0_wp, lever_slope = 0.0_wp
+        real(wp) :: torque_lever = 0.0_wp, torque_lever_slope = 0.0_wp
+        !> Lever of the tangential force in the torque row [mm], and its growth [mm/N]
+        real(wp) :: lever_along = 0.0_wp, lever_along_slope = 0.0_wp
+        !> Sliding speed [mm per rad of the position]
+        real(wp) :: sliding = 0.0_wp
+        !> Tangential force on body 1 along its flank [N], and its growth with the normal force
+        real(wp) :: tangential = 0.0_wp, tangential_slope = 0.0_wp
+    end type place_type
+
+contains
+
+    !> How far from the least gap the gap has grown by a given amount, on both sides: the half-width
+    !> of a Hertz contact, where that amount is the force times c.
+    !>
+    !> Newton's method for the gap as a power of the distance, which is exact for parabolas and
+    !> wedges; halving where it leaves what encloses the place.
+    pure subroutine reach_of(flank_1, frame_1, flank_2, frame_2, zone, growth, reach, slope)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Growth of the gap along the normal [mm]
+        real(wp), intent(in) :: growth
+        !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch of
+        !> the zone; on entry a guess
+        real(wp), intent(inout) :: reach(2)
+        !> Their derivatives by the growth; 0 where the stretch ends
+        real(wp), intent(out) :: slope(2)
+
+        !> What is left is below rounding after one more step: its square counts.
+        real(wp), parameter :: tolerance = 1.0e-8_wp
+        integer, parameter :: max_steps = 60
+        integer :: side, step
+        real(wp) :: sense, room, inner, outer, x, at, next, part, part_slope
+        type(pair_type) :: pair
+        logical :: found, open
+
+        do side = 1, 2
+            sense = merge(-1.0_wp, 1.0_wp, side == 1)
+            room = merge(zone%nearest%s_1 - zone%s_1_low, zone%s_1_high - zone%nearest%s_1, &
+                & side == 1)
+            inner = 0.0_wp
+            outer = room
+            open = .true.
+            x = min(room, reach(side))
+            slope(side) = 0.0_wp
+            pair = zone%nearest
+            do step = 1, max_steps
+                at = x
+                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
+                    & zone%nearest%s_1 + sense*at, [zone%s_2_low, zone%s_2_high], pair, found)
+                if (found) then
+                    part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
+                    part_slope = sense*pair%slope*zone%lever/growth
+                    if (part < 1.0_wp) then
+                        slope(side) = 0.0_wp
+                        if (x >= room) exit
+                        inner = x
+                    else
+                        outer = x
+                        open = .false.
+                    end if
+                    x = merge(room, 0.5_wp*(inner + outer), open)
+                    if (part > 0.0_wp .and. part_slope > 0.0_wp) then
+                        slope(side) = 1.0_wp/(part_slope*growth)
+                        next = at*part**(-part/(at*part_slope))
+                        if (abs(part - 1.0_wp) <= tolerance) then
+                            x = next
+                            exit
+                        end if
+                        if (next > inner .and. next < outer) x = next
+                    end if
+                else
+                    outer = x
+                    open = .false.
+                    x = 0.5_wp*(inner + outer)
+                end if
+                if (outer - inner <= epsilon(x)*outer) exit
+            end do
+            reach(side) = min(x, room)
+        end do
+    end subroutine reach_of
+
+    !> Approach by the near field, c F (1/2 + ln(2/h)) with h the mean reach to both sides.
+    pure subroutine near_field_of(kernel, least_half_width, place)
+        !> c of both bodies [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Half-width below which the near field is not followed [mm]
+        real(wp), intent(in) :: least_half_width
+        !> The place, its force and reach known
+        type(place_type), intent(inout) :: place
+
+        real(wp) :: half_width
+
+        half_width = 0.5_wp*sum(place%reach)
+        place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(half_width, least_half_width)))
+        place%approach = place%approach_slope*place%force
+        if (half_width > least_half_width) then
+            place%approach_slope = place%approach_slope &
+                & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width
+        end if
+    end subroutine near_field_of
+
+    !> Tangential force of a place: mu sigma F, sigma the mean sign of the sliding over the contact.
+    pure subroutine rub_place(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, normal, &
+            & place)
+        !> What the scene says of friction
+        type(friction_type), intent(in) :: friction
+        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        real(wp), intent(in) :: speeds(2)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Direction of its force, out of body 1
+        real(wp), intent(in) :: normal(2)
+        !> The place, its force and reach known
+        type(place_type), intent(inout) :: place
+
+        real(wp) :: turn, along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope, part
+        real(wp) :: width, part_slope
+
+        turn = half_turn_between(zone%nearest)
+        ! how far along flank 2 a circle comes by a step along flank 1
+        along_2 = dot_product(zone%nearest%point_1, zone%nearest%tangent_1) &
+            & /dot_product(zone%nearest%point_2, zone%nearest%tangent_2)
+        call slide(zone%nearest%s_1 - place%reach(1), at_ends(1), speeds_there)
+        call slide(zone%nearest%s_1 + place%reach(2), at_ends(2), speeds_there)
+        call slide(zone%nearest%s_1, place%sliding, speeds_there)
+        call mean_sign(at_ends, speeds_there, mean, mean_slope, part)
+        coefficient = coefficient_at(friction, zone%site, zone%nearest%s_1)
+        place%tangential = coefficient*mean*place%force
+        place%tangential_slope = coefficient*mean
+        width = sum(place%reach)
+        if (mean_slope > 0.0_wp .and. width > 0.0_wp) then
+            ! u = (2 v_0 + v'(r_2 - r_1))/(|v'| (r_1 + r_2))
+            part_slope = (sign(1.0_wp, at_ends(2) - at_ends(1)) &
+                & *(place%reach_slope(2) - place%reach_slope(1)) &
+                & - part*sum(place%reach_slope))/width
+            place%tangential_slope = place%tangential_slope + coefficient*mean_slope*part_slope &
+                & *place%force
+        end if
+
+    contains
+
+        !> Sliding speed at a place on flank 1.
+        pure subroutine slide(s_1, sliding, both)
+            !> The place [mm]
+            real(wp), intent(in) :: s_1
+            !> Its speed, and those of both surfaces together [mm per rad of the position]
+            real(wp), intent(out) :: sliding
+            real(wp), intent(out) :: both
+
+            call slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, &
+                & zone%nearest%s_2 + along_2*(s_1 - zone%nearest%s_1), normal, sliding, both)
+        end subroutine slide
+
+    end subroutine rub_place
+
+end module flankload_lumped_place
