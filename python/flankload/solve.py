@@ -117,6 +117,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         pairing=pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
         friction=pair.friction,
+        level=scene.effects.contact,
     )
     with clock.stage("sweep", fixed) as account:
 
@@ -133,18 +134,20 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         pair, found, errors, rounds = _all_positions(scene, pair, run_round)
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
-    with clock.stage("tangent", fixed + SWEEP_STEPS) as account:
-        found = with_tangents(
-            found,
-            partial(
-                run,
-                compliances=compliances,
-                grid=pair.resolution.grid,
-                keep_pairs=False,
-                account=account,
-                progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
-            ),
-        )
+    if not pair.effects.lumped_contact:
+        # a lumped contact grows with the torque in the equations themselves
+        with clock.stage("tangent", fixed + SWEEP_STEPS) as account:
+            found = with_tangents(
+                found,
+                partial(
+                    run,
+                    compliances=compliances,
+                    grid=pair.resolution.grid,
+                    keep_pairs=False,
+                    account=account,
+                    progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
+                ),
+            )
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
@@ -195,7 +198,13 @@ def _estimates(
         )
 
     parts = tuple(found[t] for t in loaded)
-    estimated = estimate_errors(parts, run_again, compliances, pair.resolution.grid)
+    estimated = estimate_errors(
+        parts,
+        run_again,
+        compliances,
+        pair.resolution.grid,
+        lumped=pair.effects.lumped_contact,
+    )
     return dict(zip(loaded, estimated, strict=True))
 
 

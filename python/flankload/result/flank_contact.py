@@ -58,10 +58,13 @@ def flank_contacts(
         loaded = table.force_N > 0
         for s in np.flatnonzero(np.isin(sites, table.site[loaded])):
             laid = table.site == sites[s]
-            found[0, p, s] = 0.5 * loaded_length(
-                table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
-            )
             own = laid & loaded
+            if table.half_width_mm is None:
+                found[0, p, s] = 0.5 * loaded_length(
+                    table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
+                )
+            else:
+                found[0, p, s] = table.half_width_mm[own].sum()
             weight = table.force_N[own] / table.force_N[own].sum()
             found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
     found.setflags(write=False)

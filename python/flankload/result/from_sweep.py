@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import sin
+from math import pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.result.geometry import PairGeometry
     from flankload.sweep import Sweep
+
+#: In place of a body whose corner works: a lumped contact that no parabola makes.
+OTHER_SHAPE = -2
 
 
 def result_of(
@@ -80,7 +83,8 @@ def result_of(
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=PairTables(
-            len(found.n_pairs), partial(_pair_table, pair.pairing, found.pairs, width)
+            len(found.n_pairs),
+            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
         ),
         corner_contact=found.site_corner[:, carries] > 0,
         pitch_rad=pair.pairing.pitch_rad,
@@ -113,7 +117,9 @@ def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
     return stiffness
 
 
-def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> PairTable:
+def _pair_table(
+    pairing: Pairing, pairs: PackedPairs, width: float, lumped: bool, p: int
+) -> PairTable:
     """Contact pairs of position p."""
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
@@ -132,6 +138,7 @@ def _pair_table(pairing: Pairing, pairs: PackedPairs, width: float, p: int) -> P
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
     )
 
 
@@ -169,6 +176,13 @@ def _warnings(
             f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip "
             "corner: its peak pressure grows with the resolution and is no number to design by; a "
             "tip radius or chamfer cures it"
+        )
+    shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
+    if shaped:
+        yield (
+            f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
+            "beside a lumped contact: its peak pressure is that of a Hertz contact of its width "
+            'and may be half of the true one (effects.contact = "pairs" follows it)'
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = compliances[z].smooth.shape[1]

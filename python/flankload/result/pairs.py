@@ -38,6 +38,9 @@ class PairTable:
         Final gap along the normal.
     cell_mm : (n,) array
         Length of the pair's cell on the flank.
+    half_width_mm : (n,) array or None
+        Half-width of the contact, where a pair is all of a lumped contact; its cell is then π/2
+        times as long and its pressure the largest of a Hertz contact.
     sliding_mm_per_rad : (n,) array or None
         Speed of flank 2 on flank 1, towards growing arc length of flank 1, per rad of the position;
         None without friction.
@@ -59,12 +62,13 @@ class PairTable:
     cell_mm: Floats
     sliding_mm_per_rad: Floats | None = None
     friction_force_N: Floats | None = None
+    half_width_mm: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.site)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns by name; without those of friction where there is none."""
+        """Columns by name, but for those that are None."""
         every = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: column for name, column in every.items() if column is not None}
 

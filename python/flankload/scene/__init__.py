@@ -373,6 +373,7 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_kinds(asked)
     _check_friction(asked)
+    _check_lumped(asked)
     _check_positions(asked.positions, given.get("positions", {}))
     torque = asked.load.torque_Nm
     loaded = any(torque) if isinstance(torque, tuple) else torque > 0
@@ -433,6 +434,27 @@ def _check_friction(asked: SceneFile) -> None:
                 f"{key}[{i}][0]",
                 f"more than the roll position of the row before, {rows[i - 1][0]:g}",
                 roll,
+            )
+
+
+def _check_lumped(asked: SceneFile) -> None:
+    """Lumped contact has no strips, and conforming flanks have no place to lump it in."""
+    if asked.effects.contact != "lumped":
+        return
+    key = "effects.contact"
+    if isinstance(asked.body_1, SplineShaft):
+        _refuse(
+            key,
+            "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and touch over a length "
+            "instead of at a place",
+            "'lumped'",
+        )
+    for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
+        if getattr(asked.accuracy, name) is not None:
+            _refuse(
+                f"accuracy.{name}",
+                f"nothing with {key} 'lumped', which lays no strips",
+                getattr(asked.accuracy, name),
             )
 
 

@@ -26,7 +26,6 @@ NOT_YET = {
         "body": "a segment or a single tooth instead of the whole body",
         "segment_teeth": "a segment of teeth instead of the whole body",
         "near_field": "the near field from nodal loads",
-        "contact": "the lumped contact",
         "temperature_rise_K": "thermal growth",
         "thermal_expansion_per_K": "thermal growth",
         "speed_rpm": "centrifugal growth",

@@ -538,6 +538,14 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "true: stress along both root fillets of the teeth in mesh, of each body that yields",
         ),
     ] = False
+    contact: Annotated[
+        Literal["pairs", "lumped"],
+        about(
+            "",
+            "lumped: one unknown for each place of contact, as wide as Hertz contact (two to "
+            "three times as fast, no strips; not where flanks conform); pairs: pressure as it is",
+        ),
+    ] = "pairs"
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
