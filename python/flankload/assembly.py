@@ -93,12 +93,14 @@ class BodyPair:
         return self.pairing.turns_at_zero_rad[1]
 
 
-def build_bodies(scene: Scene) -> BodyPair:
+def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair:
     """Bodies of a scene and their pairing; no finite elements are solved.
 
     Parameters
     ----------
     scene : Scene
+    resolution : Resolution, optional
+        Knobs; those of the scene if absent.
 
     Returns
     -------
@@ -109,7 +111,7 @@ def build_bodies(scene: Scene) -> BodyPair:
     SceneError
         If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
     """
-    resolution, effects = choose_resolution(scene), effects_of(scene)
+    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
     try:
         body_1, body_2 = (
             build_body(

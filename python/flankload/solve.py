@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptively
 from flankload.assembly import BodyPair, build_bodies
-from flankload.compliance import BodyCompliance, flank_compliance, no_compliance
+from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import Estimate, estimate_errors
-from flankload.given_compliance import given_compliance
-from flankload.resolution import choose_resolution, position_tolerance
+from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
+from flankload.stages import compliance_of, sweep_of
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
-    from flankload.root_fillet import RootFillets
     from flankload.scene import Scene
     from flankload.sweep import Sweep
 
@@ -111,14 +109,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
     compliances = _compliances(scene, pair, clock)
-    run = partial(
-        sweep,
-        (pair.body_1, pair.body_2),
-        pairing=pair.pairing,
-        face_width_mm=scene.pair.face_width_mm,
-        friction=pair.friction,
-        level=scene.effects.contact,
-    )
+    run = sweep_of(scene, pair)
     with clock.stage("sweep", fixed) as account:
 
         def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
@@ -258,51 +249,12 @@ def _compliances(
             continue
         stage = f"compliance body {z + 1}"
         with clock.stage(stage, BODY_STEPS + z * COMPLIANCE_STEPS) as account:
-            compliance = compliance_of(body, scene, fillets=pair.fillets[z])
+            compliance = compliance_of(body, scene, pair.resolution, fillets=pair.fillets[z])
             account.count(**compliance.counters)
             account.bytes += held_bytes(compliance)
             account.workspace_bytes += compliance.workspace_bytes
             found.append(compliance)
     return found[0], found[1]
-
-
-def compliance_of(
-    body: Body, scene: Scene, *, fillets: RootFillets | None = None
-) -> BodyCompliance:
-    """Compliance of one body: from its elements, or as it brings it along.
-
-    Parameters
-    ----------
-    body : Body
-        That yields.
-    scene : Scene
-        Decides on plane and pressure modes.
-    fillets : RootFillets, optional
-        Where stress is wanted, too.
-
-    Returns
-    -------
-    BodyCompliance
-    """
-    asked, plane = scene.accuracy.modes, scene.accuracy.plane
-    default = choose_resolution(scene).modes
-    if body.given is not None:
-        return given_compliance(
-            body,
-            modes=asked,
-            default_modes=default,
-            plane=plane,
-            friction=scene.has_friction,
-        )
-    if body.modes_part > 1.0:
-        asked, default = None, round(body.modes_part * (asked or default))
-    return flank_compliance(
-        body,
-        n_modes=asked or _modes_of(body, default),
-        plane=plane,
-        friction=scene.has_friction,
-        fillets=fillets,
-    )
 
 
 def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, ...]:
@@ -334,11 +286,3 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
         "position; rotation and transmission error count from there"
     )
     return (note,)
-
-
-def _modes_of(body: Body, wanted: int) -> int:
-    """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
-    if body.mesh is None:
-        return 0
-    count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
-    return count - 1 + count % 2 if body.curve.closed else count

@@ -18,7 +18,7 @@ import flankload as fl
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance
 from flankload.resolution import Grid
-from flankload.solve import compliance_of
+from flankload.stages import compliance_of
 from flankload.sweep import Sweep, _core_arguments, sweep
 
 TARGET = "tests/fortran/bench_sweep"

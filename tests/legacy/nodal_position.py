@@ -15,7 +15,7 @@ import flankload as fl
 from flankload import _core
 from flankload.assembly import build_bodies
 from flankload.near_field import mode_values, strip_kernel
-from flankload.solve import compliance_of
+from flankload.stages import compliance_of
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "examples" / "legacy_fortran" / "pair.dat"

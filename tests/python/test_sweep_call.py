@@ -21,7 +21,7 @@ from flankload.compliance import BodyCompliance
 from flankload.core_thread import call_and_watch
 from flankload.packed_pairs import COLUMNS
 from flankload.pairing import Pairing
-from flankload.solve import compliance_of
+from flankload.stages import compliance_of
 from flankload.sweep import Sweep, sweep
 from flankload.sweep_failure import raise_first_failure
 

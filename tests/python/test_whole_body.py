@@ -31,7 +31,7 @@ from flankload.mesh_io import read_mesh, write_mesh
 from flankload.named_arrays import npz_of
 from flankload.plane_mesh import boundary_edges
 from flankload.scene.tables import ComplianceBody, Positions
-from flankload.solve import compliance_of
+from flankload.stages import compliance_of
 
 #: Another mesher's nodes, a curve through them: wanted of the rotation.
 OTHER_MESHER = 3e-3

@@ -29,8 +29,8 @@ def _check_scene(path: Path) -> None:
     from flankload.assembly import build_bodies
     from flankload.effects import EFFECTS, switches_of
     from flankload.gear_mesh import describe_mesh
-    from flankload.solve import compliance_of
     from flankload.spline_fit import describe_fit
+    from flankload.stages import compliance_of
 
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):

@@ -30,7 +30,7 @@ def compliance(arguments: Namespace) -> None:
     from flankload.bodies.modal_file import modal_arrays
     from flankload.named_arrays import npz_of
     from flankload.result import write_atomically
-    from flankload.solve import compliance_of
+    from flankload.stages import compliance_of
 
     pair = build_bodies(scene)
     files: dict[str, bytes] = {}

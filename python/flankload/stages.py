@@ -1,0 +1,97 @@
+"""The stages between the bodies of a scene and its states, as every run takes them."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flankload.compliance import BodyCompliance, flank_compliance
+from flankload.given_compliance import given_compliance
+from flankload.resolution import Resolution, choose_resolution
+from flankload.sweep import sweep
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flankload.assembly import BodyPair
+    from flankload.bodies import Body
+    from flankload.root_fillet import RootFillets
+    from flankload.scene import Scene
+    from flankload.sweep import Sweep
+
+
+def compliance_of(
+    body: Body,
+    scene: Scene,
+    resolution: Resolution | None = None,
+    *,
+    fillets: RootFillets | None = None,
+) -> BodyCompliance:
+    """Compliance of one body: from its elements, or as it brings it along.
+
+    Parameters
+    ----------
+    body : Body
+        That yields.
+    scene : Scene
+        Decides on plane and pressure modes.
+    resolution : Resolution, optional
+        Knobs; those of the scene if absent.
+    fillets : RootFillets, optional
+        Where stress is wanted, too.
+
+    Returns
+    -------
+    BodyCompliance
+    """
+    asked, plane = scene.accuracy.modes, scene.accuracy.plane
+    default = (resolution or choose_resolution(scene)).modes
+    if body.given is not None:
+        return given_compliance(
+            body,
+            modes=asked,
+            default_modes=default,
+            plane=plane,
+            friction=scene.has_friction,
+        )
+    if body.modes_part > 1.0:
+        asked, default = None, round(body.modes_part * (asked or default))
+    return flank_compliance(
+        body,
+        n_modes=asked or _modes_of(body, default),
+        plane=plane,
+        friction=scene.has_friction,
+        fillets=fillets,
+    )
+
+
+def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
+    """The sweep of a scene: positions, torques, compliances and cells are still open.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+        Its bodies.
+
+    Returns
+    -------
+    callable
+        `sweep` with all that the scene says given.
+    """
+    return partial(
+        sweep,
+        (pair.body_1, pair.body_2),
+        pairing=pair.pairing,
+        face_width_mm=scene.pair.face_width_mm,
+        friction=pair.friction,
+        level=scene.effects.contact,
+    )
+
+
+def _modes_of(body: Body, wanted: int) -> int:
+    """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
+    if body.mesh is None:
+        return 0
+    count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
+    return count - 1 + count % 2 if body.curve.closed else count
