@@ -8,7 +8,7 @@ a row (`Effects`), and on request because of which key it is so (`Switch`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody, Scene
@@ -187,6 +187,25 @@ def switches_of(scene: Scene) -> dict[str, Switch]:
         In the order of the table.
     """
     return {effect.name: effect.switch(scene) for effect in EFFECTS}
+
+
+def work_in(stage: str, effects: Effects) -> Work:
+    """What all effects that are called for add to a stage.
+
+    Parameters
+    ----------
+    stage : str
+    effects : Effects
+
+    Returns
+    -------
+    Work
+        Sum of their rows.
+    """
+    rows = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
+    return Work(
+        **{item.name: sum(getattr(row, item.name) for row in rows) for item in fields(Work)}
+    )
 
 
 # --- switches -------------------------------------------------------------------------------------

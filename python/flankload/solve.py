@@ -11,7 +11,8 @@ from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
-from flankload.estimate import Estimate, estimate_errors
+from flankload.estimate import N_SWEEPS, Estimate, estimate_errors
+from flankload.prediction import predicted_work
 from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
@@ -39,9 +40,8 @@ LARGEST_STANDING_GAP = 0.25
 LEAST_VARIATION_UM = 1e-3
 
 
-#: Steps of the progress: building the bodies, elements of each body, the sweep, each of the two
-#: sweeps of the estimate.
-BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS, N_ESTIMATES = 1, 5, 20, 2
+#: Steps of the progress: building the bodies, elements of each body, each sweep.
+BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 5, 20
 
 
 class _Clock:
@@ -102,12 +102,15 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         If a position has no answer.
     """
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
-    sweeps = 2 + (N_ESTIMATES if scene.accuracy.estimate else 0)
+    sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
     with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene)
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
+    predicted = {
+        stage: {"counters": counters} for stage, counters in predicted_work(scene, pair).items()
+    }
     compliances = _compliances(scene, pair, clock)
     run = sweep_of(scene, pair)
     with clock.stage("sweep", fixed) as account:
@@ -160,7 +163,10 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         )
         account.bytes += held_bytes(results)
     results = tuple(
-        replace(result, cost=cost_of(clock.stages, part, compliances, rounds=rounds))
+        replace(
+            result,
+            cost=cost_of(clock.stages, part, compliances, predicted=predicted, rounds=rounds),
+        )
         for result, part in zip(results, found, strict=True)
     )
     clock.finish()

@@ -44,22 +44,19 @@ def compliance_of(
     -------
     BodyCompliance
     """
-    asked, plane = scene.accuracy.modes, scene.accuracy.plane
-    default = (resolution or choose_resolution(scene)).modes
+    resolution = resolution or choose_resolution(scene)
     if body.given is not None:
         return given_compliance(
             body,
-            modes=asked,
-            default_modes=default,
-            plane=plane,
+            modes=scene.accuracy.modes,
+            default_modes=resolution.modes,
+            plane=scene.accuracy.plane,
             friction=scene.has_friction,
         )
-    if body.modes_part > 1.0:
-        asked, default = None, round(body.modes_part * (asked or default))
     return flank_compliance(
         body,
-        n_modes=asked or _modes_of(body, default),
-        plane=plane,
+        n_modes=modes_of(body, scene, resolution),
+        plane=scene.accuracy.plane,
         friction=scene.has_friction,
         fillets=fillets,
     )
@@ -89,9 +86,26 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     )
 
 
-def _modes_of(body: Body, wanted: int) -> int:
-    """Degree at most half the number of flank elements: more makes a coarse mesh worse."""
-    if body.mesh is None:
-        return 0
+def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
+    """Pressure modes of a flank of a body with elements.
+
+    Parameters
+    ----------
+    body : Body
+    scene : Scene
+        May name their number.
+    resolution : Resolution
+
+    Returns
+    -------
+    int
+        Where the scene names none, of a degree at most half the number of flank elements: more
+        makes a coarse mesh worse.
+    """
+    asked, wanted = scene.accuracy.modes, resolution.modes
+    if body.modes_part > 1.0:
+        asked, wanted = None, round(body.modes_part * (asked or wanted))
+    if asked is not None or body.mesh is None:
+        return asked or 0
     count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
     return count - 1 + count % 2 if body.curve.closed else count

@@ -43,6 +43,9 @@ CORE_COUNTERS = (
 #: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
 #: is never written costs nothing.
 FIRST_ROOM = 256
+#: The same where all teeth may carry, per site and cell between its middle and the edge of its
+#: zone: two sides, and some to spare.
+ROOM_OF_CELL = 2.4
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,8 @@ def sweep(
         numbers = call(positions[k : k + 1], under, None).all_positions(0).numbers
         return np.asarray(numbers[0][0] >= 0)
 
-    found = call(positions, torques, progress).all_positions(FIRST_ROOM if keep_pairs else 0)
+    room = _first_room(pairing, grid) if keep_pairs else 0
+    found = call(positions, torques, progress).all_positions(room)
     (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
@@ -183,6 +187,14 @@ def sweep(
         )
         for t, torque in enumerate(torques)
     )
+
+
+def _first_room(pairing: Pairing, grid: Grid) -> int:
+    """Room for the pairs of a state that is enough for nearly all."""
+    if not pairing.whole_circle:
+        return FIRST_ROOM
+    cells = grid.zone_half_widths * grid.strips_per_half_width
+    return max(FIRST_ROOM, int(ROOM_OF_CELL * cells * pairing.sites.size))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:

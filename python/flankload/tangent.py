@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Step of the torque, relative: the third derivative stays below 1e-7, rounding below 1e-8.
 STEP = 1e-3
+#: Torques beside each torque.
+SIDES = (-1, 1)
 #: Where both sides differ by more than this a flank comes into contact or leaves within the step:
 #: there the derivative with the pairs in contact held is the better one.
 LARGEST_KINK = 5e-3
@@ -47,7 +49,7 @@ def with_tangents(
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
     if not loaded:
         return found
-    torques = [found[t].torque_Nmm * (1.0 + side * STEP) for t in loaded for side in (-1, 1)]
+    torques = [found[t].torque_Nmm * (1.0 + side * STEP) for t in loaded for side in SIDES]
     try:
         beside = run(torques_Nmm=torques)
     except ContactError:

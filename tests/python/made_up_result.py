@@ -65,7 +65,16 @@ def made_up_result(
             "fe_factorisations": 2,
             "unit_loads_normal": 10,
             "pivots": 640,
-            "stages": {"bodies": {"wall_s": 0.1, "cpu_s": 0.1}},
+            "stages": {
+                "bodies": {
+                    "wall_s": 0.1,
+                    "cpu_s": 0.1,
+                    "bytes": 20000,
+                    "workspace_bytes": 0,
+                    "counters": {"states": 1},
+                    "predicted": {"cpu_s": 0.12, "counters": {"states": 1}},
+                }
+            },
         },
         "warnings": ("the backlash on the working pitch circle is -0.30 um",),
         "drawing": PairDrawing(

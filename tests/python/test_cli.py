@@ -253,6 +253,20 @@ def test_quiet_prints_nothing(
     assert run(capsys, "run", scene, "--quiet") == (0, "", "")
 
 
+def test_costs_follow_the_tables_once(
+    scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
+    tables, cost = [found.table() for found in solved[0]], solved[0][0].cost_table()
+    expected = "\n\n".join([*tables, cost]) + "\n"
+    assert run(capsys, "run", scene, "--cost") == (0, expected, "")
+    assert run(capsys, "run", scene, "--cost", "--quiet") == (0, cost + "\n", "")
+    assert "0.120  0.100" in cost
+    code, out, _ = run(capsys, "run", scene, "--cost", "--csv", "-")
+    assert code == 0
+    assert cost not in out
+
+
 def test_stiffness_of_all_torques_goes_to_one_file(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:

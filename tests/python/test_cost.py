@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 from test_scene import changed
 
 import flankload as fl
-from flankload import elasticity
+from flankload import elasticity, prediction
 from flankload import sweep as sweep_room
 from flankload.cost import COUNTERS, Account, held_bytes, totals
 from flankload.packed_pairs import PackedPairs
@@ -22,10 +25,24 @@ FEW = {"positions__count": 4}
 ALL = {"effects__friction_coefficient": 0.1, "effects__root_stress": True, **FEW}
 
 
-def solved(**changes: Any) -> fl.Result:
+SCENES = sorted((Path(__file__).parents[2] / "examples/scenes").glob("*.toml"))
+
+
+def fresh(**changes: Any) -> fl.Result:
+    """Solve anew; of a list of torques the first one."""
     found = fl.solve(fl.Scene.from_dict(changed(**changes)))
-    assert isinstance(found, fl.Result)
-    return found
+    return found if isinstance(found, fl.Result) else found[0]
+
+
+KNOWN: dict[str, fl.Result] = {}
+
+
+def solved(**changes: Any) -> fl.Result:
+    """As it was found the first time."""
+    name = str(sorted(changes.items()))
+    if name not in KNOWN:
+        KNOWN[name] = fresh(**changes)
+    return KNOWN[name]
 
 
 # --- accounts -------------------------------------------------------------------------------------
@@ -103,7 +120,7 @@ def test_factorisations_and_solutions_are_those_that_scipy_did(
 
     plain = elasticity.splu
     monkeypatch.setattr(elasticity, "splu", Watched)
-    cost = solved(**changes).cost
+    cost = fresh(**changes).cost
     for name in ("fe_factorisations", "fe_solutions"):
         assert cost[name] == done[name]
     assert {name for name in SOLUTIONS if cost[name]} == kinds
@@ -167,14 +184,96 @@ def test_states_that_found_no_room_are_counted_when_they_are_solved_again(
 ) -> None:
     plain = solved(**FEW)
     monkeypatch.setattr(sweep_room, "FIRST_ROOM", 1)
-    again = solved(**FEW)
+    again = fresh(**FEW)
     assert again.cost["of_this_torque"] == plain.cost["of_this_torque"]
     once, twice = (result.cost["stages"]["sweep"]["counters"] for result in (plain, again))
     assert twice["states"] > once["states"]
     assert twice["influence_columns"] > once["influence_columns"]
 
 
+# --- predicted ------------------------------------------------------------------------------------
+def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
+    """What was predicted of a counter and spent otherwise."""
+    return {
+        (stage, name): (predicted, spent)
+        for stage, account in cost["stages"].items()
+        for name, predicted in account["predicted"].get("counters", {}).items()
+        if (spent := account["counters"].get(name, 0)) != predicted
+    }
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        FEW,
+        ALL,
+        {"body_1__rigid": True, **ALL},
+        {"body_2__rigid": True, **FEW},
+        {"load__torque_Nm": 0, **ALL},
+        {"load__torque_Nm": [0, 100, 302], **ALL},
+        {"accuracy__modes": 3, "accuracy__estimate": False, **FEW},
+        {"positions__adaptive": True, "positions__count": 8},
+    ],
+    ids=lambda changes: ", ".join(f"{key}={value}" for key, value in changes.items()),
+)
+def test_what_can_be_counted_before_is_what_is_spent(changes: dict[str, Any]) -> None:
+    cost = solved(**changes).cost
+    assert differences(cost) == {}
+    stages = cost["stages"]
+    for name in SOLUTIONS:  # nothing is spent that was not predicted
+        foreseen = sum(a["predicted"].get("counters", {}).get(name, 0) for a in stages.values())
+        assert cost[name] == foreseen
+    adaptive = changes.get("positions__adaptive", False)
+    assert ("states" in stages["sweep"]["predicted"]["counters"]) is not adaptive
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_each_example_takes_what_was_predicted(path: Path) -> None:
+    scene = fl.read_scene(path)
+    few = structs.replace(scene.positions, count=min(2, scene.positions.count), adaptive=False)
+    found = fl.solve(replace(scene, positions=few))
+    cost = (found if isinstance(found, fl.Result) else found[0]).cost
+    assert differences(cost) == {}
+    assert cost["stages"]["sweep"]["predicted"]["counters"]["states"] > 0
+
+
+def test_many_cuts_are_predicted_with_the_factorisation_that_condenses_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for room in (elasticity, prediction):
+        monkeypatch.setattr(room, "MANY_KEPT", 20)
+    cost = fresh(**FEW).cost
+    assert differences(cost) == {}
+    assert cost["fe_factorisations"] == 4
+    assert cost["cut_columns"] == 0
+
+
+def test_a_prediction_that_is_wrong_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prediction, "modes_of", lambda *_: 4)
+    differing = differences(fresh(**FEW).cost)
+    assert differing["compliance body 1", "unit_loads_normal"] == (4, 5)
+
+
 # --- as text and JSON -----------------------------------------------------------------------------
+def test_table_of_costs_has_predicted_and_spent_side_by_side() -> None:
+    result = solved(**FEW)
+    head, *rows = result.cost_table().splitlines()
+    assert head.split() == ["stage", "work", "predicted", "spent"]
+    assert sum(not row.startswith(" ") for row in rows) == len(result.cost["stages"])
+    table = dict(row.strip().rsplit(maxsplit=2)[::2] for row in rows)
+    assert table["fe factorisations"] == "1"
+    predicted = {tuple(row.strip().rsplit(maxsplit=2)[:2]) for row in rows if "CPU" not in row}
+    assert {("states", "4"), ("states", "8"), ("unit loads normal", "5")} <= predicted
+    assert ("pivots", "-") in predicted
+    assert "unit loads tangential" not in table
+
+
+def test_the_page_on_costs_names_all_counters_and_stages() -> None:
+    page = (Path(__file__).parents[2] / "docs/cost.md").read_text(encoding="utf-8")
+    names = {*COUNTERS, *solved(**ALL).cost["stages"]}
+    assert {name for name in names if f"`{name}`" not in page} == set()
+
+
 def test_costs_are_plain_json() -> None:
     result = solved(**FEW)
     assert json.loads(result.to_json())["cost"] == result.cost

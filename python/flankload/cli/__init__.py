@@ -110,6 +110,9 @@ def _parser() -> argparse.ArgumentParser:
     run_parser.add_argument(
         "--plot", metavar="DIR", type=Path, help="write the pictures to this folder"
     )
+    run_parser.add_argument(
+        "--cost", action="store_true", help="print what each stage was predicted to take, and took"
+    )
     run_parser.add_argument("--quiet", action="store_true", help="no table and no progress")
     run_parser.set_defaults(command=run)
 

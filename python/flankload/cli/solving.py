@@ -44,8 +44,11 @@ def run(arguments: Namespace) -> None:
             text_of(found, path)
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
-    if not arguments.quiet and STDOUT not in _files(arguments).values():
-        print("\n\n".join(result.table() for result in results))
+    texts = [] if arguments.quiet else [result.table() for result in results]
+    if arguments.cost:  # of all torques together
+        texts.append(results[0].cost_table())
+    if texts and STDOUT not in _files(arguments).values():
+        print("\n\n".join(texts))
 
 
 def _files(arguments: Namespace) -> dict[str, str]:

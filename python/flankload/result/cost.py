@@ -22,6 +22,7 @@ def cost_of(
     found: Sweep,
     compliances: tuple[BodyCompliance, BodyCompliance],
     *,
+    predicted: Mapping[str, Mapping[str, Any]],
     rounds: int,
 ) -> dict[str, Any]:
     """Cost of a run and of one of its torques.
@@ -33,14 +34,17 @@ def cost_of(
     found : Sweep
         Of this torque.
     compliances : two BodyCompliance
+    predicted : mapping of str to mapping
+        By stages, what they were to take: "counters", and more where more was predicted.
     rounds : int
         Sweeps in which the positions were found.
 
     Returns
     -------
     dict
-        Counters summed over all stages at its top, zeros included; the stages; and what the states
-        of this torque took, without what tangent and estimate took.
+        Counters summed over all stages at its top, zeros included; the stages, each with what was
+        predicted of it beside what it spent; and what the states of this torque took, without what
+        tangent and estimate took.
     """
     own = dict(zip(CORE_COUNTERS, found.counters.sum(axis=0, dtype=np.int64).tolist(), strict=True))
     return {
@@ -52,5 +56,8 @@ def cost_of(
         "bytes": sum(account.bytes for account in stages.values()),
         "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
         "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
-        "stages": {name: account.as_dict() for name, account in stages.items()},
+        "stages": {
+            name: account.as_dict() | {"predicted": dict(predicted.get(name, {}))}
+            for name, account in stages.items()
+        },
     }

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.contact_quantities import ContactQuantities, frozen
+from flankload.result.cost_table import cost_table
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
@@ -253,6 +254,10 @@ class Result(ContactQuantities):
     def table(self) -> str:
         """Return the result as text: a row per position, then what a report quotes."""
         return text_of(self)
+
+    def cost_table(self) -> str:
+        """Return what the run took as text, stage by stage, beside what was predicted."""
+        return cost_table(self.cost)
 
 
 def make_result(

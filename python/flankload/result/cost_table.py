@@ -1,0 +1,64 @@
+"""What a run took as text: stage by stage, beside what was predicted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flankload.cost import COUNTERS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+HEAD = ("stage", "work", "predicted", "spent")
+#: Of an account beside its counters: key, what it is called, units in one of the account's.
+MEASURES = (
+    ("cpu_s", "CPU s", 1.0),
+    ("wall_s", "wall s", 1.0),
+    ("bytes", "MB held", 1e-6),
+    ("workspace_bytes", "MB on the way", 1e-6),
+)
+#: What nothing was said of.
+NOTHING = "-"
+
+
+def cost_table(cost: Mapping[str, Any]) -> str:
+    """Return a row for all that a stage was predicted to take, or took.
+
+    Parameters
+    ----------
+    cost : mapping
+        Of a result.
+
+    Returns
+    -------
+    str
+        Lines without a line break at the end.
+    """
+    rows = [HEAD, *(row for item in cost["stages"].items() for row in _rows(*item))]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
+    return "\n".join(
+        f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  "
+        f"{row[2]:>{widths[2]}}  {row[3]:>{widths[3]}}"
+        for row in rows
+    )
+
+
+def _rows(name: str, stage: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
+    """Rows of a stage; its name stands in the first."""
+    predicted = stage["predicted"]
+    label = name
+    for key, words, unit in MEASURES:
+        if key == "workspace_bytes" and not stage[key]:
+            continue
+        guess = _number(predicted[key] * unit) if key in predicted else NOTHING
+        yield label, words, guess, _number(stage[key] * unit)
+        label = ""
+    counted, expected = stage["counters"], predicted.get("counters", {})
+    for key in COUNTERS:
+        if counted.get(key, 0) or expected.get(key, 0):
+            guess = str(expected[key]) if key in expected else NOTHING
+            yield "", key.replace("_", " "), guess, str(counted.get(key, 0))
+
+
+def _number(value: float) -> str:
+    return f"{value:.3f}" if value < 10 else f"{value:.0f}"
