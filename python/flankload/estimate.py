@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from flankload.sweep import Sweep
 
 
-#: Sweeps of an estimate: with coarser cells, with a mode less.
-N_SWEEPS = 2
+#: Sweeps of an estimate: with coarser cells, with a mode less; of lumped contacts with that alone.
+N_SWEEPS, N_SWEEPS_LUMPED = 2, 1
 #: What lumping contacts leaves, by the largest half-width h over the length L of the shorter flank:
 #: measured against pairs on gears, rings and cams, sharp, rounded and relieved, under 0.03 to 3
 #: times their torque. (h/L)² times the first number, and the second in any case; where a corner, a

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from flankload.bodies.body import WholeMesh
 from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
-from flankload.estimate import N_SWEEPS
+from flankload.estimate import N_SWEEPS, N_SWEEPS_LUMPED
 from flankload.stages import modes_of
 from flankload.tangent import SIDES
 
@@ -81,16 +81,19 @@ def _elements(body: Body, work: Work, modes: int, fillets: RootFillets | None) -
 
 def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """States of the sweep, and of those that follow it where a torque loads the pair."""
+    lumped = pair.effects.lumped_contact
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
-    torques = {
-        "sweep": len(scene.torques_Nm),
-        "tangent": len(SIDES) * loaded,
-        "estimate": N_SWEEPS * loaded,
-    }
-    if not scene.accuracy.estimate:
-        del torques["estimate"]
+    torques = {"sweep": len(scene.torques_Nm)}
+    if not lumped:
+        torques["tangent"] = len(SIDES) * loaded
+    if scene.accuracy.estimate:
+        torques["estimate"] = (N_SWEEPS_LUMPED if lumped else N_SWEEPS) * loaded
     positions = {} if pair.adaptive else {"states": pair.position_rad.size}
-    none = {} if pair.effects.friction else {"influence_columns_tangential": 0}
+    none: dict[str, int] = {}
+    if lumped:
+        none |= {"contact_passes": 0, "influence_columns": 0}
+    if lumped or not pair.effects.friction:
+        none |= {"influence_columns_tangential": 0}
     return {
         stage: none | {name: count * number for name, number in positions.items()}
         for stage, count in torques.items()

@@ -213,6 +213,7 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
         {"load__torque_Nm": [0, 100, 302], **ALL},
         {"accuracy__modes": 3, "accuracy__estimate": False, **FEW},
         {"positions__adaptive": True, "positions__count": 8},
+        {"effects__contact": "lumped", "effects__friction_coefficient": 0.1, **FEW},
     ],
     ids=lambda changes: ", ".join(f"{key}={value}" for key, value in changes.items()),
 )
