@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         SceneError,
         SingularContact,
     )
+    from flankload.plan import Plan, plan
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.solve import solve
@@ -44,6 +45,7 @@ __all__ = [
     "NoContactState",
     "OtherProgramError",
     "PivotLimit",
+    "Plan",
     "Result",
     "Scene",
     "SceneError",
@@ -51,6 +53,7 @@ __all__ = [
     "Verification",
     "__version__",
     "errors",
+    "plan",
     "read_scene",
     "solve",
     "solve_contact",
@@ -79,6 +82,8 @@ _ROOM_OF_NAME = {
     "solve_contact_on_demand": "contact",
     "solve_contact_sequence": "contact",
     "solve_contact_torques": "contact",
+    "Plan": "plan",
+    "plan": "plan",
     "Result": "result",
     "solve": "solve",
     "Verification": "verify",

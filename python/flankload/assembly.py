@@ -93,7 +93,48 @@ class BodyPair:
         return self.pairing.turns_at_zero_rad[1]
 
 
-def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair:
+def bodies_of(
+    scene: Scene, resolution: Resolution, which: tuple[int, ...] = (0, 1)
+) -> tuple[Body, ...]:
+    """Bodies of a scene, each by itself.
+
+    Parameters
+    ----------
+    scene : Scene
+    resolution : Resolution
+    which : tuple of int
+        0 is body 1, 1 body 2.
+
+    Returns
+    -------
+    tuple of Body
+
+    Raises
+    ------
+    SceneError
+        If a body cannot be made; names file, key, expected and found.
+    """
+    try:
+        return tuple(
+            build_body(
+                (scene.body_1, scene.body_2)[z],
+                f"body_{z + 1}",
+                folder=scene.folder,
+                flank_element_mm=scene.accuracy.flank_element_mm,
+                flank_element_parts=resolution.flank_element_parts,
+            )
+            for z in which
+        )
+    except SceneError as error:
+        raise _with_file(error, scene) from None
+
+
+def build_bodies(
+    scene: Scene,
+    resolution: Resolution | None = None,
+    *,
+    bodies: tuple[Body, Body] | None = None,
+) -> BodyPair:
     """Bodies of a scene and their pairing; no finite elements are solved.
 
     Parameters
@@ -101,6 +142,8 @@ def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair
     scene : Scene
     resolution : Resolution, optional
         Knobs; those of the scene if absent.
+    bodies : two Body, optional
+        From `bodies_of`, where they are there already.
 
     Returns
     -------
@@ -112,17 +155,8 @@ def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair
         If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
     """
     resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
+    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
     try:
-        body_1, body_2 = (
-            build_body(
-                spec,
-                key,
-                folder=scene.folder,
-                flank_element_mm=scene.accuracy.flank_element_mm,
-                flank_element_parts=resolution.flank_element_parts,
-            )
-            for spec, key in ((scene.body_1, "body_1"), (scene.body_2, "body_2"))
-        )
         by_tooth = coefficients_by_tooth(scene, body_1)
         period = period_of(body_1, body_2, by_tooth=by_tooth)
         pitches = _pitches(scene.positions, period)
@@ -139,9 +173,7 @@ def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair
         friction = friction_of(scene, body_1, pairing)
         fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
     except SceneError as error:
-        if error.file is not None or scene.file is None:
-            raise
-        raise error.with_file(scene.file) from None
+        raise _with_file(error, scene) from None
     # a compliance file may bring pitch errors and modified flanks along
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
@@ -178,6 +210,13 @@ def build_bodies(scene: Scene, resolution: Resolution | None = None) -> BodyPair
         friction=friction,
         fillets=fillets,
     )
+
+
+def _with_file(error: SceneError, scene: Scene) -> SceneError:
+    """The error, naming the scene's file where it names none."""
+    if error.file is not None or scene.file is None:
+        return error
+    return error.with_file(scene.file)
 
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:

@@ -52,6 +52,9 @@ class Work:
         Influence columns, for each of the contact pairs of a position under a torque.
     solves : float
         Contact problems, for each position under a torque.
+    unsymmetric : bool
+        Influence numbers are no longer the same both ways: contact problems of many pairs become
+        dearer by more than their columns.
     """
 
     factorisations: float = 0
@@ -61,6 +64,7 @@ class Work:
     recoveries: float = 0
     columns: float = 0
     solves: float = 0
+    unsymmetric: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,8 @@ class Effect:
         Effects that do not go with it; a scene with both is refused, and the error names both keys.
     of_teeth : bool
         Only bodies with teeth know it; a cam and its follower do not.
+    coarser : bool
+        With it less is computed than without: what it changes is an error.
     """
 
     name: str
@@ -98,6 +104,7 @@ class Effect:
     size_by: SizeBy = "nothing"
     excludes: tuple[str, ...] = ()
     of_teeth: bool = False
+    coarser: bool = False
 
 
 @dataclass(frozen=True)
@@ -343,6 +350,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=BOTH_BODIES,
         size_by="compliance",
         of_teeth=True,
+        coarser=True,
     ),
     Effect(
         name="single_tooth",
@@ -352,6 +360,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=BOTH_BODIES,
         size_by="compliance",
         of_teeth=True,
+        coarser=True,
     ),
     Effect(
         name="tooth_coupling",
@@ -369,6 +378,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("near_field", "nodes", "analytic"),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         size_by="compliance",
+        coarser=True,
     ),
     Effect(
         name="finite_influence",
@@ -387,6 +397,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=ALL_SWEEPS,
         work=Work(columns=-1, solves=-1),
         size_by="places",
+        coarser=True,
     ),
     Effect(
         name="tip_contact",
@@ -449,7 +460,7 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.friction_coefficient",),
         switch=_rubs,
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
-        work=Work(tangential_loads=1, columns=1),
+        work=Work(tangential_loads=1, columns=1, unsymmetric=True),
         counters=("unit_loads_tangential",),
         size_by="levers",
     ),

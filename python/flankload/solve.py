@@ -12,6 +12,7 @@ from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import N_SWEEPS, Estimate, estimate_errors
+from flankload.plan.choice import asks_for_choice, choose_effects, said_of
 from flankload.prediction import predicted_work
 from flankload.resolution import position_tolerance
 from flankload.result import Result
@@ -104,6 +105,11 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
+    chosen: tuple[str, ...] = ()
+    if asks_for_choice(scene):
+        with clock.stage("plan", 0):
+            scene, choice = choose_effects(scene)
+        chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene)
         standing = _standing_gap(scene, pair, account)
@@ -157,7 +163,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
                 face_width_mm=scene.pair.face_width_mm,
                 estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
                 geometry=geometry,
-                notes=(*standing, *_not_enough(scene, pair, errors[t])),
+                notes=(*chosen, *standing, *_not_enough(scene, pair, errors[t])),
             )
             for t, part in enumerate(found)
         )

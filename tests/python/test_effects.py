@@ -1,6 +1,7 @@
 """The table of effects: its rows, what switches them, and what it may not leave out."""
 
-from dataclasses import fields
+from dataclasses import astuple, fields
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,10 +11,49 @@ from flankload.effects import EFFECTS, Effects, effects_of, switches_of
 from flankload.scene import Scene
 from flankload.scene.tables import EffectsAsked
 
+PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}
 
 #: Keys of [effects] that are no effect themselves.
 NO_EFFECTS = {"choose"}
+
+
+#: How the page calls the entries of Work.
+WORK = (
+    "{} factorisation",
+    "{} load case",
+    "{} load per mode",
+    "{} tangential load per mode",
+    "{} solution per place",
+    "{} column per pair",
+    "{} contact problem per state",
+)
+SIZES = {
+    "compliance": "other compliance",
+    "gaps": "other gaps",
+    "places": "other places of contact",
+    "levers": "other levers or influence numbers",
+    "nothing": "changes no state",
+}
+
+
+def effects_table() -> list[str]:
+    """Lines of the table in docs/effects.md, from the rows."""
+    lines = ["| effect | keys | adds | size from |", "|---|---|---|---|"]
+    for effect in EFFECTS:
+        keys = ", ".join(f"`{key}`" for key in effect.keys)
+        numbers = zip(WORK, astuple(effect.work), strict=False)  # without what follows the numbers
+        adds = ", ".join(text.format(f"{number:+g}") for text, number in numbers if number)
+        lines.append(f"| {effect.title} | {keys} | {adds or '–'} | {SIZES[effect.size_by]} |")
+    return lines
+
+
+def test_the_page_of_effects_has_the_table() -> None:
+    """Where this fails, put these lines in: python tests/python/test_effects.py."""
+    page = PAGE.read_text(encoding="utf-8").splitlines()
+    first = page.index("| effect | keys | adds | size from |")
+    assert page[first : first + len(EFFECTS) + 2] == effects_table()
+    assert not page[first + len(EFFECTS) + 2].startswith("|")
 
 
 def test_each_row_is_a_field() -> None:
@@ -105,3 +145,7 @@ def test_switch_names_its_key(
 ) -> None:
     switch = switches_of(Scene.from_dict(changed(**changes)))[effect]
     assert (switch.on, switch.because, switch.named) == (on, because, named)
+
+
+if __name__ == "__main__":
+    print("\n".join(effects_table()))

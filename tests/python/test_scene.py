@@ -207,7 +207,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"effects__wind": 1},
             "effects.wind",
-            "a known key (friction_coefficient, root_stress, contact)",
+            "a known key (choose, friction_coefficient, root_stress, contact)",
             "the unknown key 'wind'",
         ),
         (

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
+from flankload.cli.planning import plan
 from flankload.cli.solving import mesh, run, schema
 from flankload.cli.verifying import verify
 from flankload.errors import FlankloadError, SceneError
@@ -115,6 +116,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     run_parser.add_argument("--quiet", action="store_true", help="no table and no progress")
     run_parser.set_defaults(command=run)
+
+    plan_parser = commands.add_parser(
+        "plan",
+        help="say before a run which effects it will have, why, what they cost and change",
+    )
+    plan_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    plan_parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    plan_parser.set_defaults(command=plan)
 
     mesh_parser = commands.add_parser("mesh", help="write the finite element meshes of both bodies")
     mesh_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")

@@ -31,7 +31,6 @@ NOT_YET = {
         "speed_rpm": "centrifugal growth",
         "density_kg_m3": "centrifugal growth",
         "coast_flank": "contact on the coast flank",
-        "choose": "the choice of effects",
     },
     "body": {
         "helix_angle_deg": "helical gears",

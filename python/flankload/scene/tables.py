@@ -520,6 +520,15 @@ Coefficients = Annotated[tuple[Coefficient | CoefficientRow, ...], Meta(min_leng
 class EffectsAsked(Table, frozen=True, kw_only=True):
     """Effects beyond elastic bodies and their given geometry; what is absent is not simulated."""
 
+    choose: Annotated[
+        Literal["auto"] | None,
+        about(
+            "",
+            "'auto': effects that change less than a quarter of accuracy.tolerance are left out, "
+            "those that change more are put in where the scene leaves them open; absent = effects "
+            "are as the keys say",
+        ),
+    ] = None
     friction_coefficient: Annotated[
         Coefficient | Coefficients | None,
         about(

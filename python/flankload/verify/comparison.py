@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.errors import OtherProgramError, SceneError
+from flankload.plan import choose_effects
 from flankload.solve import solve
 from flankload.verify.calculix import JOB, Answer, find_program, run_deck
 from flankload.verify.deck import deck_text
@@ -153,6 +154,7 @@ def verify(
     OtherProgramError
         If CalculiX is missing or has no answer; its files stay where `folder` of the error says.
     """
+    scene, _ = choose_effects(scene)
     check_bodies(scene)
     result = _result(scene, position)
     model = model_of(

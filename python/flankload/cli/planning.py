@@ -1,0 +1,19 @@
+"""The command plan: what a run will simulate, what that costs and what it changes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def plan(arguments: Namespace) -> None:
+    """Print the plan of a scene."""
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.plan import plan as plan_of
+
+    found = plan_of(scene)
+    print(found.to_json() if arguments.json else found)

@@ -1,0 +1,152 @@
+"""The plan of a scene: sizes on coarse meshes, the price at its own resolution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import process_time
+from typing import TYPE_CHECKING
+
+from flankload.assembly import build_bodies
+from flankload.cost import totals
+from flankload.effects import switches_of
+from flankload.plan.choice import asks_for_choice, chosen_scene, without_choice
+from flankload.plan.coarse import Coarse
+from flankload.plan.extras import Extras
+from flankload.plan.measuring import Measured, Sizes, rows
+from flankload.plan.planned import QUARTER, Chosen, Plan, PlannedEffect
+from flankload.plan.price import price_run
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.cost import Account
+    from flankload.effects import Effect, Switch
+    from flankload.scene import Scene
+
+
+def plan(scene: Scene) -> Plan:
+    """What a run of a scene will simulate, what that costs and how much each effect changes.
+
+    Sizes come from sweeps on coarse meshes (0.2 % of the rotation beside the fine ones), the price
+    from a few states at the scene's own resolution: less than a second in all for most scenes.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    SceneError
+        If the scene asks for something impossible.
+    FlankloadError
+        If a position has no answer.
+    """
+    start = process_time()
+    plain = without_choice(scene)
+    coarse = Coarse(plain)
+    sizes, switches = Sizes(plain, coarse), switches_of(plain)
+    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows()}
+    chosen, left_out = plain, None
+    choice: tuple[Chosen, ...] = ()
+    if asks_for_choice(scene) and any(scene.torques_Nm):
+        chosen, choice = chosen_scene(plain, switches, measured)
+        left_out = sizes.against(chosen)
+        switches = switches_of(chosen)
+    stages, extras = _price(chosen, coarse)
+    decided = {one.effect: one for one in choice}
+    effects = tuple(
+        _planned(
+            effect,
+            switches[effect.name],
+            measured[effect.name],
+            extras,
+            decided.get(effect.name),
+            scene.accuracy.tolerance,
+        )
+        for effect in rows()
+    )
+    return Plan(
+        name=scene.name,
+        tolerance=scene.accuracy.tolerance,
+        effects=effects,
+        predicted=_predicted(stages),
+        choice=choice,
+        left_out=left_out,
+        cpu_s=process_time() - start,
+    )
+
+
+def _price(scene: Scene, coarse: Coarse) -> tuple[dict[str, Account], Extras]:
+    """Stages of the run, and what each effect adds to them."""
+    small = coarse.pair(scene)
+    compliances = coarse.compliances(scene, small)
+    start = process_time()
+    pair = build_bodies(scene)
+    stages = price_run(scene, pair, compliances, small, process_time() - start)
+    return stages, Extras(scene, pair, stages)
+
+
+def _predicted(stages: Mapping[str, Account]) -> dict[str, object]:
+    return {
+        "stages": {
+            name: {
+                "cpu_s": account.cpu_s,
+                "bytes": account.bytes,
+                "workspace_bytes": account.workspace_bytes,
+                "counters": dict(account.counters),
+            }
+            for name, account in stages.items()
+        },
+        "counters": totals(stages),
+    }
+
+
+def _planned(
+    effect: Effect,
+    switch: Switch,
+    measured: Measured,
+    extras: Extras,
+    chosen: Chosen | None,
+    tolerance: float,
+) -> PlannedEffect:
+    """One row."""
+    extra_s, extra_bytes = extras.of(effect, on=switch.on)
+    size = measured.size
+    matters = size is not None and size.largest > QUARTER * tolerance
+    row = PlannedEffect(
+        name=effect.name,
+        title=effect.title,
+        on=switch.on,
+        because=switch.because if chosen is None else f'effects.choose = "auto" ({chosen.why})',
+        named=switch.named,
+        stages=effect.stages,
+        extra_s=extra_s,
+        extra_bytes=extra_bytes,
+        size=size,
+        assumed=measured.assumed,
+        unknown=measured.unknown,
+        matters=matters,
+        remark=None,
+    )
+    return row if not matters or switch.on != effect.coarser else _remarked(row, effect)
+
+
+def _remarked(row: PlannedEffect, effect: Effect) -> PlannedEffect:
+    """A row that leaves out what is likely to matter."""
+    size = row.size
+    assert size is not None
+    most = "" if size.rotation_largest is None else f"{100 * size.rotation_largest:.2g} % of the "
+    change = (
+        f"{most}rotation at a position and {100 * size.load_share:.2g} points of the load share"
+    )
+    if effect.coarser:
+        return replace(row, remark=f"{row.title} is on ({row.because}): that changes {change}")
+    by = f" ({row.assumed} taken)" if row.assumed is not None else ""
+    return replace(
+        row,
+        remark=f"{row.title} is off ({row.because}) and likely to matter: {change}{by}",
+    )

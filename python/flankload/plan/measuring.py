@@ -1,0 +1,90 @@
+"""The size of each effect of a scene, from coarse sweeps with it and without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flankload.effects import EFFECTS, Effect
+from flankload.errors import FlankloadError
+from flankload.plan.sizes import Size, States, size_of
+from flankload.plan.variants import is_readable, other_way
+from flankload.resolution import choose_resolution
+
+if TYPE_CHECKING:
+    from flankload.effects import Switch
+    from flankload.plan.coarse import Coarse
+    from flankload.scene import Scene
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What is known of an effect's size.
+
+    Attributes
+    ----------
+    size : Size or None
+    assumed : str or None
+        What was taken for it, since the scene does not say it.
+    unknown : str or None
+        Why there is none.
+    """
+
+    size: Size | None = None
+    assumed: str | None = None
+    unknown: str | None = None
+
+
+class Sizes:
+    """Sizes of the effects of one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    coarse : Coarse
+    """
+
+    def __init__(self, scene: Scene, coarse: Coarse) -> None:
+        self._scene, self._coarse = scene, coarse
+        self._base = coarse.states(scene)
+        (unloaded,) = coarse.states(scene, (0.0,)) if any(coarse.torques_Nm) else self._base
+        self._unloaded = unloaded.rotation_rad
+
+    def of(self, effect: Effect, switch: Switch) -> Measured:
+        """Size of a row of the table, as the scene switches it."""
+        variant = other_way(self._scene, effect.name, on=switch.on)
+        if effect.size_by == "nothing" or variant is None:
+            return Measured()
+        try:
+            other, base = self._both(variant.scene, fine=effect.name == "lumped_contact")
+        except FlankloadError as error:
+            return Measured(unknown=" ".join(str(error).split()))
+        size = self.between(base, other) if switch.on else self.between(other, base)
+        return Measured(size, variant.assumed)
+
+    def _both(self, scene: Scene, *, fine: bool) -> tuple[list[States], list[States]]:
+        """States of another scene and of this one; on fine cells where cells are what differs."""
+        if not fine:
+            return self._coarse.states(scene), self._base
+        grid = choose_resolution(self._scene).grid
+        other = self._coarse.states(scene, grid=grid)
+        return other, self._coarse.states(self._scene, grid=grid)
+
+    def against(self, scene: Scene) -> Size:
+        """What another scene changes against this one."""
+        return self.between(self._coarse.states(scene), self._base)
+
+    def between(self, with_it: list[States], without: list[States]) -> Size:
+        """Size from two lists of states."""
+        return size_of(
+            with_it,
+            without,
+            base=self._base,
+            unloaded_rad=self._unloaded,
+            reference_radius_mm=self._coarse.reference_radius_mm,
+        )
+
+
+def rows() -> tuple[Effect, ...]:
+    """Rows of the table that scenes have the keys of."""
+    return tuple(effect for effect in EFFECTS if is_readable(effect))

@@ -1,0 +1,102 @@
+"""A plan as text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flankload.plan.planned import Plan, PlannedEffect
+
+MEGABYTE = 1e6
+#: Counters that tell a reader most.
+SHOWN = (
+    "fe_factorisations",
+    "unit_loads_normal",
+    "unit_loads_tangential",
+    "stress_recoveries",
+    "states",
+    "influence_columns",
+    "pivots",
+)
+
+
+def plan_text(plan: Plan) -> str:
+    """Table of the effects, table of the stages, sentences.
+
+    Parameters
+    ----------
+    plan : Plan
+
+    Returns
+    -------
+    str
+    """
+    quarter = _percent(0.25 * plan.tolerance)
+    title = f"{plan.name}: what exceeds {quarter}, a quarter of the tolerance, matters"
+    parts = [[title], _effects(plan), _stages(plan)]
+    if plan.choice:
+        lines = [f"chosen by effects.choose: {chosen}" for chosen in plan.choice]
+        if plan.left_out is not None:
+            lines.append(
+                "what is left out changes together at most "
+                f"{_percent(plan.left_out.rotation_largest)} of the rotation and "
+                f"{_points(plan.left_out.load_share)} of the load share"
+            )
+        parts.append(lines)
+    if plan.remarks:
+        parts.append(list(plan.remarks))
+    return "\n\n".join("\n".join(lines) for lines in parts)
+
+
+def _effects(plan: Plan) -> list[str]:
+    width = max(len(effect.title) for effect in plan.effects) + 2
+    head = (
+        f"{'effect':<{width}}{'on':<5}{'s':>8}{'MB':>8}{'rotation':>11}{'at most':>9}"
+        f"{'share':>11}  because of"
+    )
+    return [head, *(_row(effect, width) for effect in plan.effects)]
+
+
+def _row(effect: PlannedEffect, width: int) -> str:
+    size = effect.size
+    numbers = ("", "", "")
+    if size is not None:
+        largest = _percent(size.rotation_largest)
+        mean = "" if size.rotation_mean is None else f"{100 * size.rotation_mean:+.2f} %"
+        numbers = (mean, largest or f"{size.rotation_um:.3g} um", _points(size.load_share))
+    because = effect.because
+    if effect.assumed is not None:
+        because += f" ({effect.assumed.rpartition(' = ')[2]} taken)"
+    line = (
+        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{effect.extra_s:8.3f}"
+        f"{effect.extra_bytes / MEGABYTE:8.2f}{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}"
+        f"  {because}"
+    )
+    return line.rstrip()
+
+
+def _stages(plan: Plan) -> list[str]:
+    stages = plan.predicted["stages"]
+    lines = [f"{'stage':<20}{'s':>8}{'MB':>8}"]
+    memory = {
+        name: (stage["bytes"] + stage["workspace_bytes"]) / MEGABYTE
+        for name, stage in stages.items()
+    }
+    for name, stage in stages.items():
+        lines.append(f"{name:<20}{stage['cpu_s']:8.3f}{memory[name]:8.2f}")
+    lines.append(f"{'all':<20}{plan.seconds:8.3f}{sum(memory.values()):8.2f}")
+    counters = plan.predicted["counters"]
+    words = [
+        f"{counters[name]} {name.replace('_', ' ').replace('fe ', '')}"
+        for name in SHOWN
+        if counters.get(name)
+    ]
+    return [*lines, ", ".join(words)]
+
+
+def _percent(part: float | None) -> str:
+    return "" if part is None else f"{100 * part:.2f} %"
+
+
+def _points(part: float) -> str:
+    return f"{100 * part:.2f} pts"

@@ -1,0 +1,134 @@
+"""What the plan predicts beside what runs measure: sizes of effects, seconds, on every example.
+
+A size is measured by two runs at the example's own resolution, seconds by the shortest of three in
+a process that has loaded its packages. Ratios are predicted over measured.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import flankload as fl
+from flankload.errors import FlankloadError
+from flankload.plan import Plan, PlannedEffect, Size
+from flankload.plan.choice import without_choice
+from flankload.plan.sizes import States, size_of
+from flankload.plan.variants import other_way
+from flankload.scene.tables import Load, Positions
+
+SCENES = Path(__file__).parents[2] / "examples" / "scenes"
+#: Wanted: factor between predicted and measured; CPU seconds of a plan, packages included.
+FACTOR, PLAN_S = 2.0, 1.5
+#: Sizes below this part of the tolerance are said to be nothing, whatever their factor.
+NOTHING = 0.05
+RUNS = 3
+
+
+def run() -> str:
+    """Measure and return the tables."""
+    lines = [_head()]
+    off: list[str] = []
+    for path in sorted(SCENES.glob("*.toml")):
+        scene = fl.read_scene(path)
+        lines += ["", f"{path.stem}: the whole plan {_plan_seconds(path):.2f} CPU s"]
+        lines += _of(scene, fl.plan(scene), off, path.stem)
+    wanted = f"wanted: every factor below {FACTOR:g}, plans below {PLAN_S:g} CPU s"
+    return "\n".join([*lines, "", wanted, *(off or ["all factors are as wanted"])])
+
+
+def _head() -> str:
+    return (
+        f"{'':<28}{'rotation at most':>20}{'load share':>22}{'':>8}{'seconds':>18}\n"
+        f"{'effect':<28}{'predicted':>10}{'measured':>10}{'predicted':>12}{'measured':>10}"
+        f"{'factor':>8}{'predicted':>10}{'measured':>10}{'factor':>8}"
+    )
+
+
+def _of(scene: fl.Scene, plan: Plan, off: list[str], name: str) -> list[str]:
+    plain = without_choice(scene)
+    base, spent = _solved(plain)
+    lines = []
+    factor = plan.seconds / spent
+    if not 1 / FACTOR <= factor <= FACTOR:
+        off.append(f"off: {name}, seconds: {factor:.2f}")
+    lines.append(f"{'the run':<28}{'':>60}{plan.seconds:10.3f}{spent:10.3f}{factor:8.2f}")
+    unloaded, _ = _solved(replace(plain, load=Load(torque_Nm=0.0)), once=True)
+    for effect in plan.effects:
+        if effect.size is None:
+            continue
+        variant = other_way(plain, effect.name, on=effect.on)
+        assert variant is not None
+        degrees = tuple(float(angle) for angle in np.degrees(base[0].position_rad))
+        positions = Positions(angles_deg=degrees, driver=scene.positions.driver)
+        try:
+            other, seconds = _solved(replace(variant.scene, positions=positions))
+        except FlankloadError as error:
+            lines.append(f"{effect.title:<28} {error}")
+            continue
+        pair = (_states(base), _states(other))
+        measured = size_of(
+            *(pair if effect.on else pair[::-1]),
+            base=_states(base),
+            unloaded_rad=unloaded[0].rotation_rad,
+            reference_radius_mm=base[0].reference_radius_mm,
+        )
+        extra = spent - seconds if effect.on else seconds - spent
+        lines.append(_row(effect, measured, extra, scene.accuracy.tolerance, off, name))
+    return lines
+
+
+def _row(
+    effect: PlannedEffect, measured: Size, extra: float, tolerance: float, off: list[str], name: str
+) -> str:
+    predicted = effect.size
+    assert predicted is not None
+    factor = predicted.largest / measured.largest if measured.largest > 0 else np.nan
+    small = max(predicted.largest, measured.largest) < NOTHING * tolerance
+    if not small and not 1 / FACTOR <= factor <= FACTOR:
+        off.append(f"off: {name}, {effect.title}: {factor:.2f}")
+    parts = [
+        f"{effect.title:<28}",
+        f"{100 * (predicted.rotation_largest or 0):9.3f}%",
+        f"{100 * (measured.rotation_largest or 0):9.3f}%",
+        f"{100 * predicted.load_share:11.3f}%{100 * measured.load_share:9.3f}%",
+        f"{'nothing' if small else f'{factor:.2f}':>8}",
+        f"{effect.extra_s:10.3f}{extra:10.3f}",
+    ]
+    return "".join(parts)
+
+
+def _solved(scene: fl.Scene, *, once: bool = False) -> tuple[tuple[fl.Result, ...], float]:
+    """Results and CPU seconds of the stages."""
+    shortest = np.inf
+    for _ in range(1 if once else RUNS):
+        start = time.process_time()
+        found = fl.solve(scene)
+        shortest = min(shortest, time.process_time() - start)
+    return (found if isinstance(found, tuple) else (found,)), shortest
+
+
+def _states(results: tuple[fl.Result, ...]) -> list[States]:
+    """As the plan takes them: of the least and the largest torque."""
+    loaded = [result for result in results if result.torque_Nm > 0]
+    ends = {id(result): result for result in (loaded[0], loaded[-1])}
+    return [
+        States.of(result.torque_Nm, result.sites, result.rotation_rad, result.site_force_N)
+        for result in ends.values()
+    ]
+
+
+def _plan_seconds(path: Path) -> float:
+    """CPU seconds of the command, packages and all."""
+    code = (
+        "import sys, time, flankload.cli as cli\n"
+        f"cli.main(['plan', {str(path)!r}])\n"
+        "print(time.process_time(), file=sys.stderr)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    return float(ran.stderr.split()[-1])
