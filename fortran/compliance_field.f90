@@ -29,6 +29,9 @@ module flankload_compliance_field
         real(wp) :: jump = 0.0_wp
         !> Block of the smooth part for displacement at site i, load at site j, shape (sites, sites)
         integer, allocatable :: block(:, :)
+        !> Displacement of the flanks out of the material by known loads, as modes [mm], shape
+        !> (n_modes, sites); not allocated without
+        real(wp), allocatable :: shift(:, :)
     end type compliance_type
 
 contains

@@ -111,7 +111,8 @@ contains
                     & zone%nearest%s_1 + merge(-x, x, side == 1), &
                     & [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then
-                    part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
+                    part = (pair%gap_angle - zone%gap_angle &
+                        & - zone%tilt*(pair%s_1 - zone%nearest%s_1))*zone%lever/growth
                     if (part < 1.0_wp) then
                         if (x >= room) exit
                         inner = x

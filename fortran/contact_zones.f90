@@ -35,6 +35,8 @@ module flankload_contact_zones
         real(wp) :: s_2_low = 0.0_wp, s_2_high = 0.0_wp
         !> The least gap angle [rad]; that of `nearest` but for the unevenness of even gap
         real(wp) :: gap_angle = 0.0_wp
+        !> Change along flank 1 of what a shift of the flanks closes of it [rad/mm]
+        real(wp) :: tilt = 0.0_wp
         !> Arc lengths of flank 1 between which the gap is even [mm]; equal where it is nowhere even
         real(wp) :: level_low = 0.0_wp, level_high = 0.0_wp
         !> Body whose sharp corner comes first on either side of the least gap, else 0, and its

@@ -9,6 +9,7 @@ module flankload_position
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
+    use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
     implicit none
     private
 
@@ -35,7 +36,7 @@ module flankload_position
         !> Where the flanks of both bodies stand, shape (sites)
         type(frame_type), allocatable :: frames_1(:), frames_2(:)
         !> Places of least gap, those of a site together, and their gap angles with all deviations
-        !> [rad], shape (zones)
+        !> and shifts [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
         real(wp), allocatable :: gap(:)
         !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
@@ -115,9 +116,15 @@ contains
             return
         end if
         position%zones = zones(:n_zones)
+        if (has_shift(body_1%compliance, body_2%compliance)) then
+            call shift_zones(body_1%flank%curve, position%frames_1, body_2%flank%curve, &
+                & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
+        end if
         associate (found => position%zones)
             position%gap = found%gap_angle &
                 & - (body_1%deviations(found%site) + body_2%deviations(found%site))/found%lever
+            if (has_shift(body_1%compliance, body_2%compliance)) position%gap = position%gap &
+                & - zone_shift(body_1%compliance, body_2%compliance, found)/found%lever
             smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
             smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
         end associate

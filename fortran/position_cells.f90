@@ -9,6 +9,7 @@ module flankload_position_cells
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
         & part_neighbours, reserve_pairs, wanted_grid, zone_reach
     use flankload_friction, only: rub_pairs
+    use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
     use flankload_position, only: body_type, position_type, code_circle_misses
     implicit none
@@ -165,6 +166,9 @@ contains
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
                     return
+                end if
+                if (has_shift(body_1%compliance, body_2%compliance)) then
+                    call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
                 end if
                 if (allocated(body_1%friction)) then
                     call rub_pairs(body_1%friction, position%speeds, body_1%flank%curve, &

@@ -98,12 +98,13 @@ void flankload_sweep_(const int *n_positions, const int *n_torques, const double
                       const int *block_2, const double *grid, const int *level, const int *n_speeds,
                       const double *speeds, const int *n_mu, const double *mu_places,
                       const double *mu_values, const int *n_tangential_1,
-                      const double *tangential_1, const double *jump_1, const int *n_tangential_2,
-                      const double *tangential_2, const double *jump_2, const int *n_columns,
-                      const int *room, int *control, int *pair_site, double *pair_table,
-                      int *status, double *rotation, double *tangent, double *certificate,
-                      int *counters, double *site_force, double *site_peak, int *site_corner,
-                      int *n_pairs, int *first_pair, int *info);
+                      const double *tangential_1, const double *jump_1, const int *n_shift_1,
+                      const double *shift_1, const int *n_tangential_2, const double *tangential_2,
+                      const double *jump_2, const int *n_shift_2, const double *shift_2,
+                      const int *n_columns, const int *room, int *control, int *pair_site,
+                      double *pair_table, int *status, double *rotation, double *tangent,
+                      double *certificate, int *counters, double *site_force, double *site_peak,
+                      int *site_corner, int *n_pairs, int *first_pair, int *info);
 
 #ifdef __cplusplus
 }

@@ -17,7 +17,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
         & grid, level, n_speeds, speeds, n_mu, mu_places, mu_values, &
-        & n_tangential_1, tangential_1, jump_1, n_tangential_2, tangential_2, jump_2, &
+        & n_tangential_1, tangential_1, jump_1, n_shift_1, shift_1, &
+        & n_tangential_2, tangential_2, jump_2, n_shift_2, shift_2, &
         & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
@@ -87,10 +88,16 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: n_tangential_1
     double precision, intent(in) :: tangential_1(n_modes_1, n_tangential_1, n_blocks_1)
     double precision, intent(in) :: jump_1
-    !> That of body 2
+    !> Displacement of its flanks out of the material by known loads, as modes at each site [mm]
+    !> (n_shift_1 = n_sites; 0: none)
+    integer, intent(in) :: n_shift_1
+    double precision, intent(in) :: shift_1(n_modes_1, n_shift_1)
+    !> Those of body 2
     integer, intent(in) :: n_tangential_2
     double precision, intent(in) :: tangential_2(n_modes_2, n_tangential_2, n_blocks_2)
     double precision, intent(in) :: jump_2
+    integer, intent(in) :: n_shift_2
+    double precision, intent(in) :: shift_2(n_modes_2, n_shift_2)
     !> Columns of the table of pairs: 11, with friction 13
     integer, intent(in) :: n_columns
     !> Room for pairs
@@ -156,7 +163,11 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -36
     if (.not. all(ieee_is_finite(speeds))) info = -37
     if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -40
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -47
+    if (all(n_shift_1 /= [0, n_sites])) info = -44
+    if (.not. all(ieee_is_finite(shift_1))) info = -45
+    if (all(n_shift_2 /= [0, n_sites])) info = -49
+    if (.not. all(ieee_is_finite(shift_2))) info = -50
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -51
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -182,9 +193,11 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (n_mu > 0) body_1%friction = new_friction(mu_places, mu_values)
     if (n_tangential_1 > 0) body_1%compliance%tangential = tangential_1
     body_1%compliance%jump = jump_1
+    if (n_shift_1 > 0) body_1%compliance%shift = shift_1
     if (n_tangential_2 > 0) body_2%compliance%tangential = tangential_2
     body_2%compliance%jump = jump_2
     settings%level = level
+    if (n_shift_2 > 0) body_2%compliance%shift = shift_2
     settings%strips_per_half_width = grid(1)
     settings%corner_strips_per_half_width = grid(2)
     settings%zone_half_widths = grid(3)

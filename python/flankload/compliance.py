@@ -91,6 +91,9 @@ class BodyCompliance:
         CPU seconds of assembly, factorisation, solution, ring closure; "wall" for the whole.
     root : RootResponse or None
         Stress in the root fillets, where it is asked for.
+    shifts : dict of str to (1, p) or (f, p) array
+        By name of a known load, how far flanks stand out of the material under it before they
+        touch, as mode coefficients, mm: one row for all teeth, or one for each of `flanks`.
     """
 
     smooth: NDArray[np.float64]
@@ -106,6 +109,7 @@ class BodyCompliance:
     workspace_bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
     root: RootResponse | None = None
+    shifts: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     @property
     def is_rigid(self) -> bool:
@@ -135,6 +139,26 @@ class BodyCompliance:
         place = np.searchsorted(self.flanks, np.arange(teeth))
         return place[displaced] * len(self.flanks) + place[loaded]
 
+    def shift_of(self, at: NDArray[np.int64]) -> NDArray[np.float64]:
+        """How far flanks stand out under all known loads together.
+
+        Parameters
+        ----------
+        at : (n,) array
+            Teeth of the body, from 0.
+
+        Returns
+        -------
+        (n, p) array
+            Mode coefficients, mm; (0, p) where no load is known.
+        """
+        if not self.shifts:
+            return np.empty((0, self.smooth.shape[1]))
+        total = np.sum(list(self.shifts.values()), axis=0)
+        if len(total) == 1:
+            return np.broadcast_to(total, (at.size, total.shape[1]))
+        return np.asarray(total[np.searchsorted(self.flanks, at)])
+
     def fewer_modes(self) -> BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal.
 
@@ -144,7 +168,10 @@ class BodyCompliance:
         if kept < 1:
             return self
         tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
-        return replace(self, smooth=self.smooth[:, :kept, :kept], tangential=tangential)
+        shifts = {name: modes[:, :kept] for name, modes in self.shifts.items()}
+        return replace(
+            self, smooth=self.smooth[:, :kept, :kept], tangential=tangential, shifts=shifts
+        )
 
 
 def no_compliance(body: Body) -> BodyCompliance:

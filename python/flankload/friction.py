@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.scene import Scene
 
+    #: Of a body under loads along its flank: number of modes, smooth part (flat), mm/N, jump, mm/N.
+    Field = tuple[int, NDArray[np.float64], float]
+
 KEY = "effects.friction_coefficient"
 
 #: A coefficient over the roll position is laid out over the arc length with so many steps between
@@ -63,14 +66,14 @@ class FrictionArguments:
         Of both bodies, rad per rad of the position.
     table : (n,) and (n * S,) arrays
         Arc lengths on flank 1, mm, and coefficients there, site by site.
-    fields : tuple
-        For each body number of modes of load along its flank, their smooth part (flat) and the
+    fields : two tuples
+        Of each body number of modes of load along its flank, their smooth part (flat) and the
         strength of the jump, mm/N.
     """
 
     speeds: NDArray[np.float64]
     table: tuple[NDArray[np.float64], NDArray[np.float64]]
-    fields: tuple[NDArray[np.float64] | float, ...]
+    fields: tuple[Field, Field]
 
     @classmethod
     def of(
@@ -84,19 +87,19 @@ class FrictionArguments:
         """Arguments of a sweep; rigid bodies have no fields."""
         none = np.empty(0)
         if friction is None:
-            return cls(np.empty((2, 0)), (none, none), (0, none, 0.0) * 2)
-        fields: list[NDArray[np.float64] | float] = []
+            return cls(np.empty((2, 0)), (none, none), ((0, none, 0.0), (0, none, 0.0)))
+        fields: list[Field] = []
         for compliance in compliances:
             part = compliance.tangential
             if part is None:
-                fields += [0, none, 0.0]
+                fields.append((0, none, 0.0))
                 continue
             smooth = part.transpose(1, 2, 0).ravel(order="F") / face_width_mm
-            fields += [part.shape[2], smooth, compliance.jump / face_width_mm]
+            fields.append((part.shape[2], smooth, compliance.jump / face_width_mm))
         return cls(
             friction.speeds(pairing, position_rad),
             (friction.places_mm, friction.coefficients.ravel(order="F")),
-            tuple(fields),
+            (fields[0], fields[1]),
         )
 
     @property
@@ -105,9 +108,9 @@ class FrictionArguments:
         return self.table[0].size > 0
 
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
-        """Arguments for some of the positions, in the order of the core's door."""
+        """Speeds and coefficients at some of the positions, in the order of the core's door."""
         speeds = self.speeds[:, which] if self.present else self.speeds
-        return speeds.shape[1], speeds.ravel(order="F"), *self.table, *self.fields
+        return speeds.shape[1], speeds.ravel(order="F"), *self.table
 
 
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:

@@ -225,15 +225,13 @@ def _core_arguments(
     pairing: Pairing,
     face_width_mm: float,
 ) -> list[tuple[NDArray[Any] | float, ...]]:
-    """Per body: curve arrays, then compliance arrays, in the layout of the flat door."""
+    """Per body: curve, compliance and shift arrays, in the layout of the flat door."""
     arguments: list[tuple[NDArray[Any] | float, ...]] = []
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
         teeth = pairing.site_teeth[z]
         block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
-        if compliance.is_rigid:
-            smooth = np.zeros((1, 1, 1), order="F")
-        else:
-            smooth = np.asfortranarray(compliance.smooth.transpose(1, 2, 0) / face_width_mm)
+        smooth = np.asfortranarray(compliance.smooth.transpose(1, 2, 0) / face_width_mm)
+        shift = compliance.shift_of(teeth)
         curve = body.curve
         arguments.append(
             (
@@ -246,6 +244,8 @@ def _core_arguments(
                 compliance.kernel / face_width_mm,
                 smooth,
                 np.asfortranarray(block + 1, dtype=np.intc),
+                len(shift),
+                shift.ravel(),
             )
         )
     return arguments
@@ -312,7 +312,9 @@ class _CoreCall:
 
         (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
         (site_1, site_2) = (argument[3:5] for argument in self.arguments)
-        (field_1, field_2) = (argument[5:] for argument in self.arguments)
+        (field_1, field_2) = (argument[5:9] for argument in self.arguments)
+        (shift_1, shift_2) = (argument[9:] for argument in self.arguments)
+        (tangential_1, tangential_2) = self.rubbing.fields
         grid = self.grid
         knobs = (
             grid.strips_per_half_width,
@@ -342,6 +344,10 @@ class _CoreCall:
                 np.array(knobs),
                 LEVELS[self.level],
                 *self.rubbing.at(which),
+                *tangential_1,
+                *shift_1,
+                *tangential_2,
+                *shift_2,
                 columns,
                 control,
                 site,

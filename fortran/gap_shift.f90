@@ -1,0 +1,201 @@
+!> Flanks that stand out of their place by a known load (growth, tension) before they touch: their
+!> displacement out of the material is taken off the gaps, g0 - V shift. It is no unknown.
+module flankload_gap_shift
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
+    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_compliance_field, only: compliance_type, mode_values
+    implicit none
+    private
+
+    public :: has_shift, shift_zones, zone_shift, shift_pairs
+
+    !> The place of least gap is found to this part of the flank's length.
+    real(wp), parameter :: place_tolerance = 1.0e-10_wp
+
+contains
+
+    !> Whether any flank stands out of its place.
+    pure function has_shift(body_1, body_2) result(has)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        logical :: has
+
+        has = allocated(body_1%shift) .or. allocated(body_2%shift)
+    end function has_shift
+
+    !> How far the flanks of a site stand out at places [mm]; 0 for a body without shift.
+    pure function shift_at(body, site, s) result(shift)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The site
+        integer, intent(in) :: site
+        !> Arc lengths [mm], shape (n)
+        real(wp), intent(in) :: s(:)
+        !> Out of the material [mm], shape (n)
+        real(wp) :: shift(size(s))
+
+        shift = 0.0_wp
+        if (allocated(body%shift)) shift = matmul(mode_values(body, s), body%shift(:, site))
+    end function shift_at
+
+    !> Change of the shift along the flank [mm/mm].
+    pure function shift_slope(body, site, s) result(slope)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The site
+        integer, intent(in) :: site
+        !> Arc length [mm]
+        real(wp), intent(in) :: s
+        real(wp) :: slope
+
+        !> Of the modes' range: a difference of polynomials of low degree, exact to 1e-8.
+        real(wp), parameter :: step = 1.0e-4_wp
+        real(wp) :: beside(2)
+
+        beside = s + 0.5_wp*step*(body%s_high - body%s_low)*[-1.0_wp, 1.0_wp]
+        beside = shift_at(body, site, beside)
+        slope = (beside(2) - beside(1))/(step*(body%s_high - body%s_low))
+    end function shift_slope
+
+    !> Gap that the shift of both flanks closes at the least gap of each zone [mm].
+    pure function zone_shift(body_1, body_2, zones) result(shift)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> Along the normal [mm], shape (zones)
+        real(wp) :: shift(size(zones))
+
+        integer :: z
+
+        do z = 1, size(zones)
+            shift(z) = sum(shift_at(body_1, zones(z)%site, [zones(z)%nearest%s_1]) &
+                & + shift_at(body_2, zones(z)%site, [zones(z)%nearest%s_2]))
+        end do
+    end function zone_shift
+
+    !> Take the shift of both flanks off the gaps of pairs.
+    pure subroutine shift_pairs(body_1, body_2, first, pairs)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> First of the pairs, which are of one site
+        integer, intent(in) :: first
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: last, site
+
+        last = pairs%n
+        if (last < first) return
+        site = pairs%site(first)
+        pairs%gap_angle(first:last) = pairs%gap_angle(first:last) &
+            & - (shift_at(body_1, site, pairs%s_1(first:last)) &
+            & + shift_at(body_2, site, pairs%s_2(first:last)))/pairs%lever(first:last)
+    end subroutine shift_pairs
+
+    !> Move a zone to where the gap less the shift is least.
+    !>
+    !> Between smooth flanks the place moves by the slope of the shift over the sum of both
+    !> curvatures, a part of the contact's width. Least gaps on corners stay on them, and zones of
+    !> even gap where they are: their cells reach beyond what a shift moves.
+    pure subroutine shift_zones(flank_1, frames_1, flank_2, frames_2, body_1, body_2, zones)
+        !> Flank of body 1 and where it stands, shape (sites)
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frames_1(:)
+        !> Flank of body 2 and where it stands, shape (sites)
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frames_2(:)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The zones
+        type(zone_type), intent(inout) :: zones(:)
+
+        integer :: z, site
+
+        do z = 1, size(zones)
+            if (zones(z)%level_high > zones(z)%level_low) cycle
+            site = zones(z)%site
+            if (zones(z)%corner == 0) then
+                call move_zone(flank_1, frames_1(site), flank_2, frames_2(site), body_1, body_2, &
+                    & zones(z))
+            end if
+            zones(z)%tilt = tilt_of(body_1, body_2, zones(z), zones(z)%nearest)
+        end do
+    end subroutine shift_zones
+
+    !> Change along flank 1 of the gap angle that the shift closes at a pair [rad/mm].
+    pure function tilt_of(body_1, body_2, zone, pair) result(tilt)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> A pair of it
+        type(pair_type), intent(in) :: pair
+        real(wp) :: tilt
+
+        real(wp) :: along_2
+
+        ! both places lie on one circle: dr = (P.t) ds/r
+        along_2 = dot_product(pair%point_1, pair%tangent_1) &
+            & /dot_product(pair%point_2, pair%tangent_2)
+        tilt = (shift_slope(body_1, zone%site, pair%s_1) &
+            & + along_2*shift_slope(body_2, zone%site, pair%s_2))/zone%lever
+    end function tilt_of
+
+    !> Move a zone of smooth flanks (secant method on the slope); where that finds no end it stays.
+    pure subroutine move_zone(flank_1, frame_1, flank_2, frame_2, body_1, body_2, zone)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The zone
+        type(zone_type), intent(inout) :: zone
+
+        integer, parameter :: max_steps = 20
+        integer :: step
+        real(wp) :: s, slope, moved, bend, low, high, smallest
+        type(pair_type) :: pair
+        logical :: found
+
+        smallest = place_tolerance*curve_length(flank_1)
+        low = max(zone%s_1_low, zone%nearest%s_1 - zone%to_corner_low)
+        high = min(zone%s_1_high, zone%nearest%s_1 + zone%to_corner_high)
+        pair = zone%nearest
+        ! at the least gap without shift its own slope is 0
+        slope = pair%slope - tilt_of(body_1, body_2, zone, pair)
+        bend = zone%curvature/zone%lever
+        do step = 1, max_steps
+            if (.not. bend > 0.0_wp) return
+            s = min(high, max(low, pair%s_1 - slope/bend))
+            moved = s - pair%s_1
+            if (abs(moved) <= smallest) exit
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s, &
+                & [zone%s_2_low, zone%s_2_high], pair, found)
+            if (.not. found) return
+            bend = -slope/moved
+            slope = pair%slope - tilt_of(body_1, body_2, zone, pair)
+            bend = bend + slope/moved
+        end do
+        if (step > max_steps) return
+        moved = pair%s_1 - zone%nearest%s_1
+        zone%to_corner_low = zone%to_corner_low + moved
+        zone%to_corner_high = zone%to_corner_high - moved
+        zone%nearest = pair
+        zone%gap_angle = pair%gap_angle
+        zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
+    end subroutine move_zone
+
+end module flankload_gap_shift
