@@ -1,10 +1,8 @@
 """One body's compliance at its flanks: unit loads on one sector, the ring closed by Fourier.
 
 A body meshed as a whole takes the plain way (`whole_body`): all flanks loaded one after the other.
-A body of z equal sectors needs the mesh of one. Its stiffness is factorised once; on the right
-stand the pressure modes of the flank and the columns of the cut faces. With the forces G that the
-loads carry to the cuts and the condensed stiffness S of the cuts, the ring closes sector harmonic
-by sector harmonic; nothing is approximated.
+A body of z equal sectors needs the mesh of one (`sector_closure`). Its stiffness is factorised
+once; on the right stand the pressure modes of the flank and the columns of the cut faces.
 """
 
 from __future__ import annotations
@@ -17,13 +15,19 @@ import numpy as np
 
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account
-from flankload.elasticity import condensed, degrees_of, stiffness
+from flankload.elasticity import stiffness
 from flankload.near_field import (
     jump_strength,
     logarithm_strength,
     mode_norms,
     projected_logarithm,
     projected_sign,
+)
+from flankload.sector_closure import (
+    close_ring,
+    condense,
+    segment_response,
+    tooth_response,
 )
 from flankload.whole_body import count_loads, unit_loads, whole_response
 
@@ -33,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_matrix
 
-    from flankload.bodies.body import Body, SectorMesh
+    from flankload.bodies.body import Body
     from flankload.root_fillet import RootFillets, RootPoints
 
 
@@ -173,31 +177,27 @@ class BodyCompliance:
             self, smooth=self.smooth[:, :kept, :kept], tangential=tangential, shifts=shifts
         )
 
+    def without_coupling(self) -> BodyCompliance:
+        """The same, but a load on a tooth moves no other tooth, and stresses none."""
+        own = np.arange(len(self.flanks)) * (len(self.flanks) + 1) if self.flanks else [0]
+
+        def alone(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+            kept = np.zeros_like(blocks)
+            kept[own] = blocks[own]
+            return kept
+
+        root = self.root
+        return replace(
+            self,
+            smooth=alone(self.smooth),
+            tangential=None if self.tangential is None else alone(self.tangential),
+            root=None if root is None else replace(root, response=alone(root.response)),
+        )
+
 
 def no_compliance(body: Body) -> BodyCompliance:
     """Of a body that does not yield, or that nothing loads: no finite elements."""
     return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm)
-
-
-@dataclass(frozen=True)
-class CondensedSector:
-    """One sector with free cuts, condensed; interface unknowns in the frame of the sector.
-
-    Attributes
-    ----------
-    local : (r, p) array
-        Response of the r readings to the p loads with both cuts held; the loads are the first p
-        readings.
-    carried : (2 m, r) array
-        Forces that the readings, taken as loads, send to the cuts; first the left cut, then the
-        right one.
-    stiffness : (2 m, 2 m) array
-        Of the cuts.
-    """
-
-    local: NDArray[np.float64]
-    carried: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
 
 
 def flank_compliance(
@@ -207,6 +207,7 @@ def flank_compliance(
     plane: str,
     friction: bool = False,
     fillets: RootFillets | None = None,
+    sectors: int | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
@@ -221,6 +222,9 @@ def flank_compliance(
         As many modes of load along the flank are solved, too.
     fillets : RootFillets, optional
         Where stress is wanted, too.
+    sectors : int, optional
+        Only a segment of so many equal sectors, an odd number, its two ends held; 1: a single
+        tooth. A body meshed as a whole has none.
 
     Returns
     -------
@@ -261,10 +265,18 @@ def flank_compliance(
     else:
         loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction)
         lap("assembly")
-        readings = stress(0) if stress else None
+        more = stress(0) if stress else None
         count_loads(account, loads.shape[1], friction=friction)
-        sector, free = condense(matrix, loads, mesh, lap, readings=readings, account=account)
-        response = close_ring(sector, mesh.teeth)
+        if sectors == 1:
+            response, free = tooth_response(
+                matrix, loads, mesh, lap, readings=more, account=account
+            )
+        else:
+            sector, free = condense(matrix, loads, mesh, lap, readings=more, account=account)
+            if sectors is None:
+                response = close_ring(sector, mesh.teeth)
+            else:
+                response = segment_response(sector, mesh.teeth, sectors)
         own = np.zeros(1, dtype=np.int64)
         across = -np.arange(mesh.teeth) % mesh.teeth
     root = None
@@ -322,110 +334,3 @@ def _stress_columns(
     if plane == "strain":
         modulus /= 1 - body.material.poisson_ratio**2
     return lambda flank: modulus * fillets.columns(flank, size)
-
-
-def condense(
-    matrix: csc_matrix,
-    loads: NDArray[np.float64],
-    mesh: SectorMesh,
-    lap: Callable[[str], None] | None = None,
-    *,
-    readings: NDArray[np.float64] | None = None,
-    account: Account | None = None,
-) -> tuple[CondensedSector, int]:
-    """Condense a sector to its loads and cuts.
-
-    Parameters
-    ----------
-    matrix : csc_matrix, (2N, 2N)
-        Stiffness of the sector.
-    loads : (2N, p) array
-        Load columns; the same columns read the displacements.
-    mesh : SectorMesh
-    lap : callable, optional
-        Told the name of each step when it is done.
-    readings : (2N, q) array, optional
-        Columns that only read the displacements.
-    account : Account, optional
-        Where factorisations and solutions are counted.
-
-    Returns
-    -------
-    sector : CondensedSector
-    degrees_of_freedom : int
-        Those that are not held.
-    """
-    tell = lap if lap is not None else (lambda step: None)
-    if account is None:
-        account = Account()
-    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
-    held = degrees_of(mesh.fixed_nodes)
-    inner = np.ones(matrix.shape[0], dtype=bool)
-    inner[cut] = False
-    inner[held] = False
-    inside = np.flatnonzero(inner)
-    solve, complement = condensed(matrix, inside, cut, account)
-    tell("factorisation")
-    columns, solved = loads, solve(loads[inside])
-    if readings is not None:
-        # on their own, so that the loads' solutions stay what they are to the last bit
-        account.count(stress_recoveries=readings.shape[1])
-        columns = np.hstack([loads, readings])
-        solved = np.hstack([solved, solve(readings[inside])])
-    account.workspace_bytes += columns.nbytes + solved.nbytes
-    sector = CondensedSector(
-        local=columns[inside].T @ solved[:, : loads.shape[1]],
-        carried=columns[cut] - matrix[cut][:, inside] @ solved,
-        stiffness=complement,
-    )
-    tell("solution")
-    return sector, inside.size + cut.size // 2
-
-
-def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
-    """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
-
-    The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
-    of sector k, so what sector k - 1 holds on its right is turned by one pitch. The ring is
-    block-circulant: a Fourier transform over the sectors takes it apart.
-
-    Parameters
-    ----------
-    sector : CondensedSector
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (z, r, p) array
-        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
-        readings are those of the loads.
-    """
-    m = sector.carried.shape[0] // 2
-    pitch = 2 * np.pi / teeth
-    cosine, sine = np.cos(pitch), np.sin(pitch)
-    turn = np.kron(np.eye(m // 2), [[cosine, -sine], [sine, cosine]])
-    # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
-    left_left = sector.stiffness[:m, :m]
-    left_right = sector.stiffness[:m, m:] @ turn
-    right_left = turn.T @ sector.stiffness[m:, :m]
-    right_right = turn.T @ sector.stiffness[m:, m:] @ turn
-    read_left = sector.carried[:m]
-    read_right = turn.T @ sector.carried[m:]
-    readings, loads = sector.local.shape
-    response = np.zeros((teeth, readings, loads))
-    offsets = np.arange(teeth)
-    for k in range(teeth // 2 + 1):
-        weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
-        shift = np.exp(1j * pitch * k)
-        # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
-        unknown = np.linalg.solve(
-            left_left + right_right + left_right * shift + right_left / shift,
-            read_left[:, :loads] + read_right[:, :loads] / shift,
-        )
-        seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
-        response += (weight / teeth) * np.real(
-            seen[None] * np.exp(1j * pitch * k * offsets)[:, None, None]
-        )
-    response[0] += sector.local
-    return response

@@ -46,20 +46,23 @@ def compliance_of(
     """
     resolution = resolution or choose_resolution(scene)
     if body.given is not None:
-        return given_compliance(
+        found = given_compliance(
             body,
             modes=scene.accuracy.modes,
             default_modes=resolution.modes,
             plane=scene.accuracy.plane,
             friction=scene.has_friction,
         )
-    return flank_compliance(
-        body,
-        n_modes=modes_of(body, scene, resolution),
-        plane=scene.accuracy.plane,
-        friction=scene.has_friction,
-        fillets=fillets,
-    )
+    else:
+        found = flank_compliance(
+            body,
+            n_modes=modes_of(body, scene, resolution),
+            plane=scene.accuracy.plane,
+            friction=scene.has_friction,
+            fillets=fillets,
+            sectors=scene.sectors,
+        )
+    return found if scene.effects.tooth_coupling else found.without_coupling()
 
 
 def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:

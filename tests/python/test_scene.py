@@ -14,6 +14,7 @@ import pytest
 from flankload.effects import effects_of
 from flankload.errors import SceneError
 from flankload.scene import Scene, read_scene, scene_schema
+from flankload.scene.tables import EffectsAsked
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 
@@ -207,7 +208,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"effects__wind": 1},
             "effects.wind",
-            "a known key (choose, friction_coefficient, root_stress, contact)",
+            f"a known key ({', '.join(EffectsAsked.__struct_fields__)})",
             "the unknown key 'wind'",
         ),
         (

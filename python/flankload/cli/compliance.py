@@ -11,6 +11,8 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from argparse import Namespace
 
+    from flankload.scene import Scene
+
 
 def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; all is computed before the first is written."""
@@ -44,9 +46,16 @@ def compliance(arguments: Namespace) -> None:
         files[f"{name}.npz"] = npz_of(arrays)
         said.append(
             f"{folder / name}.npz: {body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
-            f"plane {scene.accuracy.plane}"
+            f"plane {scene.accuracy.plane}{_less_than_whole(scene)}"
         )
     folder.mkdir(parents=True, exist_ok=True)
     for file, content in files.items():
         write_atomically(folder / file, content)
     print("\n".join(said))
+
+
+def _less_than_whole(scene: Scene) -> str:
+    """What of a body the scene leaves out: the file holds what is left."""
+    if scene.sectors is None:
+        return "" if scene.effects.tooth_coupling else ", without coupling between teeth"
+    return ", of a single tooth" if scene.sectors == 1 else f", of {scene.sectors} teeth"

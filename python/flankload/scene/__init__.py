@@ -18,6 +18,7 @@ from msgspec.structs import replace
 
 from flankload.errors import SceneError
 from flankload.scene.cam_rules import check_cam, check_cam_pair, check_follower
+from flankload.scene.effect_rules import check_effects
 from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
@@ -117,6 +118,13 @@ class Scene:
     def has_torque_list(self) -> bool:
         """Whether the scene has a list of torques, so that there is a result for each."""
         return isinstance(self.load.torque_Nm, tuple)
+
+    @property
+    def sectors(self) -> int | None:
+        """Sectors of a body that yield, an odd number; None for all of them."""
+        if self.effects.body == "whole":
+            return None
+        return 1 if self.effects.body == "tooth" else self.effects.segment_teeth
 
     @property
     def has_friction(self) -> bool:
@@ -374,6 +382,7 @@ def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_kinds(asked)
     _check_friction(asked)
     _check_lumped(asked)
+    check_effects(asked, given)
     _check_positions(asked.positions, given.get("positions", {}))
     torque = asked.load.torque_Nm
     loaded = any(torque) if isinstance(torque, tuple) else torque > 0

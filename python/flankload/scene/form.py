@@ -23,8 +23,6 @@ T = TypeVar("T", bound=Table)
 NOT_YET = {
     "effects": {
         "influence": "finite-load influence numbers",
-        "body": "a segment or a single tooth instead of the whole body",
-        "segment_teeth": "a segment of teeth instead of the whole body",
         "near_field": "the near field from nodal loads",
         "temperature_rise_K": "thermal growth",
         "thermal_expansion_per_K": "thermal growth",

@@ -555,6 +555,22 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "three times as fast, no strips; not where flanks conform); pairs: pressure as it is",
         ),
     ] = "pairs"
+    body: Annotated[
+        Literal["whole", "segment", "tooth"],
+        about(
+            "",
+            "how much of a body yields: all of it; 'segment': the sectors of segment_teeth around "
+            "the teeth in question, both ends held; 'tooth': one tooth, its cuts held. Stiffer, "
+            "and hardly cheaper: for comparison with such models",
+        ),
+    ] = "whole"
+    segment_teeth: Annotated[
+        Annotated[int, Meta(ge=3, le=9999)] | None,
+        about("-", "teeth of the segment, an odd number, with body = 'segment'"),
+    ] = None
+    tooth_coupling: Annotated[
+        bool, about("", "false: a load on a tooth moves no other tooth of the body")
+    ] = True
 
 
 class Accuracy(Table, frozen=True, kw_only=True):

@@ -1,0 +1,85 @@
+"""Effects that do not go together, or not with these bodies: one refusal at a time, both keys."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from flankload.errors import SceneError
+from flankload.scene.form import shown
+from flankload.scene.tables import Cam, ComplianceBody, Follower, MeshBody, SceneFile
+
+
+def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Refuse combinations of effects and bodies that have no meaning.
+
+    Parameters
+    ----------
+    asked : SceneFile
+    given : mapping
+        The scene as it stands in the file.
+
+    Raises
+    ------
+    SceneError
+        Names the key, and in what it expects the other one.
+    """
+    effects = given.get("effects", {})
+    _check_extent(asked, effects)
+    _check_coupling(asked, effects)
+
+
+def _refuse(key: str, expected: str, found: object) -> None:
+    raise SceneError(key=key, expected=expected, found=shown(found) if found else "nothing")
+
+
+def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """A segment has an odd number of sectors, and the bodies have as many."""
+    body, segment_teeth = asked.effects.body, asked.effects.segment_teeth
+    if body != "segment" and segment_teeth is not None:
+        _refuse(
+            "effects.segment_teeth",
+            "nothing, unless effects.body is 'segment'",
+            segment_teeth,
+        )
+    if body == "whole":
+        return
+    if body == "segment" and (segment_teeth is None or segment_teeth % 2 == 0):
+        _refuse(
+            "effects.segment_teeth",
+            "an odd number from 3, since effects.body is 'segment': as many teeth on both sides "
+            "of the one in its middle",
+            segment_teeth,
+        )
+    for key, spec in (("body_1", asked.body_1), ("body_2", asked.body_2)):
+        if spec.rigid:
+            continue
+        if isinstance(spec, ComplianceBody):
+            why = f"{key}.kind is 'compliance': its file says how much of the body it is"
+        elif isinstance(spec, Cam | Follower):
+            why = f"{key}.kind is '{spec.kind}', which has one flank"
+        elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
+            why = f"{key}.flank_sets names the flanks of a whole body, not of one of its sectors"
+        else:
+            if segment_teeth is not None and segment_teeth > spec.number_of_teeth:
+                _refuse(
+                    "effects.segment_teeth",
+                    f"at most {spec.number_of_teeth}, as many teeth as {key} has ({key}.teeth)",
+                    segment_teeth,
+                )
+            continue
+        _refuse("effects.body", f"'whole', since {why}", body)
+
+
+def _check_coupling(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """One tooth alone has no neighbours to move, nor has a flank all around."""
+    if asked.effects.body == "tooth" and given.get("tooth_coupling"):
+        _refuse(
+            "effects.tooth_coupling",
+            "false or nothing, since effects.body is 'tooth': of a tooth by itself no other moves",
+            True,
+        )
+    if not asked.effects.tooth_coupling and isinstance(asked.body_2, Cam):
+        raise SceneError(
+            key="effects.tooth_coupling",
+            expected="true, since body_2.kind is 'cam': cam and follower have one flank each",
+            found="false",
+        )

@@ -1,0 +1,280 @@
+"""One sector of a body condensed to its loads and cuts, and equal sectors put together again.
+
+Of a sector the response to its loads with both cuts held, the forces G that these loads carry to
+the cuts and the condensed stiffness S of the cuts are all that is needed: the ring of all sectors
+closes by Fourier, sector harmonic by sector harmonic, an open row is solved from one end to the
+other. Nothing is approximated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.cost import Account
+from flankload.elasticity import condensed, degrees_of, factored
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_matrix
+
+    from flankload.bodies.body import SectorMesh
+
+
+@dataclass(frozen=True)
+class CondensedSector:
+    """One sector with free cuts, condensed; interface unknowns in the frame of the sector.
+
+    Attributes
+    ----------
+    local : (r, p) array
+        Response of the r readings to the p loads with both cuts held; the loads are the first p
+        readings.
+    carried : (2 m, r) array
+        Forces that the readings, taken as loads, send to the cuts; first the left cut, then the
+        right one.
+    stiffness : (2 m, 2 m) array
+        Of the cuts.
+    """
+
+    local: NDArray[np.float64]
+    carried: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+
+
+def condense(
+    matrix: csc_matrix,
+    loads: NDArray[np.float64],
+    mesh: SectorMesh,
+    lap: Callable[[str], None] | None = None,
+    *,
+    readings: NDArray[np.float64] | None = None,
+    account: Account | None = None,
+) -> tuple[CondensedSector, int]:
+    """Condense a sector to its loads and cuts.
+
+    Parameters
+    ----------
+    matrix : csc_matrix, (2N, 2N)
+        Stiffness of the sector.
+    loads : (2N, p) array
+        Load columns; the same columns read the displacements.
+    mesh : SectorMesh
+    lap : callable, optional
+        Told the name of each step when it is done.
+    readings : (2N, q) array, optional
+        Columns that only read the displacements.
+    account : Account, optional
+        Where factorisations and solutions are counted.
+
+    Returns
+    -------
+    sector : CondensedSector
+    degrees_of_freedom : int
+        Those that are not held.
+    """
+    tell = lap if lap is not None else (lambda step: None)
+    if account is None:
+        account = Account()
+    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
+    held = degrees_of(mesh.fixed_nodes)
+    inner = np.ones(matrix.shape[0], dtype=bool)
+    inner[cut] = False
+    inner[held] = False
+    inside = np.flatnonzero(inner)
+    solve, complement = condensed(matrix, inside, cut, account)
+    tell("factorisation")
+    columns, solved = loads, solve(loads[inside])
+    if readings is not None:
+        # on their own, so that the loads' solutions stay what they are to the last bit
+        account.count(stress_recoveries=readings.shape[1])
+        columns = np.hstack([loads, readings])
+        solved = np.hstack([solved, solve(readings[inside])])
+    account.workspace_bytes += columns.nbytes + solved.nbytes
+    sector = CondensedSector(
+        local=columns[inside].T @ solved[:, : loads.shape[1]],
+        carried=columns[cut] - matrix[cut][:, inside] @ solved,
+        stiffness=complement,
+    )
+    tell("solution")
+    return sector, inside.size + cut.size // 2
+
+
+def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
+    """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
+
+    The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
+    of sector k, so what sector k - 1 holds on its right is turned by one pitch. The ring is
+    block-circulant: a Fourier transform over the sectors takes it apart.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors.
+
+    Returns
+    -------
+    (z, r, p) array
+        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
+        readings are those of the loads.
+    """
+    pitch = 2 * np.pi / teeth
+    (left_left, left_right, right_left, right_right), (read_left, read_right) = _turned(
+        sector, pitch
+    )
+    readings, loads = sector.local.shape
+    response = np.zeros((teeth, readings, loads))
+    offsets = np.arange(teeth)
+    for k in range(teeth // 2 + 1):
+        weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
+        shift = np.exp(1j * pitch * k)
+        # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
+        unknown = np.linalg.solve(
+            left_left + right_right + left_right * shift + right_left / shift,
+            read_left[:, :loads] + read_right[:, :loads] / shift,
+        )
+        seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
+        response += (weight / teeth) * np.real(
+            seen[None] * np.exp(1j * pitch * k * offsets)[:, None, None]
+        )
+    response[0] += sector.local
+    return response
+
+
+def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np.float64]:
+    """Response of all sectors of an open row to the loads on each, the row's two ends held.
+
+    Interface k lies between sectors k - 1 and k. Their stiffness is block-tridiagonal: eliminated
+    from one end to the other, solved backwards.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    cells : int
+        Number n of sectors.
+    turn_rad : float
+        By how much each sector is turned against the one before it, counter-clockwise.
+
+    Returns
+    -------
+    (n, n, r, p) array
+        [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
+    """
+    (left_left, left_right, right_left, right_right), (read_left, read_right) = _turned(
+        sector, turn_rad
+    )
+    m = len(left_left)
+    readings, loads = sector.local.shape
+    # forces on the interfaces 0 … n, of which the first and the last are held
+    force = np.zeros((cells + 1, m, cells * loads))
+    for j in range(cells):
+        own = slice(j * loads, (j + 1) * loads)
+        force[j, :, own] = read_left[:, :loads]
+        force[j + 1, :, own] = read_right[:, :loads]
+    pivots = [left_left + right_right]
+    for k in range(2, cells):
+        known = np.concatenate([left_right, force[k - 1]], axis=1)
+        carried = right_left @ np.linalg.solve(pivots[-1], known)
+        pivots.append(left_left + right_right - carried[:, :m])
+        force[k] -= carried[:, m:]
+    moved = np.zeros_like(force)
+    for k in range(cells - 1, 0, -1):
+        moved[k] = np.linalg.solve(pivots[k - 1], force[k] - left_right @ moved[k + 1])
+    seen = read_left.T @ moved[:-1] + read_right.T @ moved[1:]
+    response = seen.reshape(cells, readings, cells, loads).transpose(0, 2, 1, 3).copy()
+    response[np.arange(cells), np.arange(cells)] += sector.local
+    return response
+
+
+def segment_response(sector: CondensedSector, teeth: int, cells: int) -> NDArray[np.float64]:
+    """Response of the teeth of a body that is no more than a segment around each pair of teeth.
+
+    A segment that stood still would hold the teeth near its ends more than those in its middle, and
+    nothing would repeat when the mesh rolls on. So two teeth respond as those two of the segment
+    that stand as far apart and nearest to its middle; where two such places are equally near, as
+    the mean of both. That is symmetric (Betti) and depends on the distance of the teeth alone.
+    Teeth further apart than the segment is long do not move each other.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors of the whole body.
+    cells : int
+        Number of sectors of the segment, odd, at most z.
+
+    Returns
+    -------
+    (z, r, p) array
+        As of `close_ring`.
+    """
+    row = open_row(sector, cells, 2 * np.pi / teeth)
+    response = np.zeros((teeth, *row.shape[2:]))
+    for apart in range(min(cells - 1, teeth // 2) + 1):
+        spare = cells - 1 - apart
+        for first in (spare // 2, spare - spare // 2):
+            weight = 0.25 if apart == 0 or 2 * apart == teeth else 0.5
+            response[apart] += weight * row[first + apart, first]
+            response[-apart % teeth] += weight * row[first, first + apart]
+    return response
+
+
+def tooth_response(
+    matrix: csc_matrix,
+    loads: NDArray[np.float64],
+    mesh: SectorMesh,
+    lap: Callable[[str], None],
+    *,
+    readings: NDArray[np.float64] | None = None,
+    account: Account | None = None,
+) -> tuple[NDArray[np.float64], int]:
+    """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
+
+    Parameters
+    ----------
+    matrix, loads, mesh, lap, readings, account
+        As in `condense`; readings take no solutions here.
+
+    Returns
+    -------
+    response : (z, r, p) array
+        As of `close_ring`; 0 but for the tooth itself.
+    degrees_of_freedom : int
+        Those that are not held.
+    """
+    held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
+    inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
+    solve = factored(matrix[inside][:, inside].tocsc(), account)
+    lap("factorisation")
+    columns = loads if readings is None else np.hstack([loads, readings])
+    response = np.zeros((mesh.teeth, columns.shape[1], loads.shape[1]))
+    response[0] = columns[inside].T @ solve(loads[inside])
+    lap("solution")
+    return response, inside.size
+
+
+def _turned(
+    sector: CondensedSector, turn_rad: float
+) -> tuple[tuple[NDArray[np.float64], ...], tuple[NDArray[np.float64], ...]]:
+    """Stiffness of the cuts and forces carried to them, the right cut in the next sector's frame.
+
+    Returns
+    -------
+    stiffness : left-left, left-right, right-left, right-right, each (m, m)
+    carried : left, right, each (m, r)
+    """
+    m = sector.carried.shape[0] // 2
+    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+    turn = np.kron(np.eye(m // 2), [[cosine, -sine], [sine, cosine]])
+    # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
+    return (
+        sector.stiffness[:m, :m],
+        sector.stiffness[:m, m:] @ turn,
+        turn.T @ sector.stiffness[m:, :m],
+        turn.T @ sector.stiffness[m:, m:] @ turn,
+    ), (sector.carried[:m], turn.T @ sector.carried[m:])
