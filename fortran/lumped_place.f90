@@ -80,8 +80,9 @@ contains
                 call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
                     & zone%nearest%s_1 + sense*at, [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then
-                    part = (pair%gap_angle - zone%gap_angle)*zone%lever/growth
-                    part_slope = sense*pair%slope*zone%lever/growth
+                    part = (pair%gap_angle - zone%gap_angle - zone%tilt*sense*at) &
+                        & *zone%lever/growth
+                    part_slope = sense*(pair%slope - zone%tilt)*zone%lever/growth
                     if (part < 1.0_wp) then
                         slope(side) = 0.0_wp
                         if (x >= room) exit

@@ -17,6 +17,7 @@ from flankload.friction import (
     friction_notes,
     friction_of,
 )
+from flankload.growth import Growth, growth_notes, growth_of
 from flankload.node_spacing import spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
@@ -60,6 +61,8 @@ class BodyPair:
         None where the scene has no friction.
     fillets : two RootFillets or None
         Where stress is asked for.
+    growth : two Growth or None
+        What makes the bodies grow.
     """
 
     body_1: Body
@@ -74,6 +77,7 @@ class BodyPair:
     notes: tuple[str, ...]
     friction: Friction | None = None
     fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
+    growth: tuple[Growth | None, Growth | None] = (None, None)
 
     @property
     def period_rad(self) -> float:
@@ -190,6 +194,7 @@ def build_bodies(
         *alike,
         *_beyond_window(pitches, period),
         *friction_notes(friction, pairing),
+        *growth_notes(scene),
         *(
             f"{key}: rigid, so there is no stress in its roots"
             for key, body in (("body_1", body_1), ("body_2", body_2))
@@ -209,6 +214,7 @@ def build_bodies(
         notes=notes,
         friction=friction,
         fillets=fillets,
+        growth=growth_of(scene, pairing),
     )
 
 

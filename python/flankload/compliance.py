@@ -16,6 +16,7 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account
 from flankload.elasticity import stiffness
+from flankload.growth_loads import growth_loads, growth_of_flanks
 from flankload.near_field import (
     jump_strength,
     logarithm_strength,
@@ -24,6 +25,7 @@ from flankload.near_field import (
     projected_sign,
 )
 from flankload.sector_closure import (
+    alike_response,
     close_ring,
     condense,
     segment_response,
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
     from flankload.bodies.body import Body
+    from flankload.growth import Growth
     from flankload.root_fillet import RootFillets, RootPoints
 
 
@@ -98,6 +101,8 @@ class BodyCompliance:
     shifts : dict of str to (1, p) or (f, p) array
         By name of a known load, how far flanks stand out of the material under it before they
         touch, as mode coefficients, mm: one row for all teeth, or one for each of `flanks`.
+    expansion : float
+        Strain by which the body grows as a whole before anything touches; shifts come on top.
     """
 
     smooth: NDArray[np.float64]
@@ -114,6 +119,7 @@ class BodyCompliance:
     seconds: dict[str, float] = field(default_factory=dict)
     root: RootResponse | None = None
     shifts: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    expansion: float = 0.0
 
     @property
     def is_rigid(self) -> bool:
@@ -177,6 +183,19 @@ class BodyCompliance:
             self, smooth=self.smooth[:, :kept, :kept], tangential=tangential, shifts=shifts
         )
 
+    def unyielding(self) -> BodyCompliance:
+        """Of the same body where no force moves it; known loads do."""
+        if not self.shifts:
+            return replace(self, smooth=np.zeros((1, 1, 1)), kernel=0.0, tangential=None)
+        modes = self.smooth.shape[1]
+        return replace(self, smooth=np.zeros((1, modes, modes)), kernel=0.0, tangential=None)
+
+    def grown(self) -> BodyCompliance:
+        """Of the same body, grown as a whole: its modes live on the larger curve."""
+        low, high = self.mode_range_mm
+        larger = 1.0 + self.expansion
+        return replace(self, mode_range_mm=(larger * low, larger * high))
+
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth moves no other tooth, and stresses none."""
         own = np.arange(len(self.flanks)) * (len(self.flanks) + 1) if self.flanks else [0]
@@ -195,9 +214,10 @@ class BodyCompliance:
         )
 
 
-def no_compliance(body: Body) -> BodyCompliance:
+def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
     """Of a body that does not yield, or that nothing loads: no finite elements."""
-    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm)
+    expansion = 0.0 if growth is None else growth.strain
+    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion)
 
 
 def flank_compliance(
@@ -208,6 +228,7 @@ def flank_compliance(
     friction: bool = False,
     fillets: RootFillets | None = None,
     sectors: int | None = None,
+    growth: Growth | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
@@ -225,13 +246,15 @@ def flank_compliance(
     sectors : int, optional
         Only a segment of so many equal sectors, an odd number, its two ends held; 1: a single
         tooth. A body meshed as a whole has none.
+    growth : Growth, optional
+        By what the body grows; of a single tooth only as a whole.
 
     Returns
     -------
     BodyCompliance
     """
     if body.rigid or body.mesh is None:
-        return no_compliance(body)
+        return no_compliance(body, growth)
     wall, clock = perf_counter(), process_time()
     seconds: dict[str, float] = {}
 
@@ -246,10 +269,13 @@ def flank_compliance(
     flanks: tuple[int, ...] = ()
     account = Account(workspace_bytes=_sparse_bytes(matrix))
     stress = _stress_columns(fillets, body, plane, matrix.shape[0])
+    growing = growth_loads(matrix, mesh, growth)
+    forces = np.stack(list(growing.values()), axis=1) if growing else None
+    by_growth = np.zeros((0, len(growing), n_modes))
     if isinstance(mesh, WholeMesh):
         lap("assembly")
         flanks = tuple(flank.tooth for flank in mesh.flanks)
-        response, free = whole_response(
+        response, by_growth, free = whole_response(
             matrix,
             mesh,
             body.mode_range_mm,
@@ -258,6 +284,7 @@ def flank_compliance(
             friction=friction,
             closed=closed,
             readings=stress,
+            forces=forces,
             account=account,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
@@ -272,7 +299,11 @@ def flank_compliance(
                 matrix, loads, mesh, lap, readings=more, account=account
             )
         else:
-            sector, free = condense(matrix, loads, mesh, lap, readings=more, account=account)
+            sector, free = condense(
+                matrix, loads, mesh, lap, readings=more, forces=forces, account=account
+            )
+            if forces is not None:
+                by_growth = alike_response(sector, mesh.teeth)[None, -len(growing) :]
             if sectors is None:
                 response = close_ring(sector, mesh.teeth)
             else:
@@ -281,9 +312,9 @@ def flank_compliance(
         across = -np.arange(mesh.teeth) % mesh.teeth
     root = None
     if fillets is not None:
-        count = response.shape[2]
-        root = RootResponse(fillets.points, response[:, count:])
-        response = response[:, :count]
+        count, places = response.shape[2], fillets.points.arc_length_mm.size
+        root = RootResponse(fillets.points, response[:, count : count + places])
+    response = response[:, : response.shape[2]]
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
     logarithm = projected_logarithm(n_modes, high - low, closed=closed)
@@ -301,6 +332,8 @@ def flank_compliance(
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     response = 0.5 * (response + mirrored)
+    moved = dict(zip(growing, by_growth.swapaxes(0, 1), strict=True))
+    expansion, shifts = growth_of_flanks(body, growth, n_modes, moved)
     lap("ring")
     seconds["wall"] = perf_counter() - wall
     return BodyCompliance(
@@ -317,6 +350,8 @@ def flank_compliance(
         workspace_bytes=account.workspace_bytes,
         seconds=seconds,
         root=root,
+        shifts=shifts,
+        expansion=expansion,
     )
 
 

@@ -23,6 +23,7 @@ COUNTERS = {
     "fe_solutions": "solution with such a factor, whatever for",
     "unit_loads_normal": "load case of pressure on a flank",
     "unit_loads_tangential": "load case along a flank",
+    "fe_load_cases_growth": "load case by which a body grows",
     "cut_columns": "solution for an unknown of the cuts of a sector",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",

@@ -439,10 +439,15 @@ EFFECTS: tuple[Effect, ...] = (
     Effect(
         name="thermal_growth",
         title="thermal growth",
-        keys=("effects.temperature_rise_K", "effects.thermal_expansion_per_K"),
+        keys=(
+            "effects.temperature_rise_K",
+            "effects.thermal_expansion_per_K",
+            "effects.support_expansion_per_K",
+        ),
         switch=_quantity("temperature_rise_K"),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         work=Work(growth_loads=1),
+        counters=("fe_load_cases_growth",),
         size_by="gaps",
     ),
     Effect(
@@ -452,6 +457,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_quantity("speed_rpm"),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         work=Work(growth_loads=1),
+        counters=("fe_load_cases_growth",),
         size_by="gaps",
     ),
     Effect(

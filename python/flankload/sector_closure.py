@@ -53,6 +53,7 @@ def condense(
     lap: Callable[[str], None] | None = None,
     *,
     readings: NDArray[np.float64] | None = None,
+    forces: NDArray[np.float64] | None = None,
     account: Account | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
@@ -68,6 +69,8 @@ def condense(
         Told the name of each step when it is done.
     readings : (2N, q) array, optional
         Columns that only read the displacements.
+    forces : (2N, k) array, optional
+        Known loads; they read, too, which says what they do themselves (Betti).
     account : Account, optional
         Where factorisations and solutions are counted.
 
@@ -89,11 +92,12 @@ def condense(
     solve, complement = condensed(matrix, inside, cut, account)
     tell("factorisation")
     columns, solved = loads, solve(loads[inside])
-    if readings is not None:
-        # on their own, so that the loads' solutions stay what they are to the last bit
-        account.count(stress_recoveries=readings.shape[1])
-        columns = np.hstack([loads, readings])
-        solved = np.hstack([solved, solve(readings[inside])])
+    for name, more in (("stress_recoveries", readings), ("fe_load_cases_growth", forces)):
+        if more is not None:
+            # on their own, so that the loads' solutions stay what they are to the last bit
+            account.count(**{name: more.shape[1]})
+            columns = np.hstack([columns, more])
+            solved = np.hstack([solved, solve(more[inside])])
     account.workspace_bytes += columns.nbytes + solved.nbytes
     sector = CondensedSector(
         local=columns[inside].T @ solved[:, : loads.shape[1]],
@@ -144,6 +148,26 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
         )
     response[0] += sector.local
     return response
+
+
+def alike_response(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
+    """Response of any tooth of the closed ring when all carry the same loads: its harmonic 0.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors.
+
+    Returns
+    -------
+    (r, p) array
+        The sum over the teeth of `close_ring`.
+    """
+    stiffness, (read_left, read_right) = _turned(sector, 2 * np.pi / teeth)
+    read = read_left + read_right
+    loads = sector.local.shape[1]
+    return np.asarray(sector.local + read.T @ np.linalg.solve(sum(stiffness), read[:, :loads]))
 
 
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np.float64]:

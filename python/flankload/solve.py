@@ -19,7 +19,7 @@ from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
-from flankload.stages import compliance_of, sweep_of
+from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents
 
@@ -118,6 +118,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         stage: {"counters": counters} for stage, counters in predicted_work(scene, pair).items()
     }
     compliances = _compliances(scene, pair, clock)
+    pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
     with clock.stage("sweep", fixed) as account:
 
@@ -153,7 +154,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
             estimates = _estimates(found, partial(run, account=account), pair, compliances, clock)
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
-        geometry = pair_geometry(pair)
+        geometry = pair_geometry(pair, compliances)
         results = tuple(
             result_of(
                 part,
@@ -256,12 +257,15 @@ def _compliances(
     found = []
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        if not elastic[z]:
-            found.append(no_compliance(body))
+        growth = pair.growth[z]
+        if not elastic[z] and (growth is None or not growth.needs_elements):
+            found.append(no_compliance(body, growth))
             continue
         stage = f"compliance body {z + 1}"
         with clock.stage(stage, BODY_STEPS + z * COMPLIANCE_STEPS) as account:
-            compliance = compliance_of(body, scene, pair.resolution, fillets=pair.fillets[z])
+            compliance = compliance_of(
+                body, scene, pair.resolution, fillets=pair.fillets[z], growth=growth
+            )
             account.count(**compliance.counters)
             account.bytes += held_bytes(compliance)
             account.workspace_bytes += compliance.workspace_bytes

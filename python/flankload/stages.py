@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 from flankload.compliance import BodyCompliance, flank_compliance
 from flankload.given_compliance import given_compliance
+from flankload.growth import grown
 from flankload.resolution import Resolution, choose_resolution
 from flankload.sweep import sweep
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
 
     from flankload.assembly import BodyPair
     from flankload.bodies import Body
+    from flankload.growth import Growth
     from flankload.root_fillet import RootFillets
     from flankload.scene import Scene
     from flankload.sweep import Sweep
@@ -26,6 +29,7 @@ def compliance_of(
     resolution: Resolution | None = None,
     *,
     fillets: RootFillets | None = None,
+    growth: Growth | None = None,
 ) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
 
@@ -39,6 +43,8 @@ def compliance_of(
         Knobs; those of the scene if absent.
     fillets : RootFillets, optional
         Where stress is wanted, too.
+    growth : Growth, optional
+        By what the body grows.
 
     Returns
     -------
@@ -53,6 +59,8 @@ def compliance_of(
             plane=scene.accuracy.plane,
             friction=scene.has_friction,
         )
+        if growth is not None:
+            found = replace(found, expansion=growth.strain)
     else:
         found = flank_compliance(
             body,
@@ -61,8 +69,35 @@ def compliance_of(
             friction=scene.has_friction,
             fillets=fillets,
             sectors=scene.sectors,
+            growth=growth,
         )
     return found if scene.effects.tooth_coupling else found.without_coupling()
+
+
+def grown_pair(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
+    """Both as the bodies have grown as a whole; from here on nobody asks how they were made.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    compliances : two BodyCompliance
+
+    Returns
+    -------
+    BodyPair
+    two BodyCompliance
+    """
+    if not any(compliance.expansion for compliance in compliances):
+        return pair, compliances
+    one, two = compliances
+    pair = replace(
+        pair,
+        body_1=grown(pair.body_1, one.expansion),
+        body_2=grown(pair.body_2, two.expansion),
+    )
+    return pair, (one.grown(), two.grown())
 
 
 def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:

@@ -72,9 +72,10 @@ def whole_response(
     *,
     friction: bool = False,
     readings: Callable[[int], NDArray[np.float64]] | None = None,
+    forces: NDArray[np.float64] | None = None,
     closed: bool = False,
     account: Account | None = None,
-) -> tuple[NDArray[np.float64], int]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
     Parameters
@@ -91,6 +92,8 @@ def whole_response(
         Modes of load along the flanks follow those along the normals.
     readings : callable, optional
         Number of a flank to columns (2N, q) that only read the displacements.
+    forces : (2N, k) array, optional
+        Known loads.
     closed : bool
         The modes' range is a turn around the body.
     account : Account, optional
@@ -100,6 +103,8 @@ def whole_response(
     -------
     response : (f * f, p + q, p) array, p twice n_modes with friction
         response[i * f + j] is that of flank i to the modes on flank j, that of its readings below.
+    moved : (f, k, p) array
+        What the modes on each flank read under each known load.
     degrees_of_freedom : int
         Those that are not held.
     """
@@ -127,8 +132,13 @@ def whole_response(
         moved = solve(right)
         for i, (places, weight) in enumerate(seen):
             response[i, j] = weight.T @ moved[places]
+    by_forces = np.zeros((f, 0, p))
+    if forces is not None:
+        account.count(fe_load_cases_growth=forces.shape[1])
+        moved = solve(forces[free])
+        by_forces = np.array([moved[rows].T @ column for rows, column in loads])
     tell("solution")
-    return response.reshape(f * f, r, p), free.size
+    return response.reshape(f * f, r, p), by_forces, free.size
 
 
 def _nonzero(columns: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

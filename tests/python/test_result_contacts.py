@@ -252,9 +252,11 @@ def test_without_profile_the_coast_flanks_are_not_known(external: Result) -> Non
     pair = build_pair(EXTERNAL)
     pair = replace(pair, position_rad=external.position_rad)
     unknown = replace(pair, body_2=replace(pair.body_2, involute=None))
+    from flankload.compliance import no_compliance
     from flankload.result.geometry import pair_geometry
 
-    geometry = pair_geometry(unknown)
+    rigid = (no_compliance(unknown.body_1), no_compliance(unknown.body_2))
+    geometry = pair_geometry(unknown, rigid)
     assert geometry.coast is None
     result = replace(external, geometry=geometry)
     assert result.coast_flank_gap_um is None

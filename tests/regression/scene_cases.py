@@ -36,6 +36,16 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
         "positions": {"driver": "body_2"},
     },
     "rigid_wheel": {"body_2": {"rigid": True}},
+    "segment": {"effects": {"body": "segment", "segment_teeth": 3}},
+    "single_tooth": {"effects": {"body": "tooth"}},
+    "without_coupling": {"effects": {"tooth_coupling": False}},
+    "warm_on_cold_shafts": {
+        "effects": {
+            "temperature_rise_K": [60.0, 40.0],
+            "support_expansion_per_K": 0.0,
+            "speed_rpm": 12000.0,
+        },
+    },
 }
 
 

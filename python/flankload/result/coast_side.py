@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.compliance import no_compliance
 from flankload.errors import ContactError
 from flankload.sweep import sweep
 
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from flankload.assembly import BodyPair
     from flankload.bodies.body import Body
     from flankload.bodies.involute import Involute
+    from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
 
@@ -42,6 +42,8 @@ class CoastSide:
     base_radius_mm : float
         Of body 1.
     grid : Grid
+    compliances : two BodyCompliance
+        Without forces: of bodies that grow.
     """
 
     bodies: tuple[Body, Body]
@@ -49,6 +51,7 @@ class CoastSide:
     position_rad: NDArray[np.float64]
     base_radius_mm: float
     grid: Grid
+    compliances: tuple[BodyCompliance, BodyCompliance]
 
     @cached_property
     def gap_rad(self) -> NDArray[np.float64]:
@@ -70,7 +73,7 @@ class CoastSide:
     def _gaps(self, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
         (found,) = sweep(
             self.bodies,
-            compliances=(no_compliance(self.bodies[0]), no_compliance(self.bodies[1])),
+            compliances=self.compliances,
             pairing=self.pairing,
             position_rad=position_rad,
             torques_Nmm=(0.0,),
@@ -81,15 +84,18 @@ class CoastSide:
         return found.rotation_rad
 
 
-def coast_side(pair: BodyPair) -> tuple[CoastSide | None, str]:
+def coast_side(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> tuple[CoastSide | None, str]:
     """Return the coast flanks of a pair; None and the reason where they are not known.
 
-    Both flanks of a tooth are taken to be alike; pitch errors, which are said of working flanks,
-    leave coast flanks where they are.
+    Both flanks of a tooth are taken to be alike, and to grow alike; pitch errors, which are said of
+    working flanks, leave coast flanks where they are.
 
     Parameters
     ----------
     pair : BodyPair
+    compliances : two BodyCompliance
 
     Returns
     -------
@@ -100,6 +106,8 @@ def coast_side(pair: BodyPair) -> tuple[CoastSide | None, str]:
     for z, involute in enumerate((one, two)):
         if involute is None:
             return None, f"of body_{z + 1} only the working flank is known"
+        if any(len(shift) > 1 for shift in compliances[z].shifts.values()):
+            return None, f"of body_{z + 1} only the growth of each working flank is known"
     assert one is not None
     assert two is not None
     coast = CoastSide(
@@ -108,6 +116,7 @@ def coast_side(pair: BodyPair) -> tuple[CoastSide | None, str]:
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
         grid=pair.resolution.grid,
+        compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
     )
     return coast, ""
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.assembly import BodyPair
+    from flankload.compliance import BodyCompliance
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +44,16 @@ class PairGeometry:
     coast_unknown: str = ""
 
 
-def pair_geometry(pair: BodyPair) -> PairGeometry:
+def pair_geometry(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> PairGeometry:
     """Geometry of a pair; nothing is computed that is not asked for later.
 
     Parameters
     ----------
     pair : BodyPair
+    compliances : two BodyCompliance
+        They say how far flanks stand out of their place.
 
     Returns
     -------
@@ -56,7 +61,7 @@ def pair_geometry(pair: BodyPair) -> PairGeometry:
     """
     pairing, mesh = pair.pairing, pair.pairing.mesh
     speeds = pairing.speeds(pair.position_rad)
-    coast, unknown = coast_side(pair)
+    coast, unknown = coast_side(pair, compliances)
     path = None
     if mesh is not None:
         path = (

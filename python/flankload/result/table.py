@@ -243,7 +243,10 @@ def _contact_lines(result: Result) -> Iterator[str]:
         text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
         yield _labelled("sliding", text)
     if summary["coast_flank_gap_min_um"] is not None:
-        text = f"at least {summary['coast_flank_gap_min_um']:.1f} um apart, bodies turned as loaded"
+        gap = summary["coast_flank_gap_min_um"]
+        text = f"at least {gap:.1f} um apart, bodies turned as loaded"
+        if gap < 0:
+            text = f"overlap by up to {-gap:.1f} um, bodies turned as loaded: they would carry, too"
         yield _labelled("coast flanks", text)
     elif result.geometry is not None and not result.has_cam:
         reason = result.geometry.coast_unknown or "none face each other"
@@ -304,6 +307,11 @@ def _cost(cost: Any) -> str:
             *(
                 [("unit_loads_tangential", "along the flanks")]
                 if cost.get("unit_loads_tangential")
+                else []
+            ),
+            *(
+                [("fe_load_cases_growth", "load cases of growth")]
+                if cost.get("fe_load_cases_growth")
                 else []
             ),
             ("pivots", "pivots"),

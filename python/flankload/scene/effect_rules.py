@@ -7,6 +7,9 @@ from flankload.errors import SceneError
 from flankload.scene.form import shown
 from flankload.scene.tables import Cam, ComplianceBody, Follower, MeshBody, SceneFile
 
+#: Strain up to which growth is linear, far beyond what any machine bears.
+LARGEST_STRAIN = 0.02
+
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Refuse combinations of effects and bodies that have no meaning.
@@ -25,10 +28,11 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     effects = given.get("effects", {})
     _check_extent(asked, effects)
     _check_coupling(asked, effects)
+    _check_growth(asked)
 
 
 def _refuse(key: str, expected: str, found: object) -> None:
-    raise SceneError(key=key, expected=expected, found=shown(found) if found else "nothing")
+    raise SceneError(key=key, expected=expected, found="nothing" if found is None else shown(found))
 
 
 def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
@@ -83,3 +87,55 @@ def _check_coupling(asked: SceneFile, given: Mapping[str, Any]) -> None:
             expected="true, since body_2.kind is 'cam': cam and follower have one flank each",
             found="false",
         )
+
+
+def _check_growth(asked: SceneFile) -> None:
+    """What stands beside a key that is absent; growth that wants elements where there are none."""
+    effects = asked.effects
+    for key, other in (
+        ("thermal_expansion_per_K", "temperature_rise_K"),
+        ("support_expansion_per_K", "temperature_rise_K"),
+        ("density_kg_m3", "speed_rpm"),
+    ):
+        if getattr(effects, key) is not None and getattr(effects, other) is None:
+            _refuse(
+                f"effects.{key}",
+                f"nothing, unless there is an effects.{other}",
+                getattr(effects, key),
+            )
+    for expansion in ("thermal_expansion_per_K", "support_expansion_per_K"):
+        for rise, per_K in zip(
+            _of_both(effects.temperature_rise_K), _of_both(getattr(effects, expansion)), strict=True
+        ):
+            if abs(rise * per_K) > LARGEST_STRAIN:
+                _refuse(
+                    "effects.temperature_rise_K",
+                    f"so few K that they stretch the bodies by {LARGEST_STRAIN:g} at most, with "
+                    f"effects.{expansion} {per_K:g}",
+                    rise,
+                )
+    if effects.speed_rpm and isinstance(asked.body_2, Cam):
+        _refuse(
+            "effects.speed_rpm",
+            "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not turn",
+            effects.speed_rpm,
+        )
+    for key in ("speed_rpm", "support_expansion_per_K"):
+        if getattr(effects, key) is not None:
+            _check_elements(asked, key)
+
+
+def _check_elements(asked: SceneFile, key: str) -> None:
+    """Growth beside what holds a body, or by its speed, is a load of finite elements."""
+    if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
+        why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
+        _refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+    for name, spec in (("body_1", asked.body_1), ("body_2", asked.body_2)):
+        if isinstance(spec, ComplianceBody) and not spec.rigid:
+            why = f"{name}.kind is 'compliance': its file does not say how it grows"
+            _refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+
+
+def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
+    """A number for each body; 0 where there is none."""
+    return value if isinstance(value, tuple) else (value or 0.0,) * 2

@@ -24,10 +24,6 @@ NOT_YET = {
     "effects": {
         "influence": "finite-load influence numbers",
         "near_field": "the near field from nodal loads",
-        "temperature_rise_K": "thermal growth",
-        "thermal_expansion_per_K": "thermal growth",
-        "speed_rpm": "centrifugal growth",
-        "density_kg_m3": "centrifugal growth",
         "coast_flank": "contact on the coast flank",
     },
     "body": {

@@ -3,7 +3,7 @@
 The reader (`form`) and the JSON schema are both made from what stands here.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct
 
@@ -517,6 +517,14 @@ CoefficientRow = Annotated[tuple[float, ...], Meta(min_length=2, max_length=2)]
 Coefficients = Annotated[tuple[Coefficient | CoefficientRow, ...], Meta(min_length=1)]
 
 
+Rise = Annotated[float, Meta(ge=-273, le=2000)]
+Expansion = Annotated[float, Meta(ge=0, le=1e-3)]
+Density = Annotated[float, Meta(ge=1, le=1e5)]
+Number = TypeVar("Number")
+#: One for body 1, one for body 2. (msgspec crashes on tuple[float, float] in a union.)
+PerBody = Annotated[tuple[Number, ...], Meta(min_length=2, max_length=2)]
+
+
 class EffectsAsked(Table, frozen=True, kw_only=True):
     """Effects beyond elastic bodies and their given geometry; what is absent is not simulated."""
 
@@ -571,6 +579,37 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     tooth_coupling: Annotated[
         bool, about("", "false: a load on a tooth moves no other tooth of the body")
     ] = True
+    temperature_rise_K: Annotated[
+        Rise | PerBody[Rise] | None,
+        about(
+            "K",
+            "temperature of the bodies above that at which their dimensions hold: a number, or one "
+            "for each body; the centre distance stays what it is",
+        ),
+    ] = None
+    thermal_expansion_per_K: Annotated[
+        Expansion | PerBody[Expansion] | None,
+        about("1/K", "linear thermal expansion of the bodies, or of each; absent = 11.5e-6, steel"),
+    ] = None
+    support_expansion_per_K: Annotated[
+        Expansion | PerBody[Expansion] | None,
+        about(
+            "1/K",
+            "the same of what holds them (shaft in the bore, housing around a ring), which is as "
+            "warm; 0 = it stays as it is; absent = as the body, which then grows without stress",
+        ),
+    ] = None
+    speed_rpm: Annotated[
+        Annotated[float, Meta(ge=0, le=2e5)] | None,
+        about(
+            "1/min",
+            "speed of body 1, which stretches the bodies; body 2 turns by the ratio of the teeth",
+        ),
+    ] = None
+    density_kg_m3: Annotated[
+        Density | PerBody[Density] | None,
+        about("kg/m^3", "density of the bodies, or of each; absent = 7850, steel"),
+    ] = None
 
 
 class Accuracy(Table, frozen=True, kw_only=True):

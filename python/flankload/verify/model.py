@@ -10,6 +10,7 @@ from msgspec import structs
 
 from flankload.assembly import build_bodies
 from flankload.errors import SceneError
+from flankload.scene.form import shown
 from flankload.verify.contact_places import contact_places
 from flankload.verify.deck import Deck, Part, Rubbing, part_of
 from flankload.verify.refine import refined
@@ -70,6 +71,14 @@ def check_bodies(scene: Scene) -> None:
             expected="bodies with teeth: no deck is written for a cam and its follower",
             found="'cam'",
         )
+    for key in ("temperature_rise_K", "speed_rpm"):
+        if getattr(scene.effects, key):
+            raise SceneError(
+                file=scene.file,
+                key=f"effects.{key}",
+                expected="nothing: bodies that grow are not written for another program",
+                found=shown(getattr(scene.effects, key)),
+            )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
         if spec.kind == "compliance":
             raise SceneError(
