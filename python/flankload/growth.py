@@ -49,7 +49,12 @@ class Growth:
     @property
     def needs_elements(self) -> bool:
         """Whether it is more than growth as a whole."""
-        return self.strain != self.held_strain or self.speed_rad_per_s > 0.0
+        return self.load_cases > 0
+
+    @property
+    def load_cases(self) -> int:
+        """One for each cause that is more than growth as a whole."""
+        return (self.strain != self.held_strain) + (self.speed_rad_per_s > 0.0)
 
 
 def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | None]:

@@ -7,6 +7,7 @@ solved, so that every run can have it.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.bodies.body import WholeMesh
@@ -43,11 +44,19 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """
     stages = {"bodies": {"states": _standing_states(pair)}}
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        if (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]:
+        growth = 0 if pair.growth[z] is None else pair.growth[z].load_cases
+        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
+        if elastic or growth:
             stage = f"compliance body {z + 1}"
             work = work_in(stage, pair.effects)
+            if not elastic:  # its elements are there to grow
+                work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.resolution)
-            stages[stage] = _elements(body, work, modes, pair.fillets[z])
+            found = _elements(body, work, modes, pair.fillets[z], growth)
+            if pair.effects.single_tooth and "cut_columns" in found:
+                found["fe_solutions"] -= found["cut_columns"]
+                found["cut_columns"] = 0
+            stages[stage] = found
     return stages | _sweeps(scene, pair)
 
 
@@ -56,7 +65,9 @@ def _standing_states(pair: BodyPair) -> int:
     return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
 
 
-def _elements(body: Body, work: Work, modes: int, fillets: RootFillets | None) -> dict[str, int]:
+def _elements(
+    body: Body, work: Work, modes: int, fillets: RootFillets | None, growth: int
+) -> dict[str, int]:
     """Work of the elements of a body; none where it brings its compliance along."""
     mesh = body.mesh
     flanks, cuts, places = 0, 0, 0
@@ -71,6 +82,7 @@ def _elements(body: Body, work: Work, modes: int, fillets: RootFillets | None) -
         "unit_loads_tangential": round(work.tangential_loads) * modes * flanks,
         "cut_columns": 0 if many else cuts,
         "stress_recoveries": round(work.recoveries) * places,
+        "fe_load_cases_growth": 0 if mesh is None else growth,
     }
     return {
         "fe_factorisations": 0 if mesh is None else round(work.factorisations) + many,
