@@ -44,7 +44,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """
     stages = {"bodies": {"states": _standing_states(pair)}}
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        growth = 0 if pair.growth[z] is None else pair.growth[z].load_cases
+        grows = pair.growth[z]
+        growth = 0 if grows is None else grows.load_cases
         elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
         if elastic or growth:
             stage = f"compliance body {z + 1}"
