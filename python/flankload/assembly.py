@@ -23,6 +23,7 @@ from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
 from flankload.root_fillet import RootFillets, root_fillets
+from flankload.scene import Chain
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
 #: the result may have.
@@ -118,6 +119,13 @@ def bodies_of(
     SceneError
         If a body cannot be made; names file, key, expected and found.
     """
+    if isinstance(scene.body_2, Chain):
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with flanks and elements for that",
+            found="'chain', whose sprocket has pockets and which is a truss",
+        )
     try:
         return tuple(
             build_body(

@@ -11,7 +11,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody, Scene
+from flankload.scene import (
+    BodySpec,
+    Cam,
+    Chain,
+    ComplianceBody,
+    Follower,
+    MeshBody,
+    Scene,
+    Sprocket,
+)
 
 #: How the size of an effect is found before the run: the same pair with another compliance, with
 #: other gaps, with other places of contact, with other levers; or it changes no state at all.
@@ -145,6 +154,8 @@ class Effects:
         Stress in the tooth roots of the bodies that yield.
     several_torques : bool
         One result per torque.
+    large_displacement : bool
+        The rollers of a chain are followed to where they stand.
     """
 
     elastic_body_1: bool
@@ -165,6 +176,7 @@ class Effects:
     power_loss: bool
     root_stress: bool
     several_torques: bool
+    large_displacement: bool
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -283,7 +295,7 @@ def _modified(scene: Scene) -> Switch:
 
 
 def _modification(body: BodySpec) -> str | None:
-    if isinstance(body, ComplianceBody | Cam | Follower):
+    if isinstance(body, ComplianceBody | Cam | Follower | Sprocket | Chain):
         return None
     inside = "profile." if isinstance(body, MeshBody) else ""
     profile = body.profile if isinstance(body, MeshBody) else body
@@ -494,5 +506,14 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_several,
         stages=ALL_SWEEPS,
         work=Work(columns=1, solves=1),
+    ),
+    Effect(
+        name="large_displacement",
+        title="rollers of a chain followed to where they stand",
+        keys=("effects.large_displacement",),
+        switch=_level("large_displacement", True, False),
+        stages=("sweep",),
+        work=Work(columns=10, solves=10),
+        size_by="places",
     ),
 )

@@ -102,6 +102,11 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     FlankloadError
         If a position has no answer.
     """
+    if scene.body_2.kind == "chain":
+        from flankload.chain_drive import solve_chain
+
+        drives = solve_chain(scene, progress)
+        return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)

@@ -6,8 +6,10 @@ seen of it in a run. A row without its case fails.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,7 @@ SMALL: dict[str, Any] = {
     "accuracy__flank_element_mm": 3.0,
     "accuracy__modes": 3,
 }
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
 #: Arguments of the core, in their order.
 ARGUMENTS = _core.flankload_sweep.__doc__.partition("(")[2].partition(")")[0].split(",")
 
@@ -102,6 +105,12 @@ def further_torques(run: Run) -> float:
     return cost["stages"]["sweep"]["counters"]["states"] / cost["positions"] - 1
 
 
+def further_passes(run: Run) -> int:
+    """Contact problems beyond the two of a position: one for the state, one for its stiffness."""
+    sweep = run.result.cost["stages"]["sweep"]["counters"]
+    return int(sweep["contact_passes"]) - 2 * int(sweep["states"])
+
+
 @dataclass(frozen=True)
 class Case:
     """How an effect is called for, how it is not, and what is seen of it.
@@ -170,6 +179,12 @@ CASES = {
     "root_stress": Case(
         {"effects__root_stress": True}, {"effects__root_stress": False}, stress_readings
     ),
+    "large_displacement": Case(
+        {"example": "chain", "effects__large_displacement": True},
+        {"example": "chain", "effects__large_displacement": False},
+        further_passes,
+        more={"example": "chain"},
+    ),
     "several_torques": Case(
         {"load__torque_Nm": [100, 302]}, {"load__torque_Nm": 302}, further_torques
     ),
@@ -187,12 +202,23 @@ ROWS = {
 RUNS: dict[str, Run] = {}
 
 
+def scene_with(*, example: str = "", **changes: Any) -> dict[str, Any]:
+    """The small pair, or an example, with changes."""
+    if not example:
+        return changed(**SMALL, **changes)
+    tree = tomllib.loads((EXAMPLES / f"{example}.toml").read_text(encoding="utf-8"))
+    for key, value in {"positions__count": 2, **changes}.items():
+        table, _, name = key.partition("__")
+        tree.setdefault(table, {})[name] = value
+    return tree
+
+
 def run_of(changes: dict[str, Any]) -> Run:
     """A run, made once."""
     name = str(sorted(changes.items()))
     if name in RUNS:
         return RUNS[name]
-    scene = fl.Scene.from_dict(changed(**SMALL, **changes))
+    scene = fl.Scene.from_dict(scene_with(**changes))
     calls: list[dict[str, Any]] = []
     plain = _core.flankload_sweep
 

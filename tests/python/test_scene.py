@@ -233,7 +233,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": ABSENT},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
             "nothing",
         ),
         (
@@ -264,13 +264,13 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": "ring"},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
             "'ring'",
         ),
         (
             {"body_1__kind": ["gear"]},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'mesh' or 'compliance'",
+            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
             "['gear']",
         ),
         (

@@ -52,8 +52,19 @@ def build_body(
         If the body cannot be made; names the key. MeshError or ComplianceFileError where a
         file is at fault.
     """
-    from flankload.scene import Cam, ComplianceBody, Follower, Gear, MeshBody, Ring, SplineShaft
+    from flankload.scene import (
+        Cam,
+        Chain,
+        ComplianceBody,
+        Follower,
+        Gear,
+        MeshBody,
+        Ring,
+        SplineShaft,
+        Sprocket,
+    )
 
+    assert not isinstance(spec, Sprocket | Chain)  # no flanks, no elements
     if isinstance(spec, ComplianceBody):
         from flankload.bodies.compliance_body import build_compliance_body
 

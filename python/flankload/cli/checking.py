@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.effects import Switch
+    from flankload.scene import Scene
 
 
 def check(arguments: Namespace) -> None:
@@ -26,6 +27,9 @@ def _check_scene(path: Path) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(path)
+    if scene.body_2.kind == "chain":
+        _check_chain(scene)
+        return
     from flankload.assembly import build_bodies
     from flankload.effects import EFFECTS, switches_of
     from flankload.gear_mesh import describe_mesh
@@ -57,6 +61,15 @@ def _check_scene(path: Path) -> None:
         print()
     for note in pair.notes:
         print(f"warning: {note}")
+
+
+def _check_chain(scene: Scene) -> None:
+    from flankload.chain_drive import describe_drive
+
+    rows = describe_drive(scene)
+    print(f"{scene.name}: a valid scene")
+    for title, found in rows.items():
+        _print_rows(title, found)
 
 
 def _said(switch: Switch) -> str:

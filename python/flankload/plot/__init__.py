@@ -15,6 +15,7 @@ from flankload.plot.curves import (
     plot_peak_pressure,
     plot_transmission_error,
 )
+from flankload.plot.drive import plot_chain_on_sprocket, plot_tensions
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.root_stress import plot_root_stress
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "plot_all",
+    "plot_chain_on_sprocket",
     "plot_flank_pressure",
     "plot_follower_motion",
     "plot_load_per_tooth",
@@ -41,6 +43,7 @@ __all__ = [
     "plot_profile_deviation",
     "plot_root_stress",
     "plot_stiffness",
+    "plot_tensions",
     "plot_transmission_error",
 ]
 
@@ -62,7 +65,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         involute. Of a follower on its cam follower_motion.png in place of load_sharing.png. Of
         bodies that touch all around load_per_tooth.png, flank_pressure.png,
         loaded_pair.png, and with several positions transmission_error.png. Of all
-        root_stress.png where stress is asked for.
+        root_stress.png where stress is asked for. Of a chain transmission_error.png,
+        chain_on_sprocket.png, tensions.png and stiffness.png.
 
     Raises
     ------
@@ -90,6 +94,13 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         }
         if result.position_rad.size > 1:
             pictures["transmission_error.png"] = plot_transmission_error
+    if result.drive is not None:
+        pictures = {
+            "transmission_error.png": plot_transmission_error,
+            "chain_on_sprocket.png": plot_chain_on_sprocket,
+            "tensions.png": plot_tensions,
+            "stiffness.png": plot_stiffness,
+        }
     if any(stress is not None for stress in result.root_stress):
         pictures["root_stress.png"] = plot_root_stress
     # Every picture is drawn before the first is written.

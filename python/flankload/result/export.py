@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.drive import ALONG_POSITIONS as DRIVE
+from flankload.result.drive import OVER_SITES as DRIVE_SITES
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 from flankload.result.root_stress import root_arrays
 
@@ -158,9 +160,19 @@ def _tree(result: Result) -> dict[str, Any]:
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
+    if result.drive is not None:
+        tree["drive"] = result.drive.as_dict()
     tree |= {name: values for name, (values, _) in _root_arrays(result).items()}
     tree["pairs"] = [table.columns() for table in result.pair_tables]
     return tree
+
+
+def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
+    """Arrays (P, S) that only some results have, with their units."""
+    found = _root_arrays(result)
+    if result.drive is not None:
+        found |= {key: (getattr(result.drive, key), unit) for key, unit in DRIVE_SITES.items()}
+    return found
 
 
 def _root_arrays(result: Result) -> dict[str, tuple[Any, str]]:
@@ -204,8 +216,9 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     """
     several = results if isinstance(results, Sequence) else (results,)
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
+    drives = list(DRIVE) if any(result.drive is not None for result in several) else []
     sites = sorted({int(site) for result in several for site in result.sites})
-    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _root_arrays(r))]))
+    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _more_arrays(r))]))
     along = along_positions(*several)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
@@ -214,16 +227,18 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
             "torque_Nm",
             *along,
             *(f"friction_{key}" for key in rubs),
+            *drives,
             *(f"{key}_pair_{j}" for j in sites for key in keys),
         ]
     )
     for result in several:
         over = {key: getattr(result, key) for key in OVER_SITES}
-        over |= {key: values for key, (values, _) in _root_arrays(result).items()}
+        over |= {key: values for key, (values, _) in _more_arrays(result).items()}
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
             row = [result.torque_Nm, *(_at(result, key, p) for key in along)]
             row += [getattr(result.friction, key)[p] for key in rubs]
+            row += [getattr(result.drive, key)[p] for key in drives]
             for j in sites:
                 row += [_at_site(over, key, p, column.get(j)) for key in keys]
             writer.writerow([_cell(value) for value in row])
@@ -289,8 +304,11 @@ def to_xarray(result: Result) -> Any:
         for key, unit in FRICTION.items():
             values = getattr(result.friction, key)
             along[f"friction_{key}"] = (("position",), values, {"units": unit})
+    if result.drive is not None:
+        for key, unit in DRIVE.items():
+            along[key] = (("position",), getattr(result.drive, key), {"units": unit})
     over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
-    for key, (values, unit) in _root_arrays(result).items():
+    for key, (values, unit) in _more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(
         {**along, **over},

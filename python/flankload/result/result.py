@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.cost_table import cost_table
+from flankload.result.drive import ChainDrive
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
@@ -76,6 +77,8 @@ class Result(ContactQuantities):
         Friction forces, losses, torque on body 2; None without friction.
     geometry : PairGeometry or None
         How the bodies stand and move; without it nothing is known of sliding and coast flanks.
+    drive : ChainDrive or None
+        Tensions, places and margins of a chain; its sites are rollers, and pressures are 0.
     root_readings : two RootReading or None
         What turns forces into stress in the tooth roots, where it is asked for.
     """
@@ -105,6 +108,7 @@ class Result(ContactQuantities):
     geometry: PairGeometry | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
     follower_angle_rad: Floats | None = None
+    drive: ChainDrive | None = None
 
     @property
     def has_cam(self) -> bool:

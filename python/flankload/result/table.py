@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.drive import rows_of_drive, words_of_drive
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -42,7 +44,9 @@ def text_of(result: Result) -> str:
         Lines without a line break at the end.
     """
     rows = _rows(result)
-    if result.whole_circle:
+    if result.drive is not None:
+        rows = rows_of_drive(result, result.drive)
+    elif result.whole_circle:
         rows = _rows_of_circle(result)
     elif result.sites.size > MOST_COLUMNS:
         rows = _rows_of_loaded(result)
@@ -189,6 +193,8 @@ def _footer(result: Result) -> Iterator[str]:
     yield _labelled("loaded pairs", text)
     if summary["peak_pressure_pair"] is not None:
         yield _labelled("largest pressure", _largest_pressure(summary))
+    if result.drive is not None:
+        yield _labelled("chain", words_of_drive(result.drive))
     yield from _contact_lines(result)
     for z in (1, 2):
         if f"root_stress_{z}" in summary and result.torque_Nm > 0:
@@ -233,7 +239,7 @@ def _contact_lines(result: Result) -> Iterator[str]:
     if tangent is not None and secant is not None:
         text = f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
         yield _labelled("stiffness", text)
-    if summary["peak_line_load_pair"] is not None:
+    if summary["peak_line_load_pair"] is not None and result.drive is None:
         text = f"up to {summary['peak_line_load_N_per_mm']:.1f} N/mm on pair "
         text += f"{summary['peak_line_load_pair']} at "
         text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"

@@ -18,6 +18,7 @@ from msgspec.structs import replace
 
 from flankload.errors import SceneError
 from flankload.scene.cam_rules import check_cam, check_cam_pair, check_follower
+from flankload.scene.drive_rules import check_drive
 from flankload.scene.effect_rules import check_effects
 from flankload.scene.form import json_schema, read_table, shown
 from flankload.scene.mesh_rules import check_sets
@@ -25,6 +26,7 @@ from flankload.scene.tables import (
     LARGEST_COEFFICIENT,
     Accuracy,
     Cam,
+    Chain,
     ComplianceBody,
     EffectsAsked,
     Follower,
@@ -40,11 +42,13 @@ from flankload.scene.tables import (
     SceneFile,
     SplineHub,
     SplineShaft,
+    Sprocket,
 )
 
 __all__ = [
     "BodySpec",
     "Cam",
+    "Chain",
     "ComplianceBody",
     "Follower",
     "Gear",
@@ -55,12 +59,26 @@ __all__ = [
     "Scene",
     "SplineHub",
     "SplineShaft",
+    "Sprocket",
     "read_scene",
     "scene_schema",
 ]
 
-BodySpec = Gear | Ring | SplineShaft | SplineHub | Cam | Follower | MeshBody | ComplianceBody
+BodySpec = (
+    Gear
+    | Ring
+    | SplineShaft
+    | SplineHub
+    | Cam
+    | Follower
+    | Sprocket
+    | Chain
+    | MeshBody
+    | ComplianceBody
+)
 
+#: What stands for [pair] where there is none: a chain on its sprocket.
+NO_PAIR = Pair(face_width_mm=1.0)
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
 #: Pitch error over base pitch: beyond it the teeth of one space would change places.
@@ -76,9 +94,9 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1 : Gear, SplineShaft, Follower, MeshBody or ComplianceBody
+    body_1 : Gear, SplineShaft, Follower, Sprocket, MeshBody or ComplianceBody
         Free to turn; carries the torque.
-    body_2 : Gear, Ring, SplineHub, Cam, MeshBody or ComplianceBody
+    body_2 : Gear, Ring, SplineHub, Cam, Chain, MeshBody or ComplianceBody
     pair : Pair
         Centre distance, or offset of a spline, and face width, mm.
     load : Load
@@ -93,8 +111,8 @@ class Scene:
     """
 
     name: str
-    body_1: Gear | SplineShaft | Follower | MeshBody | ComplianceBody
-    body_2: Gear | Ring | SplineHub | Cam | MeshBody | ComplianceBody
+    body_1: Gear | SplineShaft | Follower | Sprocket | MeshBody | ComplianceBody
+    body_2: Gear | Ring | SplineHub | Cam | Chain | MeshBody | ComplianceBody
     pair: Pair
     load: Load
     positions: Positions
@@ -168,7 +186,7 @@ class Scene:
             name=asked.name or (path.stem if path is not None else "scene"),
             body_1=asked.body_1,
             body_2=asked.body_2,
-            pair=asked.pair,
+            pair=asked.pair or NO_PAIR,
             load=asked.load,
             positions=asked.positions,
             effects=asked.effects,
@@ -257,8 +275,8 @@ def _refuse(key: str, expected: str, found: object) -> None:
 
 
 def _check_body(body: BodySpec, given: Mapping[str, Any], key: str) -> None:
-    if isinstance(body, ComplianceBody):
-        return  # teeth and all else stand in its file
+    if isinstance(body, ComplianceBody | Sprocket | Chain):
+        return  # teeth and all else stand in its file, or is for the rules of drives to say
     if isinstance(body, Cam):
         check_cam(body, key)
         return
@@ -379,7 +397,9 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 
 
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    _check_kinds(asked)
+    check_drive(asked, given)
+    if asked.pair is not None:
+        _check_kinds(asked, asked.pair)
     _check_friction(asked)
     _check_lumped(asked)
     check_effects(asked, given)
@@ -467,7 +487,7 @@ def _check_lumped(asked: SceneFile) -> None:
             )
 
 
-def _check_kinds(asked: SceneFile) -> None:
+def _check_kinds(asked: SceneFile, pair: Pair) -> None:
     """A shaft stands in a hub, on an offset; all other bodies stand on a centre distance."""
     check_cam_pair(asked)
     splines = isinstance(asked.body_1, SplineShaft), isinstance(asked.body_2, SplineHub)
@@ -477,7 +497,7 @@ def _check_kinds(asked: SceneFile) -> None:
             "'spline_hub' with body_1.kind 'spline_shaft': the two go together and with no other",
             f"'{asked.body_2.kind}' with body_1.kind '{asked.body_1.kind}'",
         )
-    distance, offset = asked.pair.center_distance_mm, asked.pair.center_offset_mm
+    distance, offset = pair.center_distance_mm, pair.center_offset_mm
     if all(splines) and distance is not None:
         _refuse(
             "pair.center_distance_mm",
@@ -497,7 +517,7 @@ def _check_kinds(asked: SceneFile) -> None:
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
     """Concentric splines have one position, unless more are asked for."""
-    if asked.body_1.kind != "spline_shaft" or asked.pair.axes_apart_mm > 0.0:
+    if asked.body_1.kind != "spline_shaft" or asked.pair is None or asked.pair.axes_apart_mm > 0:
         return asked
     if {"count", "angles_deg"} & set(given.get("positions", {})):
         return asked

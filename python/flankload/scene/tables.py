@@ -5,28 +5,20 @@ The reader (`form`) and the JSON schema are both made from what stands here.
 
 from typing import Annotated, Literal, TypeVar
 
-from msgspec import Meta, Struct
+from msgspec import Meta
 
-Positive = Annotated[float, Meta(gt=0)]
-#: mm. The range is far wider than any pair; beyond it numbers overflow or meshes have no end.
-Length = Annotated[float, Meta(ge=1e-3, le=1e5)]
-NotNegative = Annotated[float, Meta(ge=0)]
-Text = Annotated[str, Meta(min_length=1)]
-# Beyond thousands of turns the place within a tooth pitch is lost to rounding.
-Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
-Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
-Torques = Annotated[tuple[NotNegative, ...], Meta(min_length=1)]
-Shift = Annotated[float, Meta(ge=-5, le=5)]
-Strips = Annotated[float, Meta(ge=2, le=200)]
-
-
-def about(unit: str, meaning: str) -> Meta:
-    """Meaning and unit of a key ("-" for a pure number, "" for words)."""
-    return Meta(description=meaning, extra_json_schema={"unit": unit} if unit else None)
-
-
-class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What all tables have in common."""
+from flankload.scene.drive_tables import Chain, SlackTension, Sprocket
+from flankload.scene.table import (
+    Angles,
+    Length,
+    NotNegative,
+    Shift,
+    Strips,
+    Table,
+    Text,
+    Torques,
+    about,
+)
 
 
 class InvoluteKeys(Table, frozen=True, kw_only=True):
@@ -447,6 +439,7 @@ class Load(Table, frozen=True, kw_only=True):
             "N m", "torque on body 1, or a list: one result per torque; 0 is the unloaded motion"
         ),
     ]
+    slack_tension_N: SlackTension | None = None
 
 
 class Positions(Table, frozen=True, kw_only=True):
@@ -610,6 +603,14 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
         Density | PerBody[Density] | None,
         about("kg/m^3", "density of the bodies, or of each; absent = 7850, steel"),
     ] = None
+    large_displacement: Annotated[
+        bool,
+        about(
+            "",
+            "true: a chain's rollers are followed to where they stand, in place of one linear "
+            "solution about their places on the pitch circle",
+        ),
+    ] = False
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
@@ -645,14 +646,14 @@ class SceneFile(Table, frozen=True, kw_only=True):
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
     body_1: Annotated[
-        Gear | SplineShaft | Follower | MeshBody | ComplianceBody,
+        Gear | SplineShaft | Follower | Sprocket | MeshBody | ComplianceBody,
         about("", "free to turn, carries the torque"),
     ]
     body_2: Annotated[
-        Gear | Ring | SplineHub | Cam | MeshBody | ComplianceBody,
+        Gear | Ring | SplineHub | Cam | Chain | MeshBody | ComplianceBody,
         about("", "stands at its kinematic angle"),
     ]
-    pair: Pair
+    pair: Annotated[Pair | None, about("", "needed, but for chains, which know none of it")] = None
     load: Load
     positions: Positions = Positions()
     effects: EffectsAsked = EffectsAsked()

@@ -1,0 +1,241 @@
+"""The kind "sprocket": pockets of the rollers, ISO 606; rigid.
+
+What a roller knows of its pocket is the curve on which its centre can lie: a concave seat arc about
+the bottom of the pocket, and beyond its ends convex arcs around the flanks of both teeth, tangent
+to it. In the frame of a pocket the origin is the roller's place on the pitch circle, with the axes
+along the turn and outwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, pi, radians, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import Sprocket as SprocketKeys
+
+    Floats = NDArray[np.float64]
+
+#: ISO 606: least and largest roller seating radius, r_i = 0.505 d1 (+ 0.069 d1^(1/3)).
+SEAT_PART, SEAT_ROOT = 0.505, 0.069
+
+
+@dataclass(frozen=True)
+class Sprocket:
+    """A sprocket as the rollers of a chain meet it.
+
+    Attributes
+    ----------
+    teeth : int
+    pitch_mm, roller_diameter_mm : float
+    seat_radius_mm : float
+        Of the arc on which a roller's centre can lie in its seat: how much the roller is smaller.
+    flank_radius_mm : float
+        Of the arcs on which its centre can lie beyond the seat.
+    seat_half_angle_rad : float
+        Half the angle of the seat arc.
+    tip_radius_mm : float
+        Of the tip circle.
+    """
+
+    teeth: int
+    pitch_mm: float
+    roller_diameter_mm: float
+    seat_radius_mm: float
+    flank_radius_mm: float
+    seat_half_angle_rad: float
+    tip_radius_mm: float
+
+    @property
+    def half_pitch_rad(self) -> float:
+        """Half the angle from tooth to tooth."""
+        return pi / self.teeth
+
+    @property
+    def pitch_radius_mm(self) -> float:
+        """Radius on which the rollers stand."""
+        return 0.5 * self.pitch_mm / sin(self.half_pitch_rad)
+
+    @property
+    def tension_ratio(self) -> float:
+        """Tension behind a roller over that before it, where the flank's foot carries it.
+
+        q = sin(theta)/sin(theta + 2 beta): balance of a roller between two links, beta half a
+        pitch, theta the angle of the force line there with the link behind.
+        """
+        theta = 0.5 * pi - self.seat_half_angle_rad - self.half_pitch_rad
+        return sin(theta) / sin(theta + 2 * self.half_pitch_rad)
+
+    def jump_tension(self, tight_N: Floats, wrap_angle_rad: float) -> Floats:
+        """T1 q^n, the slack tension below which a worn chain climbs the flanks.
+
+        Parameters
+        ----------
+        tight_N : array
+            Tension of the tight strand.
+        wrap_angle_rad : float
+            Of n pitches.
+
+        Returns
+        -------
+        array
+            N.
+        """
+        return tight_N * self.tension_ratio ** (0.5 * wrap_angle_rad / self.half_pitch_rad)
+
+    @cached_property
+    def flank_centers(self) -> Floats:
+        """(2, 2) Centres of the arcs of the working and of the other flank, frame of the pocket."""
+        a = self.seat_half_angle_rad
+        reach = self.seat_radius_mm + self.flank_radius_mm
+        return np.array(
+            [[side * -sin(a) * reach, self.seat_radius_mm - cos(a) * reach] for side in (1, -1)]
+        )
+
+    @property
+    def highest_roller_mm(self) -> float:
+        """How far outwards a roller can move along a flank before it stands on the tip."""
+        # there the line from the flank's centre through the roller meets the tip circle
+        center = self.flank_centers[0] + [0.0, self.pitch_radius_mm]
+        inner = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
+        distance = float(np.hypot(*center))
+        cosine = (self.tip_radius_mm**2 - distance**2 - inner**2) / (2 * distance * inner)
+        turn = np.arctan2(center[1], center[0]) - np.arccos(np.clip(cosine, -1.0, 1.0))
+        place = center + self.flank_radius_mm * np.array([np.cos(turn), np.sin(turn)])
+        return float(place[1] - self.pitch_radius_mm)
+
+    def seat_planes(self, angles_rad: Floats, place: Floats) -> tuple[Floats, Floats]:
+        """Planes tangent to the seat arc.
+
+        Parameters
+        ----------
+        angles_rad : (m,) array
+            Of the normals, from outwards, positive along the turn.
+        place : (n, 2) array
+            Of the rollers' centres in the frames of their pockets, mm.
+
+        Returns
+        -------
+        normals : (m, 2) array
+            Out of the sprocket.
+        gaps : (n, m) array
+            Of each roller to each plane, mm.
+        """
+        normals = np.column_stack([np.sin(angles_rad), np.cos(angles_rad)])
+        return normals, (place - [0.0, self.seat_radius_mm]) @ normals.T + self.seat_radius_mm
+
+    def flank_gaps(self, place: Floats) -> tuple[Floats, Floats]:
+        """Gaps of rollers to the arcs of both flanks.
+
+        Parameters
+        ----------
+        place : (n, 2) array
+
+        Returns
+        -------
+        normals : (2, n, 2) array
+            Out of the sprocket, at the nearest points.
+        gaps : (2, n) array
+            mm.
+        """
+        away = place[None] - self.flank_centers[:, None]
+        distance = np.hypot(away[..., 0], away[..., 1])
+        return away / distance[..., None], distance - self.flank_radius_mm
+
+    def outline(self, n: int = 24) -> Floats:
+        """Contour of one tooth space from tip to tip, counter-clockwise, for pictures.
+
+        Returns
+        -------
+        (k, 2) array
+            In the frame of the sprocket, the pocket of roller 0 on the x axis.
+        """
+        a = self.seat_half_angle_rad
+        ball = 0.5 * self.roller_diameter_mm
+        seat = [0.0, self.seat_radius_mm]
+        angles = np.linspace(a, -a, 2 * n)
+        normals = np.column_stack([np.sin(angles), np.cos(angles)])
+        pocket = seat - (self.seat_radius_mm + ball) * normals
+        flanks = []
+        for side, center in zip((1, -1), self.flank_centers, strict=True):
+            turn = side * np.linspace(a, a - 1.2, n)
+            normal = np.column_stack([np.sin(turn), np.cos(turn)])
+            points = center + (self.flank_radius_mm - ball) * normal
+            radius = np.hypot(points[:, 0], points[:, 1] + self.pitch_radius_mm)
+            within = np.abs(np.arctan2(points[:, 0], points[:, 1] + self.pitch_radius_mm))
+            keep = (radius <= self.tip_radius_mm) & (within <= self.half_pitch_rad)
+            flanks.append(points[: int(np.argmin(keep)) if not keep.all() else n])
+        local = np.vstack([flanks[0][::-1], pocket, flanks[1]])
+        return np.column_stack([local[:, 1] + self.pitch_radius_mm, local[:, 0]])
+
+
+def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
+    """Build a sprocket from its keys.
+
+    Parameters
+    ----------
+    spec : scene.Sprocket
+    key : str
+        Of its table, for messages.
+
+    Returns
+    -------
+    Sprocket
+
+    Raises
+    ------
+    SceneError
+        If a roller does not fit the pockets.
+
+    Notes
+    -----
+    ISO 606: the roller seating radius lies between 0.505 d1 and 0.505 d1 + 0.069 d1^(1/3), the
+    flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between
+    140° - 90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second,
+    but for the seating angle, which is 120° - 90°/z where it is not given. The tip diameter is the
+    middle of its limits.
+    """
+    d, z = spec.roller_diameter_mm, spec.teeth
+    wide = spec.seat == "wide"
+    seat = spec.roller_seat_radius_mm or SEAT_PART * d + (SEAT_ROOT * d ** (1 / 3) if wide else 0.0)
+    flank = spec.flank_radius_mm or (0.008 * d * (z**2 + 180) if wide else 0.12 * d * (z + 2))
+    angle = radians(spec.seating_angle_deg or 120.0 - 90.0 / z)
+    pitch_diameter = spec.pitch_mm / sin(pi / z)
+    # between d + (1 - 1.6/z) p - d1 and d + 1.25 p - d1
+    middle = 0.5 * (2.25 - 1.6 / z)
+    tip = spec.tip_diameter_mm or pitch_diameter + middle * spec.pitch_mm - d
+    if seat <= 0.5 * d:
+        raise SceneError(
+            key=f"{key}.roller_seat_radius_mm",
+            expected=f"more than half of {key}.roller_diameter_mm ({0.5 * d:g}): the roller has to "
+            "fit its pocket",
+            found=f"{seat:g}",
+        )
+    if d >= spec.pitch_mm:
+        raise SceneError(
+            key=f"{key}.roller_diameter_mm",
+            expected=f"less than {key}.pitch_mm ({spec.pitch_mm:g})",
+            found=f"{d:g}",
+        )
+    if 0.5 * angle + pi / z >= 0.5 * pi:
+        raise SceneError(
+            key=f"{key}.seating_angle_deg",
+            expected=f"less than 180 - 360/teeth ({180 - 360 / z:g}), since flanks steeper than "
+            "the links hold no tension",
+            found=f"{np.degrees(angle):g}",
+        )
+    if tip <= pitch_diameter:
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"more than the pitch diameter ({pitch_diameter:g})",
+            found=f"{tip:g}",
+        )
+    return Sprocket(z, spec.pitch_mm, d, seat - 0.5 * d, flank + 0.5 * d, 0.5 * angle, 0.5 * tip)

@@ -1,0 +1,139 @@
+"""What a flexible drive has beyond the forces on its flanks: tensions, places, margins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from flankload.result.result import Result
+
+    Floats = NDArray[np.float64]
+
+#: Arrays over the positions, with their units.
+ALONG_POSITIONS = {
+    "tight_tension_N": "N",
+    "slack_tension_N": "N",
+    "jump_margin_N": "N",
+    "passes": "1",
+}
+#: Arrays over positions and sites, with their units; no number where a roller is off the sprocket.
+OVER_SITES = {
+    "tension_behind_N": "N",
+    "roller_height_um": "um",
+    "force_angle_deg": "deg",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ChainDrive:
+    """A chain on its sprocket at P positions, S rollers.
+
+    Attributes
+    ----------
+    mode : {"linear", "large displacement"}
+    wrap_angle_rad : float
+        Between the places where both strands leave; the tight one leaves on the positive x axis.
+    tension_ratio : float
+        q: from roller to roller the tension falls by it where feet of flanks carry.
+    tight_tension_N, slack_tension_N : (P,) arrays
+        Of the strands.
+    jump_margin_N : (P,) array
+        By how much the slack strand pulls more than T1 q^n, n pitches in the wrap: what worn
+        chains need so as not to climb over the teeth.
+    passes : (P,) array
+        Contact problems that a position took.
+    tension_behind_N : (P, S) array
+        Of the link, or the tight strand, before which a roller stands; NaN off the sprocket.
+    roller_height_um : (P, S) array
+        By which a roller stands further out than the pitch circle; NaN off the sprocket.
+    force_angle_deg : (P, S) array
+        Of the force on a roller, from outwards, positive along the turn; NaN where there is none.
+    """
+
+    mode: str
+    wrap_angle_rad: float
+    tension_ratio: float
+    tight_tension_N: Floats
+    slack_tension_N: Floats
+    jump_margin_N: Floats
+    passes: NDArray[np.int64]
+    tension_behind_N: Floats
+    roller_height_um: Floats
+    force_angle_deg: Floats
+
+    def as_dict(self) -> dict[str, Any]:
+        """As the JSON of a result has it."""
+        single = {key: getattr(self, key) for key in ("mode", "wrap_angle_rad", "tension_ratio")}
+        return single | {key: getattr(self, key) for key in (*ALONG_POSITIONS, *OVER_SITES)}
+
+    @property
+    def least_margin_N(self) -> float:
+        """Of all positions."""
+        return float(self.jump_margin_N.min())
+
+
+def rows_of_drive(result: Result, drive: ChainDrive) -> Iterator[str]:
+    """A row per position, then one per roller where the chain pulls most.
+
+    Parameters
+    ----------
+    result : Result
+    drive : ChainDrive
+        Of it.
+
+    Yields
+    ------
+    str
+    """
+    heads = ("position", "transm. error", "tight strand", "slack strand", "rollers", "most on one")
+    units = ("deg", "um", "N", "N", "loaded", "N")
+    for texts in (heads, units):
+        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(texts, heads, strict=True))
+    for p in range(result.position_rad.size):
+        values = (
+            f"{degrees(result.position_rad[p]):.3f}",
+            f"{result.transmission_error_um[p]:.3f}",
+            f"{drive.tight_tension_N[p]:.1f}",
+            f"{drive.slack_tension_N[p]:.1f}",
+            f"{result.loaded_pairs[p]}",
+            f"{result.site_force_N[p].max():.1f}",
+        )
+        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(values, heads, strict=True))
+    p = int(np.argmax(drive.tight_tension_N))
+    yield ""
+    yield f"rollers from the tight strand on, at {degrees(result.position_rad[p]):.3f} deg"
+    heads = ("roller", "   force", "share", "tension before", "stands out", "force from outwards")
+    units = ("", "N", "%", "N", "um", "deg")
+    for texts in (heads, units):
+        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(texts, heads, strict=True))
+    for s, site in enumerate(result.sites):
+        if not isfinite(drive.roller_height_um[p, s]):
+            continue
+        angle = drive.force_angle_deg[p, s]
+        values = (
+            f"{site}",
+            f"{result.site_force_N[p, s]:.1f}",
+            f"{100 * result.load_share[p, s]:.2f}",
+            f"{drive.tension_behind_N[p, s]:.1f}",
+            f"{drive.roller_height_um[p, s]:.1f}",
+            f"{angle:.1f}" if isfinite(angle) else "-",
+        )
+        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(values, heads, strict=True))
+
+
+def words_of_drive(drive: ChainDrive) -> str:
+    """What a report quotes of a chain."""
+    tight = drive.tight_tension_N
+    return (
+        f"{drive.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "
+        f"{drive.least_margin_N:.4g} N above T1 q^n (q = {drive.tension_ratio:.4f}), up to "
+        f"{drive.passes.max()} contact problems a position"
+    )

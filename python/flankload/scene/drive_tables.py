@@ -1,0 +1,113 @@
+"""The tables of drives with flexible bodies; part of `tables`."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from flankload.scene.table import Length, Positive, Table, about
+
+Pitch = Annotated[Length, about("mm", "pitch")]
+RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers")]
+SlackTension = Annotated[
+    Annotated[float, Meta(gt=0, le=1e9)],
+    about("N", "tension of the slack strand of a chain"),
+]
+
+
+class Sprocket(Table, frozen=True, kw_only=True, tag_field="kind", tag="sprocket"):
+    """A rigid sprocket for roller chains, ISO 606."""
+
+    teeth: Annotated[
+        Annotated[int, Meta(ge=6, le=1000)],
+        about("-", "number of teeth"),
+    ]
+    pitch_mm: Pitch
+    roller_diameter_mm: RollerDiameter
+    seat: Annotated[
+        Literal["tight", "wide"],
+        about(
+            "",
+            "tooth form by the limits of ISO 606: 'tight' has the least roller seat and flank "
+            "radius, 'wide' the largest; keys beside it replace single numbers",
+        ),
+    ] = "wide"
+    roller_seat_radius_mm: Annotated[
+        Length | None, about("mm", "radius of the arc in which a roller sits")
+    ] = None
+    flank_radius_mm: Annotated[
+        Length | None, about("mm", "radius of the tooth flank that follows the seat")
+    ] = None
+    seating_angle_deg: Annotated[
+        Annotated[float, Meta(ge=60, lt=180)] | None,
+        about("deg", "angle of the seat arc; absent = 120 - 90/teeth"),
+    ] = None
+    tip_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "tip diameter; absent = the middle of the limits of ISO 606"),
+    ] = None
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "sprocket"
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
+    @property
+    def rigid(self) -> bool:
+        """A sprocket does not yield; what its contacts yield belongs to the chain."""
+        return True
+
+    @property
+    def pitch_errors_um(self) -> tuple[float, ...]:
+        """None."""
+        return ()
+
+
+class Chain(Table, frozen=True, kw_only=True, tag_field="kind", tag="chain"):
+    """A roller chain around a sprocket, its tight strand held."""
+
+    pitch_mm: Pitch
+    roller_diameter_mm: RollerDiameter
+    wrap_angle_deg: Annotated[
+        Annotated[float, Meta(gt=0, le=360)],
+        about("deg", "angle around the sprocket between the places where both strands leave"),
+    ]
+    link_stiffness_N: Annotated[
+        Annotated[float, Meta(gt=0, le=1e12)],
+        about("N", "tension of the chain over its strain"),
+    ]
+    contact_stiffness_N_per_mm: Annotated[
+        Annotated[float, Meta(gt=0, le=1e12)],
+        about("N/mm", "force of a roller on its pocket over how far it yields there"),
+    ]
+    elongation: Annotated[
+        Annotated[float, Meta(ge=0, le=0.05)],
+        about("-", "by which wear has lengthened every link, relative"),
+    ] = 0.0
+    span_length_mm: Annotated[
+        Positive | None,
+        about(
+            "mm",
+            "length of the free strands, whose tension holds the outer rollers sideways; absent "
+            "= 40 pitches",
+        ),
+    ] = None
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return "chain"
+
+    @property
+    def rigid(self) -> bool:
+        """A chain yields."""
+        return False
+
+    @property
+    def pitch_errors_um(self) -> tuple[float, ...]:
+        """None."""
+        return ()
