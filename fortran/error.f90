@@ -99,6 +99,12 @@ contains
             text = 'no room any more for the pairs of this position'
         case (-16)
             text = 'not begun: the sweep was asked to stop'
+        case (-17)
+            text = 'lumped contact has no place of least gap where flanks conform'
+        case (-18)
+            text = 'the half-widths of the lumped contacts do not settle'
+        case (-19)
+            text = 'points not steadily outwards or inwards about O1, or a normal through O1'
         case (:before_arguments - 1)
             write (number, '(i0)') before_arguments - code
             text = 'argument '//trim(number)//' is not valid'

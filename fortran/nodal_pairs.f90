@@ -8,11 +8,13 @@ module flankload_nodal_pairs
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_polar_geometry, only: angle_between, circle_meets_flank
     use flankload_node_curve, only: curve_through_points
+    use flankload_nodal_circles, only: is_steady, radii_about, shared_circles
     implicit none
     private
 
     public :: nodal_body, nodal_pairs_type
-    public :: new_nodal_body, find_nodal_pairs, nodal_influences
+    public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
+    public :: code_unsteady_points
 
     !> Flanks of one body as points, and how these move.
     type :: nodal_body
@@ -52,6 +54,10 @@ module flankload_nodal_pairs
         type(nodal_place), allocatable :: place_1(:), place_2(:)
     end type nodal_pairs_type
 
+    !> The points of a flank do not go steadily outwards or inwards about O1, or a normal passes
+    !> through it.
+    integer, parameter :: code_unsteady_points = -19
+
     !> A force line that passes O1 nearer than this part of the radius has no lever worth the name.
     real(wp), parameter :: least_lever = 0.01_wp
 
@@ -78,6 +84,18 @@ contains
         end do
     end function new_nodal_body
 
+    !> As many pairs as there can be at any position.
+    pure function most_nodal_pairs(body_1, n_circles) result(n)
+        !> Body 1
+        type(nodal_body), intent(in) :: body_1
+        !> Circles to a flank; 0: one through every point of body 1
+        integer, intent(in) :: n_circles
+        integer :: n
+
+        n = size(body_1%points, 2)
+        if (n_circles > 0) n = n_circles*ubound(body_1%last, 1)
+    end function most_nodal_pairs
+
     !> Lay circles about O1 through facing flanks and pair their points.
     pure subroutine find_nodal_pairs(body_1, body_2, axis_1, axis_2, turn, n_circles, pairs, bad)
         !> The bodies; flank k of one faces flank k of the other
@@ -88,7 +106,8 @@ contains
         real(wp), intent(in) :: axis_2(2)
         !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
         integer, intent(in) :: turn
-        !> Circles to a flank, evenly spread; 0: one through every point of body 1
+        !> Circles to a flank, evenly spread; 0: one through every point of body 1 that body 2 faces
+        !> and through the ends of body 2 between these
         integer, intent(in) :: n_circles
         !> The pairs
         type(nodal_pairs_type), intent(out) :: pairs
@@ -96,14 +115,12 @@ contains
         !> normal passes through it
         integer, intent(out) :: bad
 
-        integer :: f, c, k, n_most
+        integer :: f, c, k
         real(wp) :: a(2), b(2), t_1(2), t_2(2), lever_1, lever_2
         real(wp), allocatable :: radii(:), radii_1(:), radii_2(:)
         type(flank_curve_type) :: curve_1, curve_2
 
-        n_most = size(body_1%points, 2)
-        if (n_circles > 0) n_most = n_circles*ubound(body_1%last, 1)
-        call reserve(pairs, n_most)
+        call reserve(pairs, most_nodal_pairs(body_1, n_circles))
         bad = 0
         do f = 1, ubound(body_1%last, 1)
             radii_1 = radii_about(axis_1, flank_points(body_1, f))
@@ -184,33 +201,6 @@ contains
 
     end function between
 
-    !> Circles that both flanks meet, from the least radius to the largest.
-    pure function shared_circles(radii_1, radii_2, n_circles) result(radii)
-        !> Radii of the points of both flanks [mm]
-        real(wp), intent(in) :: radii_1(:)
-        real(wp), intent(in) :: radii_2(:)
-        !> How many; 0: through the points of flank 1
-        integer, intent(in) :: n_circles
-        real(wp), allocatable :: radii(:)
-
-        integer :: k
-        real(wp) :: low, high
-
-        low = max(minval(radii_1), minval(radii_2))
-        high = min(maxval(radii_1), maxval(radii_2))
-        if (high < low) then
-            allocate (radii(0))
-        else if (n_circles == 0) then
-            radii = pack(radii_1, radii_1 >= low .and. radii_1 <= high)
-            if (radii_1(size(radii_1)) < radii_1(1)) radii = radii(size(radii):1:-1)
-        else if (n_circles == 1) then
-            radii = [0.5_wp*(low + high)]
-        else
-            radii = [(low + (high - low)*real(k, wp)/real(n_circles - 1, wp), k=0, n_circles - 1)]
-            radii(n_circles) = high
-        end if
-    end function shared_circles
-
     !> Where a flank meets a circle about O1.
     pure subroutine place_on_circle(curve, axis_1, radii, radius, place, point, tangent)
         !> The flank in the common frame
@@ -245,29 +235,6 @@ contains
         place%point = k
         place%part = (s - curve%breaks(k - 1))/(curve%breaks(k) - curve%breaks(k - 1))
     end subroutine place_on_circle
-
-    !> Radii grow all the way, or fall.
-    pure function is_steady(radii) result(steady)
-        !> Radii of the points of a flank [mm]
-        real(wp), intent(in) :: radii(:)
-        logical :: steady
-
-        integer :: n
-
-        n = size(radii)
-        steady = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
-    end function is_steady
-
-    !> Distances of points from an axis.
-    pure function radii_about(axis, points) result(radii)
-        !> The axis [mm], shape (2)
-        real(wp), intent(in) :: axis(2)
-        !> Points [mm], shape (2, n)
-        real(wp), intent(in) :: points(:, :)
-        real(wp) :: radii(size(points, 2))
-
-        radii = norm2(points - spread(axis, 2, size(points, 2)), 1)
-    end function radii_about
 
     !> Points of one flank.
     pure function flank_points(body, flank) result(points)

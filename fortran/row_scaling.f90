@@ -4,7 +4,7 @@ module flankload_row_scaling
     implicit none
     private
 
-    public :: scale_rows
+    public :: scale_rows, is_symmetric
 
     !> Rows and columns of a tile, two of which fit in the nearest store.
     integer, parameter :: tile = 32
@@ -45,6 +45,27 @@ contains
         end do
         elastic = elastic .and. symmetric
     end subroutine scale_rows
+
+    !> Symmetric to the rounding of its assembly, without NaN or infinity.
+    pure function is_symmetric(matrix) result(symmetric)
+        !> The matrix, shape (n, n)
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        logical :: symmetric
+
+        integer :: i, j, n
+        logical :: elastic
+        real(wp), allocatable :: root(:)
+
+        n = size(matrix, 1)
+        root = [(sqrt(max(matrix(i, i), 0.0_wp)), i=1, n)]
+        symmetric = .true.
+        elastic = .true.
+        do j = 1, n, tile
+            do i = j, n, tile
+                if (symmetric) call compare_tiles(matrix, root, i, j, symmetric, elastic)
+            end do
+        end do
+    end function is_symmetric
 
     !> One tile of the outcome.
     pure subroutine scale_tile(matrix, transposed, row_scale, first_row, first_column, scaled)

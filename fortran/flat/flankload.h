@@ -106,6 +106,19 @@ void flankload_sweep_(const int *n_positions, const int *n_torques, const double
                       double *certificate, int *counters, double *site_force, double *site_peak,
                       int *site_corner, int *n_pairs, int *first_pair, int *info);
 
+/* All positions and torques from points and compliances. */
+void flankload_sweep_points_(const int *n_positions, const int *n_torques, const int *n_flanks,
+                             const int *n_points_1, const int *n_points_2, const int *n_circles,
+                             const int *max_pairs, const int *turn, const int *n_threads,
+                             const double *angles_1, const double *angles_2, const double *torques,
+                             const double *axis_1, const double *axis_2, const int *sizes_1,
+                             const double *points_1, const double *compliance_1, const int *sizes_2,
+                             const double *points_2, const double *compliance_2, int *status,
+                             double *rotation, double *tangent, double *torque_2,
+                             double *certificate, double *flank_force, int *n_pairs, int *flank,
+                             double *radius, double *gap_angle, double *force, double *final_gap,
+                             int *info);
+
 #ifdef __cplusplus
 }
 #endif

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import numpy as np
 import flankload as fl
 from flankload import _core
 from flankload.assembly import build_bodies
+from flankload.bodies import Body
 from flankload.near_field import mode_values, strip_kernel
 from flankload.stages import compliance_of
 
@@ -74,12 +76,29 @@ class NodalPosition:
         return *(row[:n] for row in rows), matrix[: n * n].reshape(n, n).T
 
 
-def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM) -> NodalPosition:
-    """The position half a pitch on, its flanks as points around the contact.
+def compliance_between(
+    body: Body, scene: fl.Scene, places: list[np.ndarray], teeth: np.ndarray
+) -> np.ndarray:
+    """Compliance (n, n) between even points of flanks, mm/N over the face width.
 
-    The compliance between two points is that of a load spread evenly over a strip as wide as the
-    spacing of the points.
+    That of a load spread evenly over a strip as wide as the spacing of the points.
     """
+    compliance = compliance_of(body, scene)
+    values = [mode_values(s, compliance.mode_range_mm, compliance.smooth.shape[1]) for s in places]
+    blocks = [
+        [
+            v_i @ compliance.smooth[int(compliance.block_of(tooth_i, tooth_j, body.teeth))] @ v_j.T
+            for tooth_j, v_j in zip(teeth, values, strict=True)
+        ]
+        for tooth_i, v_i in zip(teeth, values, strict=True)
+    ]
+    for i, s in enumerate(places):
+        blocks[i][i] += strip_kernel(s[:, None] - s, s[1] - s[0], compliance.kernel)
+    return np.block(blocks) / scene.pair.face_width_mm
+
+
+def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM) -> NodalPosition:
+    """The position half a pitch on, its flanks as points around the contact."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
     tree["accuracy"] = {"estimate": False}
     scene = fl.Scene.from_dict(tree)
@@ -106,21 +125,7 @@ def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM)
             angle = turns[z][0] + pair.pairing.site_angles_rad[z][k]
             where.append(axes[z] + body.curve.rotated(angle).point(s[-1]))
         all_points.append(np.concatenate(where))
-        compliance = compliance_of(body, scene)
-        teeth = pair.pairing.site_teeth[z][loaded]
-        matrix = np.empty((len(loaded), points, len(loaded), points))
-        for i, tooth_i in enumerate(teeth):
-            v_i = mode_values(s[i], compliance.mode_range_mm, compliance.smooth.shape[1])
-            for j, tooth_j in enumerate(teeth):
-                v_j = mode_values(s[j], compliance.mode_range_mm, compliance.smooth.shape[1])
-                block = int(np.asarray(compliance.block_of(tooth_i, tooth_j, body.teeth)))
-                matrix[i, :, j, :] = v_i @ compliance.smooth[block] @ v_j.T
-                if i == j:
-                    distance = s[i][:, None] - s[i]
-                    spacing = s[i][1] - s[i][0]
-                    matrix[i, :, j, :] += strip_kernel(distance, spacing, compliance.kernel)
-        n = len(loaded) * points
-        compliances.append(matrix.reshape(n, n) / scene.pair.face_width_mm)
+        compliances.append(compliance_between(body, scene, s, pair.pairing.site_teeth[z][loaded]))
     sizes = np.full(len(loaded), points, dtype=np.int32)
     return NodalPosition(
         torque_Nmm=1000.0 * float(result.torque_Nm),
@@ -142,15 +147,21 @@ def write_data(position: NodalPosition, path: Path) -> None:
         f"{position.sizes[0].size} {position.torque_Nmm:.1f}",
         " ".join(f"{number:.4f}" for axis in position.axes for number in axis),
     ]
-    for z in range(2):
-        lines.append(" ".join(str(size) for size in position.sizes[z]))
-        lines += [" ".join(f"{number:.9f}" for number in point) for point in position.points[z]]
-        # the lower triangle, row by row
-        lines += [
-            " ".join(f"{number:.{DIGITS - 1}E}" for number in row[: i + 1])
-            for i, row in enumerate(position.compliances[z])
-        ]
+    for body in zip(position.sizes, position.points, position.compliances, strict=True):
+        lines += body_lines(*body)
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def body_lines(sizes: np.ndarray, points: np.ndarray, compliance: np.ndarray) -> list[str]:
+    """Sizes, points, and the lower triangle of the compliance row by row."""
+    return [
+        " ".join(str(size) for size in sizes),
+        *(" ".join(f"{number:.9f}" for number in point) for point in points),
+        *(
+            " ".join(f"{number:.{DIGITS - 1}E}" for number in row[: i + 1])
+            for i, row in enumerate(compliance)
+        ),
+    ]
 
 
 def read_data(path: Path) -> NodalPosition:
@@ -158,23 +169,26 @@ def read_data(path: Path) -> NodalPosition:
     numbers = iter(path.read_text(encoding="ascii").split("\n", 1)[1].split())
     flanks, torque = int(next(numbers)), float(next(numbers))
     axes = [float(next(numbers)) for _ in range(4)]
-    sizes, points, compliances = [], [], []
-    for _ in range(2):
-        sizes.append(np.array([int(next(numbers)) for _ in range(flanks)], dtype=np.int32))
-        n = int(sizes[-1].sum())
-        points.append(np.array([float(next(numbers)) for _ in range(2 * n)]).reshape(n, 2))
-        matrix = np.zeros((n, n))
-        for i in range(n):
-            for j in range(i + 1):
-                matrix[i, j] = matrix[j, i] = float(next(numbers))
-        compliances.append(matrix)
+    one, two = (read_body(numbers, flanks) for _ in range(2))
     return NodalPosition(
         torque_Nmm=torque,
         axes=(np.array(axes[:2]), np.array(axes[2:])),
-        sizes=(sizes[0], sizes[1]),
-        points=(points[0], points[1]),
-        compliances=(compliances[0], compliances[1]),
+        sizes=(one[0], two[0]),
+        points=(one[1], two[1]),
+        compliances=(one[2], two[2]),
     )
+
+
+def read_body(numbers: Iterator[str], flanks: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sizes, points and compliance of one body."""
+    sizes = np.array([int(next(numbers)) for _ in range(flanks)], dtype=np.int32)
+    n = int(sizes.sum())
+    points = np.array([float(next(numbers)) for _ in range(2 * n)]).reshape(n, 2)
+    matrix = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            matrix[i, j] = matrix[j, i] = float(next(numbers))
+    return sizes, points, matrix
 
 
 if __name__ == "__main__":

@@ -122,8 +122,14 @@ def test_numbers_of_methods_and_structures_agree() -> None:
 def test_every_status_has_its_words() -> None:
     words = {
         code: _core.flankload_status_text(code).decode("ascii").strip()
-        for code in (*range(4), *range(-1, -7, -1), *range(-11, -17, -1))
+        for code in (*range(4), *range(-1, -7, -1), *range(-11, -20, -1))
     }
+    in_code = {
+        int(code)
+        for path in SOURCES
+        for code in re.findall(r"\bcode_\w+ = (-\d+)", path.read_text(encoding="utf-8"))
+    }
+    assert in_code <= {*words}
     assert len(set(words.values())) == len(words)
     assert not any(text.startswith("no status") for text in words.values())
     assert max(len(text) for text in words.values()) <= 80

@@ -234,3 +234,32 @@ def test_flanks_that_share_no_circle_have_no_pairs(position: NodalPosition) -> N
     away = np.asfortranarray(3.0 * position.points[1].T)
     n, *_, info = call(position, points_2=away)
     assert (n, info) == (0, 0)
+
+
+def test_flanks_end_on_circles_of_their_own() -> None:
+    """A flank of body 2 that ends anywhere between the points of body 1, at either end."""
+    rng = np.random.default_rng(20261121)
+    y = np.linspace(1.0, 6.0, 9)
+    points = np.asfortranarray([np.full(9, 10.0), y])
+    own = np.hypot(10.0, y)
+    spacing = np.diff(own)
+    for _ in range(200):
+        low, high = np.sort(rng.uniform(own[0], own[-1], 2))
+        side = np.array([[9.0, 9.0], np.sqrt(np.array([low, high]) ** 2 - 81.0)])
+        lines = NodalPosition(
+            torque_Nmm=1.0,
+            axes=(np.zeros(2), np.array([20.0, 0.0])),
+            sizes=(np.array([9], dtype=np.int32), np.array([2], dtype=np.int32)),
+            points=(points.T, side.T),
+            compliances=(np.eye(9), np.eye(2)),
+        )
+        _, radius, *_ = lines.pairs(room=9)
+        inside = (own > low) & (own < high)
+        if radius.size == 1:
+            np.testing.assert_allclose(radius[0], 0.5 * (low + high), rtol=SOLVER, atol=0)
+            assert high - low < spacing.max()
+            continue
+        np.testing.assert_allclose(radius[[0, -1]], [low, high], rtol=SOLVER, atol=0)
+        kept = [r for r in own[inside] if np.abs(radius - r).min() < SOLVER]
+        assert len(kept) == radius.size - 2 >= inside.sum() - 2
+        assert np.diff(radius).min() > 0.5 * spacing.min() * (1.0 - SOLVER)
