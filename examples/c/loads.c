@@ -7,56 +7,7 @@
 
 #include <flankload.h>
 
-/* Points and compliance of one body. */
-struct body {
-    int n;
-    int *sizes;
-    double *points;
-    double *compliance;
-};
-
-static void *room(size_t count, size_t size)
-{
-    void *memory = calloc(count > 0 ? count : 1, size);
-    if (memory == NULL) {
-        fprintf(stderr, "no memory\n");
-        exit(1);
-    }
-    return memory;
-}
-
-static double number(void)
-{
-    double value;
-    if (scanf("%lf", &value) != 1) {
-        fprintf(stderr, "the data end too early\n");
-        exit(1);
-    }
-    return value;
-}
-
-static struct body read_body(int flanks)
-{
-    struct body body = {0, room(flanks, sizeof(int)), NULL, NULL};
-    int i, j;
-    for (i = 0; i < flanks; i++)
-        body.n += body.sizes[i] = (int)number();
-    body.points = room(2 * body.n, sizeof(double));
-    for (i = 0; i < 2 * body.n; i++)
-        body.points[i] = number();
-    body.compliance = room((size_t)body.n * body.n, sizeof(double));
-    for (i = 0; i < body.n; i++)
-        for (j = 0; j <= i; j++)
-            body.compliance[i + j * body.n] = body.compliance[j + i * body.n] = number();
-    return body;
-}
-
-static void free_body(struct body *body)
-{
-    free(body->sizes);
-    free(body->points);
-    free(body->compliance);
-}
+#include "body.h"
 
 int main(void)
 {
@@ -66,12 +17,11 @@ int main(void)
     double torque, axes[4], rotation, tangent, certificate[5];
     char text[81];
 
-    while ((k = getchar()) != '\n' && k != EOF)
-        ;
-    flanks = (int)number();
-    torque = number();
+    skip_line();
+    flanks = whole_number("1 to 100 flanks", 1, 100);
+    torque = number("a torque");
     for (k = 0; k < 4; k++)
-        axes[k] = number();
+        axes[k] = number("x and y of both axes");
     struct body one = read_body(flanks), two = read_body(flanks);
 
     const int most = one.n;

@@ -3,12 +3,11 @@
 !> Reads points of the flanks and compliances from standard input, as
 !> examples/legacy_fortran/pair.dat holds them.
 program loads
-    use flankload, only: wp, contact_result, error_type, status_text, nodal_body, &
-        & nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences, &
-        & solve_contact_loads, method_auto, symmetric_matrix
+    use, intrinsic :: iso_fortran_env, only: error_unit
+    use flankload, only: wp, contact_result, status_text, nodal_body, nodal_pairs_type, &
+        & find_nodal_pairs, nodal_influences, solve_contact_loads, method_auto, symmetric_matrix
+    use body_file, only: expect, read_body
     implicit none
-
-    integer :: n_flanks
 
     call distribute_load
 
@@ -18,7 +17,7 @@ contains
     subroutine distribute_load
         integer, parameter :: counter_clockwise = 1, through_the_points = 0
         real(wp), parameter :: parts(*) = [0.25_wp, 0.5_wp, 1.0_wp]
-        integer :: bad, i, k, f
+        integer :: n_flanks, bad, status, i, k, f
         real(wp) :: torque, axis_1(2), axis_2(2)
         real(wp), allocatable :: compliance(:, :), levers(:, :), torque_row(:, :), gaps(:)
         type(nodal_body) :: body_1, body_2
@@ -26,15 +25,20 @@ contains
         type(contact_result), allocatable :: states(:)
         integer, allocatable :: codes(:)
 
-        read (*, '(a)')
-        read (*, *) n_flanks, torque
-        read (*, *) axis_1, axis_2
-        body_1 = read_body()
-        body_2 = read_body()
+        read (*, '(a)', iostat=status)
+        call expect('a title', status == 0)
+        read (*, *, iostat=status) n_flanks, torque
+        call expect('number of flanks and torque', status == 0)
+        call expect('1 to 10000 flanks', n_flanks >= 1 .and. n_flanks <= 10000)
+        read (*, *, iostat=status) axis_1, axis_2
+        call expect('x and y of both axes', status == 0)
+        body_1 = read_body(n_flanks)
+        body_2 = read_body(n_flanks)
 
         call find_nodal_pairs(body_1, body_2, axis_1, axis_2, counter_clockwise, &
             & through_the_points, pairs, bad)
-        if (bad /= 0) error stop 'flanks that no circles cut'
+        call expect('points steadily outwards or inwards about O1', bad == 0)
+        call expect('flanks that meet common circles about O1', pairs%n > 0)
         associate (n => pairs%n)
             allocate (compliance(n, n))
             call nodal_influences(body_1, body_2, pairs, compliance)
@@ -50,8 +54,8 @@ contains
 
         do k = 1, size(parts)
             if (codes(k) < 0) then
-                print '(a)', status_text(codes(k))
-                error stop 1
+                write (error_unit, '(a)') status_text(codes(k))
+                stop 1, quiet=.true.
             end if
             print '(a,f14.3,a,es20.12,a,i4)', 'torque', torque*parts(k), ' rotation', &
                 & states(k)%motion(1), ' touching', size(states(k)%active_pairs)
@@ -64,25 +68,5 @@ contains
         print '(a,f12.6,a,f14.5)', 'largest force at radius', pairs%radius(i), ' is', &
             & states(size(parts))%forces(i)
     end subroutine distribute_load
-
-    !> Points and compliance of one body.
-    function read_body() result(body)
-        type(nodal_body) :: body
-
-        integer :: n, row
-        integer, allocatable :: sizes(:)
-        real(wp), allocatable :: points(:, :), matrix(:, :)
-
-        allocate (sizes(n_flanks))
-        read (*, *) sizes
-        n = sum(sizes)
-        allocate (points(2, n), matrix(n, n))
-        read (*, *) points
-        do row = 1, n
-            read (*, *) matrix(row, :row)
-            matrix(:row, row) = matrix(row, :row)
-        end do
-        body = new_nodal_body(sizes, points, matrix)
-    end function read_body
 
 end program loads

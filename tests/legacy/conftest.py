@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+PROGRAMS = Path(__file__).parent / "programs"
+LINKING = [pytest.param(False, id="shared"), pytest.param(True, id="static")]
 #: Kept from run to run: nothing new to compile takes two seconds.
 BUILD = ROOT / "build-core"
 
@@ -52,8 +56,32 @@ def built(source: Path, folder: Path, environment: dict[str, str], *, static: bo
         copy = folder / path.name
         if path.is_file() and (not copy.exists() or copy.stat().st_mtime < path.stat().st_mtime):
             shutil.copy2(path, copy)
-    command = ["make", "-C", str(folder), *(["STATIC=1"] if static else [])]
+    command = ["make", "-C", str(folder), *(["LINK=link_static"] if static else [])]
     made = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert made.returncode == 0, made.stdout + made.stderr
     assert "warning" not in made.stderr, made.stderr
     return folder
+
+
+def run(program: Path, data: Path | None, environment: dict[str, str], *arguments: str) -> str:
+    """What a program prints; it must end well and complain of nothing."""
+    text = data.read_text(encoding="ascii") if data else ""
+    done = subprocess.run(
+        [program, *arguments],
+        input=text,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stderr == ""
+    return done.stdout
+
+
+def expect_printed(token: str, number: float) -> None:
+    """A printed number is the number, rounded to its last printed digit."""
+    found = Decimal(token)
+    last_digit = Decimal(1).scaleb(int(found.as_tuple().exponent))
+    assert abs(found - Decimal(float(number))) <= last_digit / 2, f"{token} for {number!r}"

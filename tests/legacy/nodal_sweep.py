@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nodal_position import (
+from tests.legacy.nodal_position import (
     DATA,
     SCENE,
     NodalPosition,

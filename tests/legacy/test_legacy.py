@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import subprocess
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -15,34 +14,7 @@ from nodal_position import DATA, read_data
 import flankload as fl
 from flankload import _core
 
-from .conftest import ROOT, built
-
-EXAMPLES = ROOT / "examples"
-LINKING = [pytest.param(False, id="shared"), pytest.param(True, id="static")]
-
-
-def run(program: Path, data: Path | None, environment: dict[str, str], *arguments: str) -> str:
-    """What a program prints; it must end well and complain of nothing."""
-    text = data.read_text(encoding="ascii") if data else ""
-    done = subprocess.run(
-        [program, *arguments],
-        input=text,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stderr == ""
-    return done.stdout
-
-
-def expect_printed(token: str, number: float) -> None:
-    """A printed number is the number, rounded to its last printed digit."""
-    found = Decimal(token)
-    last_digit = Decimal(1).scaleb(int(found.as_tuple().exponent))
-    assert abs(found - Decimal(float(number))) <= last_digit / 2, f"{token} for {number!r}"
+from .conftest import EXAMPLES, LINKING, PROGRAMS, ROOT, built, expect_printed, run
 
 
 @pytest.fixture(scope="module")
@@ -203,12 +175,12 @@ def problem_file(workshop: Path) -> Path:
 
 
 @pytest.mark.parametrize("static", LINKING)
-@pytest.mark.parametrize("door", ["bits", "bits_fortran"])
+@pytest.mark.parametrize("door", ["bits", "bits_fortran", "bits_modern"])
 def test_the_same_bits_through_every_door(
     door, static, problem_file, workshop, environment
 ) -> None:
     name = "programs" + ("_static" if static else "")
-    folder = built(Path(__file__).parent / "programs", workshop / name, environment, static=static)
+    folder = built(PROGRAMS, workshop / name, environment, static=static)
     read = float.fromhex if door == "bits" else float
     lines = run(folder / door, problem_file, environment).splitlines()
     for line, (structure, method, arrays) in zip(lines, contact_problems(), strict=True):
@@ -229,7 +201,7 @@ def test_the_same_bits_through_every_door(
 @pytest.mark.parametrize("static", LINKING)
 def test_threads_of_the_caller(static, problem_file, workshop, environment) -> None:
     name = "programs" + ("_static" if static else "")
-    folder = built(Path(__file__).parent / "programs", workshop / name, environment, static=static)
+    folder = built(PROGRAMS, workshop / name, environment, static=static)
     printed = run(folder / "threads", problem_file, environment)
     assert printed.split() == ["0", "of", "800", "differ"]
 
@@ -237,9 +209,7 @@ def test_threads_of_the_caller(static, problem_file, workshop, environment) -> N
 def test_every_door_tells_the_version(prefix, workshop, environment) -> None:
     text = (ROOT / "meson.build").read_text(encoding="utf-8")
     version = re.search(r"^    version: '([\d.]+)'", text, re.MULTILINE)[1]
-    folder = built(
-        Path(__file__).parent / "programs", workshop / "programs", environment, static=False
-    )
+    folder = built(PROGRAMS, workshop / "programs", environment, static=False)
     assert run(folder / "bits", None, environment, "version").strip() == version
     told = subprocess.run(
         ["pkg-config", "--modversion", "flankload"],

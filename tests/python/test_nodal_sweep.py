@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nodal_position import DATA, NodalPosition, read_data
-from nodal_sweep import NAMES, NodalSweep, nodal_sweep
+from tests.legacy.nodal_position import DATA, NodalPosition, read_data
+from tests.legacy.nodal_sweep import NAMES, NodalSweep, nodal_sweep
 from tolerances import SOLVER
 
 import flankload as fl

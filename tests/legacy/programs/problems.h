@@ -1,7 +1,8 @@
 /* Contact problems from standard input, their states, and a call of the library. */
+#include "room.h"
+
 #include <flankload.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct problem {
@@ -14,14 +15,6 @@ struct state {
     double *numbers;
     int *active, counters[5], info;
 };
-
-static void *room(size_t count, size_t size)
-{
-    void *memory = calloc(count + 1, size);
-    if (memory == NULL)
-        exit(3);
-    return memory;
-}
 
 static struct problem read_problem(void)
 {
