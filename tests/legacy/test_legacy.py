@@ -112,28 +112,6 @@ def test_c(static, python_side, workshop, environment) -> None:
     expect_printed(quality.split()[4], state.info.backward_error)
 
 
-@pytest.mark.parametrize(
-    ("number", "suffix", "compiler"),
-    [(0, "f", "gfortran"), (1, "f90", "gfortran"), (2, "c", "gcc")],
-)
-def test_programs_of_the_documentation(
-    number, suffix, compiler, prefix, workshop, environment
-) -> None:
-    """Built with the very command that stands in their first line."""
-    environment = {**environment, "LD_LIBRARY_PATH": str(prefix / "lib")}
-    text = (ROOT / "fortran" / "README.md").read_text(encoding="utf-8")
-    source = re.findall(r"```(?:fortran|c)\n(.*?)```", text, re.DOTALL)[number]
-    command = re.search(r"\w+ three\.\w+ `pkg-config --cflags --libs flankload`", source)[0]
-    assert command.startswith(f"{compiler} three.{suffix} ")
-    folder = workshop / f"three_{suffix}"
-    folder.mkdir(exist_ok=True)
-    (folder / f"three.{suffix}").write_text(source, encoding="utf-8")
-    subprocess.run(["sh", "-c", command], cwd=folder, env=environment, check=True)
-    words = run(folder / "a.out", None, environment).split()
-    numbers = [float(word) for word in words if re.fullmatch(r"-?[\d.]+", word)]
-    assert numbers == [0, 5, 0, 5, 0, 3, 0, 91]
-
-
 def contact_problems() -> list[tuple[int, int, tuple[np.ndarray, ...]]]:
     """Structure, method and arrays: gear-like, cold and by every loop, and one without a state."""
     rng = np.random.default_rng(20261121)

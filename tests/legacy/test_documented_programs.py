@@ -1,0 +1,143 @@
+"""The programs of fortran/README.md, built with the command that stands in their first line."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import flankload as fl
+from flankload import _core
+
+from .conftest import ROOT, expect_printed, run
+from .nodal_position import NodalPosition
+from .nodal_sweep import NodalSweep
+
+TEXT = (ROOT / "fortran" / "README.md").read_text(encoding="utf-8")
+COMMAND = re.compile(r"(gfortran|gcc) ([\w.]+) `pkg-config --cflags --libs flankload`")
+SOURCES = {
+    COMMAND.search(source)[2]: source
+    for source in re.findall(r"```(?:fortran|c)\n(.*?)```", TEXT, re.DOTALL)
+}
+THREE = (np.array([[10, 9.4, 8], [9.4, 10, 9.4], [8, 9.4, 10]]), np.ones(3), np.array([1.0, 0, 1]))
+
+
+def numbers_in(text: str) -> list[str]:
+    return re.findall(r"(?<![\w.])-?\d[\d.]*(?:E[+-]\d+)?(?![\w.])", text)
+
+
+def expect_numbers(printed: list[str], expected: NDArray[np.float64]) -> None:
+    for token, number in zip(printed, expected, strict=True):
+        expect_printed(token, number)
+
+
+def three_flanks(text: str) -> None:
+    expect_numbers(numbers_in(text), np.array([0, 5, 0, 5, 0, 3, 0, 91]))
+
+
+def torques(text: str) -> None:
+    *rows, version = text.splitlines()
+    states = fl.solve_contact_torques(*THREE, [0, 0.1, 1, 10])
+    for row, state in zip(rows, states, strict=True):
+        expect_numbers(
+            numbers_in(row.split(":")[1]), np.array([0, state.rotation, *state.normal_forces])
+        )
+    assert version == f"flankload {fl.__version__}"
+
+
+def columns_on_demand(text: str) -> None:
+    i = np.arange(1, 201)
+    matrix = np.exp(-0.05 * np.abs(i[:, None] - i))
+    gap = 1e-3 * (i - 90.3) ** 2
+    whole = fl.solve_contact_general(matrix, gap, np.ones(200), 3.0)
+    some = fl.solve_contact_on_demand(
+        lambda pairs: matrix[:, pairs], np.ones(200), gap, np.ones(200), 3.0
+    )
+    expected = [0, whole.active_pairs.size, some.info.influence_columns]
+    expect_numbers(
+        numbers_in(text), np.array([*expected, whole.rotation, whole.normal_forces.max()])
+    )
+
+
+def pitch(text: str) -> None:
+    alpha, base, steps = np.pi / 9, np.array([30.0, 45.0]), 0.3 * np.arange(51)
+    distance = base.sum() / np.cos(alpha)
+    axes = np.array([[0.0, 0.0], [distance, 0.0]])
+    points: list[list[NDArray[np.float64]]] = [[], []]
+    for k in range(2):
+        rho = 3.2 + k * np.pi * base[0] / 10
+        rho_2 = distance * np.sin(alpha) - rho
+        begins = rho / base[0] - alpha, np.pi - alpha + rho_2 / base[1]
+        for z, begin in enumerate(begins):
+            roll = (3.0, 9.0)[z] + steps
+            u = begin - roll / base[z]
+            radial, around = np.array([np.cos(u), np.sin(u)]), np.array([-np.sin(u), np.cos(u)])
+            points[z].append(axes[z] + (base[z] * radial + roll * around).T)
+    tables = []
+    for z, first in enumerate((3.0, 9.0)):
+        tooth = 1.5e-6 + np.diag(1e-6 * base[z] / (first + steps))
+        tables.append(np.kron(np.eye(2), tooth))
+    sizes = np.array([51, 51], dtype=np.int32)
+    turn = np.arange(5) * np.pi / 50
+    sweep = NodalSweep(
+        still=NodalPosition(
+            torque_Nmm=3e5,
+            axes=(axes[0], axes[1]),
+            sizes=(sizes, sizes),
+            points=(np.concatenate(points[0]), np.concatenate(points[1])),
+            compliances=(tables[0], tables[1]),
+        ),
+        angles_rad=np.array([turn, -turn * base[0] / base[1]]),
+        torques_Nmm=np.array([3e4, 3e5]),
+    )
+    found = sweep.solve()
+    flank, _, gap_angle, lever, row, _, matrix = sweep.still.pairs()
+    alone = fl.solve_contact_general(matrix, lever * gap_angle, lever, 3e5, load_rows=row)
+    assert flank.size > 80
+    expected = [alone.status, 3e4 * alone.rotation, found["info"]]
+    for t in range(2):
+        for k in range(5):
+            expected += [3e4 * found["rotation"][k, t], *found["flank_force"][:, k, t]]
+    expect_numbers(numbers_in(text), np.array(expected))
+
+
+PROGRAMS: dict[str, Callable[[str], None]] = {
+    "three.f": three_flanks,
+    "three.f90": three_flanks,
+    "three.c": three_flanks,
+    "torques.c": torques,
+    "pitch.f": pitch,
+    "columns.f90": columns_on_demand,
+}
+
+
+@pytest.mark.parametrize("name", [*PROGRAMS])
+def test_programs_of_the_documentation(
+    name: str, prefix: Path, workshop: Path, environment: dict[str, str]
+) -> None:
+    environment = {**environment, "LD_LIBRARY_PATH": str(prefix / "lib")}
+    folder = workshop / name.replace(".", "_")
+    folder.mkdir(exist_ok=True)
+    (folder / name).write_text(SOURCES[name], encoding="utf-8")
+    command = COMMAND.search(SOURCES[name].splitlines()[0])[0]
+    made = subprocess.run(
+        ["sh", "-c", command], cwd=folder, env=environment, capture_output=True, check=True
+    )
+    assert made.stderr == b""
+    PROGRAMS[name](run(folder / "a.out", None, environment))
+
+
+def test_every_program_of_the_documentation_is_run() -> None:
+    assert set(SOURCES) == set(PROGRAMS)
+
+
+def test_every_procedure_has_a_program() -> None:
+    """But for the sweep by curves, which Python feeds, and the test of the reals."""
+    said = "".join(SOURCES.values()).lower() + "flankload_sweep flankload_double_vector"
+    door = [name for name in dir(_core) if name.startswith("flankload_")]
+    assert [name for name in door if not re.search(rf"{name}(?![a-z])", said)] == []
