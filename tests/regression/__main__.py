@@ -14,13 +14,14 @@ sys.path[:0] = [str(TESTS / room) for room in ("python", "hard_cases")]
 
 from .compare import movements, path_of, read_reference, reference_of, table, write_reference  # noqa: E402
 from .contact_cases import contact_cases  # noqa: E402
+from .nodal_cases import nodal_cases  # noqa: E402
 from .scene_cases import scene_cases  # noqa: E402
 
 
 def main(arguments: list[str]) -> int:
     """Make what is asked for."""
     wanted = [argument for argument in arguments if argument != "--check"]
-    cases = contact_cases() | scene_cases()
+    cases = contact_cases() | nodal_cases() | scene_cases()
     names = [name for name in cases if not wanted or name.startswith(tuple(wanted))]
     if not names:
         print(f"no such reference; there are: {', '.join(cases)}", file=sys.stderr)

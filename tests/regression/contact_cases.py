@@ -12,7 +12,8 @@ from general_like import general_like
 from tests.benchmarks._problem import cylinder
 
 import flankload as fl
-from flankload import errors
+from flankload import _core, errors
+from flankload.contact.problem import GENERAL
 
 from .cases import Case
 from .quantities import CONTACT
@@ -181,6 +182,86 @@ def _general(seed: int, *, held: bool) -> Case:
     )
 
 
+def _several_torques(seed: int) -> Case:
+    rng = np.random.default_rng(seed)
+    problem = gear_like(rng)
+    while problem.gap_angles.size < 40 or problem.friction > 0:
+        problem = gear_like(rng)
+    torques = problem.torque * np.array([1.0, 0.1, 0.0, 3.0])
+
+    def solve() -> dict[str, Any]:
+        states = fl.solve_contact_torques(
+            problem.flexibility,
+            problem.torque_row,
+            problem.gap_angles,
+            torques,
+            normal_lever_arms=problem.levers,
+        )
+        return {
+            "status": [state.status for state in states],
+            "motions": [state.rotation for state in states],
+            "forces": [state.normal_forces.max() for state in states],
+            "active_pairs": [state.active_pairs.size for state in states],
+        }
+
+    return Case(
+        inputs={
+            "generator": "tests/hard_cases/gear_like.py: the first problem of 40 pairs or more "
+            "without friction",
+            "seed": seed,
+            "torques_Nmm": torques.tolist(),
+        },
+        provenance="the states of each torque alone, on one kept factor",
+        solve=solve,
+        known=CONTACT,
+    )
+
+
+def _with_rows_exchanged(seed: int) -> Case:
+    """The loop that elimination with exchange of rows stands under: the door alone offers it."""
+    rng = np.random.default_rng(seed)
+    problem = gear_like(rng)
+    while problem.gap_angles.size < 40 or problem.friction == 0:
+        problem = gear_like(rng)
+    levers = problem.levers
+
+    def solve() -> dict[str, Any]:
+        forces, gaps, motion, tangent, active, _, _, info = _core.flankload_solve_contact(
+            np.asfortranarray(levers[:, None] * problem.flexibility),
+            levers * problem.gap_angles,
+            np.asfortranarray(levers[:, None]),
+            np.asfortranarray(problem.torque_row[:, None]),
+            np.array([problem.torque]),
+            GENERAL,
+            5,
+            np.empty(0, dtype=np.int32),
+        )
+        some = np.unique(np.linspace(0, forces.size - 1, SAMPLES).astype(int))
+        return {
+            "outcome": "solved",
+            "status": info,
+            "active_pairs": [int(active.sum())],
+            "motions": motion,
+            "gaps": gaps[some],
+            "tangent": tangent,
+            "forces": forces[some],
+        }
+
+    return Case(
+        inputs={
+            "generator": "tests/hard_cases/gear_like.py: the first problem of 40 pairs or more "
+            "with friction",
+            "seed": seed,
+            "friction": problem.friction,
+            "torque_Nmm": problem.torque,
+            "method": "single, rows exchanged (5 at the flat door)",
+        },
+        provenance="seeded gear-like problem; state judged in 60 digits by tests/hard_cases",
+        solve=solve,
+        known=CONTACT,
+    )
+
+
 def _preload() -> Case:
     matrix, gaps = [[2.0, 0.5], [0.5, 2.0]], [-0.1, 0.2]
     return Case(
@@ -227,6 +308,8 @@ def contact_cases() -> dict[str, Case]:
         "several_motions": _general(11, held=True),
         "several_motions_not_held": _general(12, held=False),
         "gear_paper": _gear_like(21, "paper"),
+        "gear_torques": _several_torques(20),
+        "gear_rows_exchanged": _with_rows_exchanged(22),
         "gear_friction": _gear_like(22, "auto", friction=True),
         "gear_friction_load_path": _gear_like(22, "load_path", friction=True),
         "cylinder_100": _cylinder(100, "auto"),

@@ -45,6 +45,20 @@ CONTACT = {
     "columns": Quantity("1", 0.0, 0.0, _EXACT),
 }
 
+#: Of a position or a sweep of points.
+NODAL = {
+    "status": Quantity("1", 0.0, 0.0, _EXACT),
+    "pairs": Quantity("1", 0.0, 0.0, _EXACT),
+    "rotation": Quantity("rad", 1e-9, 0.0, _SOLVED),
+    "tangent": Quantity("rad/(N mm)", 1e-9, 0.0, _SOLVED),
+    "torque_2": Quantity("N mm", 1e-9, 0.0, _SOLVED),
+    "flank_force": Quantity("N", 1e-9, 0.0, _SOLVED),
+    "largest_force": Quantity("N", 1e-9, 0.0, _SOLVED),
+    "gap_angle": Quantity("rad", 1e-9, 1e-14, "a difference of two angles"),
+    "influence": Quantity("mm/N", 1e-9, 0.0, "two tables read by straight lines"),
+    "levers": Quantity("mm", 1e-9, 0.0, "a product with a normal of a spline"),
+}
+
 #: Of scenes.
 SCENE = {
     "sites": Quantity("1", 0.0, 0.0, _EXACT),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from cam_scenes import FLAT_FOLLOWER, disc
 
 import flankload as fl
 
@@ -46,6 +47,17 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
             "speed_rpm": 12000.0,
         },
     },
+}
+
+#: Changes of other examples: which one, and what; a table that names its kind stands for itself.
+OTHERS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
+    "internal_friction": (
+        "internal_gear",
+        {"effects": {"friction_coefficient": 0.08}, "positions": {"driver": "body_2"}},
+    ),
+    "spline_apart": ("spline", {"pair": {"center_offset_mm": 0.02}}),
+    "cam_flat": ("cam", {"body_1": FLAT_FOLLOWER, "body_2": {"profile": disc(15.0)}}),
+    "whole_body_friction": ("toothed_sector", {"effects": {"friction_coefficient": 0.1}}),
 }
 
 
@@ -98,10 +110,11 @@ def scene_cases() -> dict[str, Case]:
         cases[f"scene_{path.stem}"] = _case(
             tree, f"examples/scenes/{path.name}, {POSITIONS} positions"
         )
-    plain = tomllib.loads((SCENES / "external_gear.toml").read_text(encoding="utf-8"))
-    for name, changes in VARIANTS.items():
-        tree = deepcopy(plain)
+    gears = {name: ("external_gear", changes) for name, changes in VARIANTS.items()}
+    for name, (stem, changes) in (gears | OTHERS).items():
+        tree = tomllib.loads((SCENES / f"{stem}.toml").read_text(encoding="utf-8"))
         for table, keys in changes.items():
-            tree.setdefault(table, {}).update(keys)
-        cases[f"variant_{name}"] = _case(tree, f"examples/scenes/external_gear.toml with {changes}")
+            tree[table] = {**({} if "kind" in keys else tree.get(table, {})), **keys}
+        said = {table: list(keys) for table, keys in changes.items()} if stem == "cam" else changes
+        cases[f"variant_{name}"] = _case(tree, f"examples/scenes/{stem}.toml with {said}")
     return cases

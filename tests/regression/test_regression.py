@@ -17,9 +17,10 @@ from .compare import (
     write_reference,
 )
 from .contact_cases import contact_cases
+from .nodal_cases import nodal_cases
 from .scene_cases import scene_cases
 
-CASES = contact_cases() | scene_cases()
+CASES = contact_cases() | nodal_cases() | scene_cases()
 NAMES = sorted(path.stem for path in REFERENCES.glob("*.json"))
 
 
@@ -35,7 +36,16 @@ def test_reference(name: str) -> None:
 
 def test_there_are_enough_of_each_kind() -> None:
     assert len(NAMES) >= 25
-    for method in ("single", "block", "cascade", "primal", "load_path", "paper"):
+    for method in (
+        "single",
+        "block",
+        "cascade",
+        "primal",
+        "load_path",
+        "paper",
+        "torques",
+        "rows_exchanged",
+    ):
         assert f"contact_gear_{method}" in NAMES
     for path in REFERENCES.glob("*.json"):
         assert path.stat().st_size < 32_000, f"{path.name} is no small file"
