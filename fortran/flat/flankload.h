@@ -2,7 +2,8 @@
  *
  * Everything goes by reference; matrices stand column by column, as in Fortran; pairs are counted
  * from 1. Nothing is kept between calls, printed or opened: any number of threads may call at once.
- * What each argument means stands in fortran/README.md and above each procedure of fortran/flat/.
+ * What each argument means stands in README.md and flat/ of share/doc/flankload (in the sources: of
+ * fortran/).
  */
 #ifndef FLANKLOAD_H
 #define FLANKLOAD_H

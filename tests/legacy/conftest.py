@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ROOT / "examples"
 PROGRAMS = Path(__file__).parent / "programs"
 LINKING = [pytest.param(False, id="shared"), pytest.param(True, id="static")]
 #: Kept from run to run: nothing new to compile takes two seconds.
 BUILD = ROOT / "build-core"
+#: As they are installed.
+EXAMPLES = BUILD / "prefix" / "share" / "doc" / "flankload" / "examples"
 
 
 @pytest.fixture(scope="session")

@@ -87,6 +87,20 @@ def silent_arguments(lines: list[str], start: int) -> list[str]:
     return found
 
 
+def test_arguments_stand_in_the_order_of_the_call() -> None:
+    text = (FORTRAN / "README.md").read_text(encoding="utf-8")
+    calls = {}
+    for path in (FORTRAN / "flat").glob("*.f90"):
+        source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))
+        for name, arguments in re.findall(r"^subroutine (\w+)\(([^)]*)\)", source, re.MULTILINE):
+            calls[name] = [argument.strip() for argument in arguments.split(",")]
+    tables = re.findall(r"^`(flankload_\w+)`[^|\n]*:\n\n(\| arguments .*?)\n\n", text, re.M | re.S)
+    assert len(tables) == 3
+    for name, table in tables:
+        rows = [line.split("|")[1] for line in table.splitlines()[2:]]
+        assert [word for row in rows for word in re.findall(r"`(\w+)`", row)] == calls[name]
+
+
 def test_the_door_is_described_procedure_by_procedure() -> None:
     text = (FORTRAN / "README.md").read_text(encoding="utf-8")
     table = text.split("## The flat door")[1].split("## ")[0]
