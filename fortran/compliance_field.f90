@@ -1,6 +1,9 @@
 !> Compliance of a body between any two places of its flanks: pressure modes for the smooth part,
 !> an analytic strip for the near field. Stands where the paper has tables (21), (22).
 !>
+!> Where nodes are given, tables between them stand in place of both, as the paper has it: each unit
+!> load falls off to the neighbours of its node, and strips and jumps are in the tables.
+!>
 !> On a flank with two ends modes are Legendre polynomials, and the near field is a logarithm of the
 !> distance; on a closed one they are harmonics of a turn, and its logarithm that of the chord.
 module flankload_compliance_field
@@ -13,6 +16,10 @@ module flankload_compliance_field
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
+        !> Arc lengths of the flank's nodes [mm], ascending, shape (n); not allocated with modes.
+        !> With nodes smooth and tangential are tables of whole displacements, shape
+        !> (n, n, n_blocks), and the kernel only says how wide contacts are expected to be
+        real(wp), allocatable :: nodes(:)
         !> Arc lengths between which the pressure modes live [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
@@ -27,6 +34,10 @@ module flankload_compliance_field
         !> Near field of these: a half-plane moves by -jump in front of the load, jump behind it
         !> [mm/N]
         real(wp) :: jump = 0.0_wp
+        !> Displacement along the flank for these [mm/N], its logarithm as strong as the kernel,
+        !> shape (n_tangential, n_tangential, n_blocks); not allocated unless forces are finite and
+        !> rub
+        real(wp), allocatable :: along(:, :, :)
         !> Block of the smooth part for displacement at site i, load at site j, shape (sites, sites)
         integer, allocatable :: block(:, :)
         !> Displacement of the flanks out of the material by known loads, as modes [mm], shape

@@ -23,6 +23,8 @@ module flankload_contact_pairs
         real(wp) :: first = 0.0_wp
         !> Ends of the cells [mm] where their widths differ, shape (n + 1)
         real(wp), allocatable :: ends(:)
+        !> Where the pairs of these cells stand [mm]; not allocated where it is in the middle
+        real(wp), allocatable :: centers(:)
         !> Largest of these widths [mm], about
         real(wp) :: largest = 0.0_wp
         !> Places between which the cells shall lie on flank 1 [mm]
@@ -424,6 +426,7 @@ contains
             if (allocated(grid%ends)) then
                 s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
                 cell = grid%ends(k + 1) - grid%ends(k)
+                if (allocated(grid%centers)) s_1 = grid%centers(k)
             end if
             pair%s_2 = guessed_s_2(pair, s_1)
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)

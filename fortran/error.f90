@@ -105,6 +105,8 @@ contains
             text = 'the half-widths of the lumped contacts do not settle'
         case (-19)
             text = 'points not steadily outwards or inwards about O1, or a normal through O1'
+        case (-20)
+            text = 'finite forces and their influence numbers do not come to rest'
         case (:before_arguments - 1)
             write (number, '(i0)') before_arguments - code
             text = 'argument '//trim(number)//' is not valid'

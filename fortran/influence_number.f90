@@ -9,11 +9,12 @@ module flankload_influence_number
     use flankload_near_field, only: add_closed_near_field, add_near_field
     use flankload_contact_pairs, only: pairs_type
     use flankload_lapack, only: set_product
+    use flankload_tabled_influence, only: add_table, table_remainder
     use flankload_tangential_influence, only: add_tangential
     implicit none
     private
 
-    public :: influence_matrix, smooth_compliance
+    public :: influence_matrix, normal_influences, smooth_compliance
 
 contains
 
@@ -27,7 +28,39 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        integer :: n, i, j, load_first, load_last
+        integer :: n, i, j
+
+        n = pairs%n
+        if (allocated(body_1%nodes) .or. allocated(body_2%nodes)) then
+            matrix = 0.0_wp
+            call add_table(body_1, pairs%site(:n), pairs%s_1(:n), matrix)   ! Eq. (5), (21), (22)
+            call add_table(body_2, pairs%site(:n), pairs%s_2(:n), matrix)   ! Eq. (6), (10)
+        else
+            call set_by_modes(body_1, body_2, pairs, matrix)
+        end if
+        do j = 2, n
+            do i = 1, j - 1
+                matrix(i, j) = matrix(j, i)
+            end do
+        end do
+        if (.not. allocated(pairs%friction)) return
+        call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
+            & pairs%friction(:n), matrix)   ! Eq. (14), (15)
+        call add_tangential(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
+            & pairs%friction(:n), matrix)
+    end subroutine influence_matrix
+
+    !> What both bodies recede by their modes and near fields, in the lower triangle.
+    pure subroutine set_by_modes(body_1, body_2, pairs, matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(out) :: matrix(:, :)
+
+        integer :: n, load_first, load_last
 
         n = pairs%n
         load_first = 1
@@ -40,17 +73,47 @@ contains
                 & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
             load_first = load_last + 1
         end do
-        do j = 2, n
+    end subroutine set_by_modes
+
+    !> What one body alone recedes under normal forces; symmetric.
+    pure subroutine normal_influences(body, site, s, cell, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Site of each pair, those of a site together, its arc length and width of its cell on the
+        !> flank [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), contiguous, intent(in) :: s(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Displacements out of the material under unit forces out of it [mm/N], shape (n, n)
+        real(wp), contiguous, intent(out) :: matrix(:, :)
+
+        integer :: i, j, first, last
+        real(wp) :: values(size(s), size(body%smooth, 1))
+
+        matrix = 0.0_wp
+        if (allocated(body%nodes)) then
+            call add_table(body, site, s, matrix)
+        else
+            values = mode_values(body, s)
+            do j = 1, size(s)
+                do i = j, size(s)
+                    matrix(i, j) = dot_product(values(i, :), &
+                        & matmul(body%smooth(:, :, body%block(site(i), site(j))), values(j, :)))
+                end do
+            end do
+            first = 1
+            do while (first <= size(s))
+                last = last_of_site(site, first)
+                call add_near_field_of(body, s(first:last), cell(first:last), first, matrix)
+                first = last + 1
+            end do
+        end if
+        do j = 2, size(s)
             do i = 1, j - 1
                 matrix(i, j) = matrix(j, i)
             end do
         end do
-        if (.not. allocated(pairs%friction)) return
-        call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
-            & pairs%friction(:n), matrix)   ! Eq. (14), (15)
-        call add_tangential(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
-            & pairs%friction(:n), matrix)
-    end subroutine influence_matrix
+    end subroutine normal_influences
 
     !> Near field of a body between the cells of one site.
     pure subroutine add_near_field_of(body, s, cell, first, matrix)
@@ -166,6 +229,10 @@ contains
 
         matrix = 0.0_wp
         if (size(body%smooth) == 0) return
+        if (allocated(body%nodes)) then
+            matrix = table_remainder(body, site, s)
+            return
+        end if
         values = mode_values(body, s)
         do j = 1, size(s)
             do i = 1, size(s)

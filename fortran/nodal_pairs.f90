@@ -9,6 +9,7 @@ module flankload_nodal_pairs
     use flankload_polar_geometry, only: angle_between, circle_meets_flank
     use flankload_node_curve, only: curve_through_points
     use flankload_nodal_circles, only: is_steady, radii_about, shared_circles
+    use flankload_nodal_table, only: between, nodal_place
     implicit none
     private
 
@@ -27,14 +28,6 @@ module flankload_nodal_pairs
         !> body at point j along the normal there [mm/N], shape (n, n)
         real(wp), allocatable :: compliance(:, :)
     end type nodal_body
-
-    !> A place between two points of a body.
-    type :: nodal_place
-        !> The first of both points
-        integer :: point = 1
-        !> Part of the way to the next one
-        real(wp) :: part = 0.0_wp
-    end type nodal_place
 
     !> Pairs of points A and B on circles about O1.
     type :: nodal_pairs_type
@@ -175,31 +168,6 @@ contains
         end do
     end subroutine nodal_influences
 
-    !> Entry of a table between its points.
-    pure function between(table, at, load) result(value)
-        !> The table [mm/N], shape (n, n)
-        real(wp), intent(in) :: table(:, :)
-        !> Where displaced
-        type(nodal_place), intent(in) :: at
-        !> Where loaded
-        type(nodal_place), intent(in) :: load
-        real(wp) :: value
-
-        value = (1.0_wp - load%part)*along(load%point) + load%part*along(load%point + 1)
-
-    contains
-
-        !> Displacement for a load at a point.
-        pure function along(column) result(displacement)
-            !> The point
-            integer, intent(in) :: column
-            real(wp) :: displacement
-
-            displacement = (1.0_wp - at%part)*table(at%point, column) &
-                & + at%part*table(at%point + 1, column)
-        end function along
-
-    end function between
 
     !> Where a flank meets a circle about O1.
     pure subroutine place_on_circle(curve, axis_1, radii, radius, place, point, tangent)

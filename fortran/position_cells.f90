@@ -11,6 +11,7 @@ module flankload_position_cells
     use flankload_friction, only: rub_pairs
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
+    use flankload_node_cells, only: circles_through, lay_on_nodes
     use flankload_position, only: body_type, position_type, code_circle_misses
     implicit none
     private
@@ -32,6 +33,8 @@ module flankload_position_cells
         real(wp) :: corner_strips_per_half_width = 30.0_wp
         !> Half-width of the grid in Hertz half-widths
         real(wp) :: zone_half_widths = 2.5_wp
+        !> Influence numbers of finite forces, by so many steps of each force; 0: of small ones
+        integer :: finite_steps = 0
     end type grid_settings
 
     !> For what the cells are laid, and how they lie.
@@ -150,7 +153,7 @@ contains
             end do
             call part_grids(body_1%flank%curve, body_2%flank%curve, position, cells%joins, grids)
             do z = 1, size(zones)
-                if (cells%joins(z)) call lay_cells(zones(z), grids(z))
+                if (cells%joins(z)) call lay_cells_of(zones(z), grids(z))
             end do
             call reserve_pairs(pairs, sum(grids%n, mask=cells%joins))
             do z = 1, size(zones)
@@ -177,6 +180,28 @@ contains
                 end if
             end do
         end associate
+
+    contains
+
+        !> Lay the cells of a zone: on the nodes of flank 1 where there are any, else on circles
+        !> through those of flank 2.
+        pure subroutine lay_cells_of(zone, grid)
+            !> The zone
+            type(zone_type), intent(in) :: zone
+            !> Its grid
+            type(grid_type), intent(inout) :: grid
+
+            if (allocated(body_1%compliance%nodes)) then
+                call lay_on_nodes(body_1%compliance%nodes, zone, grid)
+            else if (allocated(body_2%compliance%nodes)) then
+                call lay_on_nodes(circles_through(body_2%compliance%nodes, body_2%flank%curve, &
+                    & position%frames_2(zone%site), body_1%flank%curve, &
+                    & position%frames_1(zone%site), zone), zone, grid)
+            else
+                call lay_cells(zone, grid)
+            end if
+        end subroutine lay_cells_of
+
     end subroutine lay_pairs
 
     !> Part the grids of neighbouring zones of a site.

@@ -3,16 +3,14 @@
 !> left out could touch.
 module flankload_position_load
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, invalid_scale, no_contact_state
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
-    use flankload_influence_number, only: influence_matrix
-    use flankload_contact_loop, only: contact_result, method_auto, method_single, &
-        & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
     use flankload_position, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
+    use flankload_pair_forces, only: solve_pairs
     use flankload_position_state, only: blank_state, count_lumped, position_state, unloaded_state, &
         & would_touch
     implicit none
@@ -24,9 +22,6 @@ module flankload_position_load
     integer, parameter :: code_unsettled = -13
     !> Cells are laid so often at most; widened 12 times they cover any flank.
     integer, parameter :: max_passes = 14
-    !> From so many pairs on the ladder chooses the loop, and uniqueness rests on K being elastic:
-    !> to factor all of it would cost more than the state.
-    integer, parameter :: many_pairs = 200
     !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
     !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
     real(wp), parameter :: joining = 0.02_wp
@@ -131,8 +126,8 @@ contains
                 if (pass > 1) call measure_reach(body_1, body_2, position, cells)
                 call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
                 if (allocated(error)) return
-                call solve_pairs(body_1, body_2, expected_pairs(state%pairs, zones, cells), &
-                    & torque, state, error)
+                call solve_pairs(body_1, body_2, position, expected_pairs(state%pairs, zones, &
+                    & cells), torque, settings%finite_steps, state, error)
                 if (allocated(error)) return
                 call check_grids(state%forces, cells, settled)
                 touches = would_touch(position, cells%estimate, state%rotation)
@@ -149,61 +144,6 @@ contains
         end associate
     end subroutine solve_load
 
-    !> Build K of the pairs and solve.
-    subroutine solve_pairs(body_1, body_2, warm_pairs, torque, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
-        !> Pairs to begin with
-        integer, intent(in) :: warm_pairs(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
-        !> The pairs on entry, then what is found
-        type(position_state), intent(inout) :: state
-        !> Set if no state was found
-        type(error_type), allocatable, intent(out) :: error
-
-        integer :: n, structure
-        real(wp), allocatable :: matrix(:, :), motions(:, :), load_rows(:, :)
-        type(contact_result) :: contact
-
-        n = state%pairs%n
-        allocate (matrix(n, n), motions(n, 1), load_rows(n, 1))
-        call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
-        state%columns = state%columns + n
-        if (allocated(state%pairs%friction)) then
-            state%tangential_columns = state%tangential_columns + n
-        end if
-        motions(:, 1) = state%pairs%lever
-        load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
-        structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
-        ! with friction several states may exist: all of K is looked at
-        if (allocated(state%pairs%friction)) structure = general_matrix
-        call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
-            & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
-            & warm_pairs, contact, error)
-        state%pivots = state%pivots + contact%pivots
-        state%refactorisations = state%refactorisations + contact%refactorisations
-        if (allocated(error)) then
-            state%largest_part = contact%largest_part
-            state%none_proven = contact%none_proven
-            if (error%code == invalid_scale .and. allocated(state%pairs%friction)) then
-                ! friction turns every lever against the torque: nothing can be held
-                error%code = no_contact_state
-                state%largest_part = 0.0_wp
-                state%none_proven = .true.
-            end if
-            return
-        end if
-        state%status = contact%status
-        state%rotation = contact%motion(1)
-        state%tangent = contact%tangent(1, 1)
-        call move_alloc(contact%forces, state%forces)
-        call move_alloc(contact%gaps, state%gaps)
-        state%condition = contact%condition
-        state%backward_error = contact%backward_error
-        state%margin = contact%margin
-    end subroutine solve_pairs
 
     !> Forces, peaks and corners of the sites.
     pure subroutine sum_over_sites(state, zones)

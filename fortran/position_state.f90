@@ -34,8 +34,8 @@ module flankload_position_state
         !> Counters: pivots, influence columns, passes over the grid, refactorisations
         integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
         !> More of them: influence columns of tangential forces, solutions with one unknown for each
-        !> place of contact
-        integer :: tangential_columns = 0, lumped_solutions = 0
+        !> place of contact, solutions with influence numbers of finite forces
+        integer :: tangential_columns = 0, lumped_solutions = 0, finite_passes = 0
         !> Without a state: part of the torque that can be held, and whether there is none for
         !> certain
         real(wp) :: largest_part = 0.0_wp

@@ -29,8 +29,8 @@ module flankload_sweep
         !> state, part of the torque that can be held and 1 if there is none for certain
         real(wp), allocatable :: certificate(:, :, :)
         !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
-        !> tangential forces, lumped solutions, shape (n_counters, positions, torques); of states
-        !> without an answer and of those that found no room, too
+        !> tangential forces, lumped solutions, finite ones, shape (n_counters, positions, torques);
+        !> of states without an answer and of those that found no room, too
         integer, allocatable :: counters(:, :, :)
         !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (-1: the
         !> site that touches without torque, -2: no parabola's contact at the lumped level, both off
@@ -43,7 +43,7 @@ module flankload_sweep
     end type sweep_type
 
     !> Counters of a state.
-    integer, parameter :: n_counters = 6
+    integer, parameter :: n_counters = 7
     !> Columns of a pair: s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm], lever of
     !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
     !> coefficient times its sign.
@@ -168,7 +168,8 @@ contains
         do t = 1, size(states)
             associate (state => states(t))
                 found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
-                    & state%refactorisations, state%tangential_columns, state%lumped_solutions]
+                    & state%refactorisations, state%tangential_columns, state%lumped_solutions, &
+                    & state%finite_passes]
             end associate
         end do
     end subroutine note_work

@@ -3,6 +3,7 @@
 module flankload_tangential_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values, strip_jump
+    use flankload_tabled_influence, only: add_tangential_table
     implicit none
     private
 
@@ -31,6 +32,10 @@ contains
 
         n = size(s)
         if (.not. allocated(body%tangential)) return
+        if (allocated(body%nodes)) then
+            call add_tangential_table(body, site, s, friction, matrix)
+            return
+        end if
         n_loads = size(body%tangential, 2)
         values = mode_values(body, s)
         loads = spread(-friction, 2, n_loads)*values(:, :n_loads)

@@ -15,10 +15,13 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_breaks_2, degree_2, breaks_2, coefficients_2, corners_2, &
         & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, &
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
+        & n_nodes_1, nodes_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
+        & n_nodes_2, nodes_2, &
         & grid, level, n_speeds, speeds, n_mu, mu_places, mu_values, &
         & n_tangential_1, tangential_1, jump_1, n_shift_1, shift_1, &
         & n_tangential_2, tangential_2, jump_2, n_shift_2, shift_2, &
+        & n_along_1, along_1, n_along_2, along_2, finite_steps, &
         & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
@@ -62,6 +65,11 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: kernel_1
     double precision, intent(in) :: smooth_1(n_modes_1, n_modes_1, n_blocks_1)
     integer, intent(in) :: block_1(n_sites, n_sites)
+    !> Arc lengths of the flank's nodes [mm], ascending (n_nodes_1 = 0: none). With nodes, as many
+    !> as modes, smooth and tangential are tables of the whole displacement of one node under a unit
+    !> force at another, and the kernel only says how wide contacts are expected to be
+    integer, intent(in) :: n_nodes_1
+    double precision, intent(in) :: nodes_1(n_nodes_1)
     !> Compliance of body 2
     integer, intent(in) :: n_modes_2
     integer, intent(in) :: n_blocks_2
@@ -69,6 +77,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: kernel_2
     double precision, intent(in) :: smooth_2(n_modes_2, n_modes_2, n_blocks_2)
     integer, intent(in) :: block_2(n_sites, n_sites)
+    !> Nodes of its flank
+    integer, intent(in) :: n_nodes_2
+    double precision, intent(in) :: nodes_2(n_nodes_2)
     !> Cells per Hertz half-width, the same at sharp corners, half-width of the grid in half-widths
     double precision, intent(in) :: grid(3)
     !> Level of contact: pairs on cells (0), or one unknown for each place of contact (1), which
@@ -98,6 +109,14 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: jump_2
     integer, intent(in) :: n_shift_2
     double precision, intent(in) :: shift_2(n_modes_2, n_shift_2)
+    !> Displacement of body 1 along its flank under loads along it, as smooth_1 (0: not given;
+    !> forces that are finite ask for it where there is friction), and that of body 2
+    integer, intent(in) :: n_along_1
+    double precision, intent(in) :: along_1(n_along_1, n_along_1, n_blocks_1)
+    integer, intent(in) :: n_along_2
+    double precision, intent(in) :: along_2(n_along_2, n_along_2, n_blocks_2)
+    !> Influence numbers of finite forces by so many steps of each force (Fig. 5); 0: of small ones
+    integer, intent(in) :: finite_steps
     !> Columns of the table of pairs: 11, with friction 13
     integer, intent(in) :: n_columns
     !> Room for pairs
@@ -120,9 +139,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> -1), part of the torque that can be held, and 1 if there is none for certain
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
     !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
-    !> tangential forces, solutions with one unknown for each place of contact; also where there is
-    !> no answer
-    integer, intent(out) :: counters(6, n_positions, n_torques)
+    !> tangential forces, solutions with one unknown for each place of contact, solutions with
+    !> influence numbers of finite forces; also where there is no answer
+    integer, intent(out) :: counters(7, n_positions, n_torques)
     !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
     !> the site that touches without torque, -2: no parabola's contact at the lumped level, both off
     !> corners)
@@ -157,17 +176,27 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (n_breaks_2 < 2) info = -12
     if (n_sites < 1) info = -17
     if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -27
-    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -33
-    if (.not. all(grid > 0.0d0)) info = -34
-    if (level /= level_pairs .and. level /= level_lumped) info = -35
-    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -36
-    if (.not. all(ieee_is_finite(speeds))) info = -37
-    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -40
-    if (all(n_shift_1 /= [0, n_sites])) info = -44
-    if (.not. all(ieee_is_finite(shift_1))) info = -45
-    if (all(n_shift_2 /= [0, n_sites])) info = -49
-    if (.not. all(ieee_is_finite(shift_2))) info = -50
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -51
+    if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -28
+    if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -29
+    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -35
+    if (n_nodes_2 /= 0 .and. (n_nodes_2 /= n_modes_2 .or. n_nodes_2 < 2)) info = -36
+    ! nodes of one body go with nodes of the other, unless that is rigid
+    if (n_nodes_1 > 0 .and. n_nodes_2 == 0 .and. kernel_2 > 0.0d0) info = -36
+    if (n_nodes_2 > 0 .and. n_nodes_1 == 0 .and. kernel_1 > 0.0d0) info = -28
+    if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -37
+    if (.not. all(grid > 0.0d0)) info = -38
+    if (level /= level_pairs .and. level /= level_lumped) info = -39
+    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -40
+    if (.not. all(ieee_is_finite(speeds))) info = -41
+    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -44
+    if (all(n_shift_1 /= [0, n_sites])) info = -48
+    if (.not. all(ieee_is_finite(shift_1))) info = -49
+    if (all(n_shift_2 /= [0, n_sites])) info = -53
+    if (.not. all(ieee_is_finite(shift_2))) info = -54
+    if (n_along_1 /= 0 .and. n_along_1 /= n_tangential_1) info = -55
+    if (n_along_2 /= 0 .and. n_along_2 /= n_tangential_2) info = -57
+    if (finite_steps < 0) info = -59
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -60
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -190,6 +219,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%compliance%closed = body_2%flank%curve%closed
     body_2%compliance%smooth = smooth_2
     body_2%compliance%block = block_2
+    if (n_nodes_1 > 0) body_1%compliance%nodes = nodes_1
+    if (n_nodes_2 > 0) body_2%compliance%nodes = nodes_2
     if (n_mu > 0) body_1%friction = new_friction(mu_places, mu_values)
     if (n_tangential_1 > 0) body_1%compliance%tangential = tangential_1
     body_1%compliance%jump = jump_1
@@ -198,9 +229,12 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%compliance%jump = jump_2
     settings%level = level
     if (n_shift_2 > 0) body_2%compliance%shift = shift_2
+    if (n_along_1 > 0) body_1%compliance%along = along_1
+    if (n_along_2 > 0) body_2%compliance%along = along_2
     settings%strips_per_half_width = grid(1)
     settings%corner_strips_per_half_width = grid(2)
     settings%zone_half_widths = grid(3)
+    settings%finite_steps = finite_steps
 
     call sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, control, &
         & pair_site, pair_table, found)

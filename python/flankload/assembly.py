@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies import Body, build_body
+from flankload.bodies.given import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.effects import Effects, effects_of
 from flankload.errors import SceneError
@@ -18,7 +19,7 @@ from flankload.friction import (
     friction_of,
 )
 from flankload.growth import Growth, growth_notes, growth_of
-from flankload.node_spacing import spacing_notes
+from flankload.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
@@ -126,17 +127,15 @@ def bodies_of(
             expected="bodies with flanks and elements for that",
             found="'chain', whose sprocket has pockets and which is a truss",
         )
+    element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
-        return tuple(
-            build_body(
-                (scene.body_1, scene.body_2)[z],
-                f"body_{z + 1}",
-                folder=scene.folder,
-                flank_element_mm=scene.accuracy.flank_element_mm,
-                flank_element_parts=resolution.flank_element_parts,
-            )
-            for z in which
-        )
+        if effects_of(scene).nodal_near_field:
+            element_mm, nodes_mm = None, _nodes_mm(scene, resolution)
+        bodies = tuple(_body(scene, resolution, z, element_mm, nodes_mm) for z in which)
+        if effects_of(scene).nodal_near_field:
+            for z, body in zip(which, bodies, strict=True):
+                _check_nodes(body, f"body_{z + 1}")
+        return bodies
     except SceneError as error:
         raise _with_file(error, scene) from None
 
@@ -231,6 +230,38 @@ def _with_file(error: SceneError, scene: Scene) -> SceneError:
     if error.file is not None or scene.file is None:
         return error
     return error.with_file(scene.file)
+
+
+def _check_nodes(body: Body, key: str) -> None:
+    """A body that brings pressure modes along has no tables between nodes."""
+    if isinstance(body.given, ModalCompliance):
+        raise SceneError(
+            key="effects.near_field",
+            expected=f"'analytic', since {key}.file holds pressure modes: nodes that carry forces "
+            f"come from elements, or from a matrix between nodes in {key}.file",
+            found="'nodes'",
+        )
+
+
+def _nodes_mm(scene: Scene, resolution: Resolution) -> float | None:
+    """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
+    if scene.accuracy.flank_element_mm is not None:
+        return scene.accuracy.flank_element_mm
+    one, two = (_body(scene, resolution, z, None, None) for z in (0, 1))
+    return spacing_for_loads((one, two), scene.torques_Nm, scene.pair.face_width_mm)
+
+
+def _body(
+    scene: Scene, resolution: Resolution, z: int, element_mm: float | None, nodes_mm: float | None
+) -> Body:
+    return build_body(
+        (scene.body_1, scene.body_2)[z],
+        f"body_{z + 1}",
+        folder=scene.folder,
+        flank_element_mm=element_mm,
+        flank_element_parts=resolution.flank_element_parts,
+        flank_nodes_mm=nodes_mm,
+    )
 
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:

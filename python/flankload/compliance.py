@@ -24,6 +24,7 @@ from flankload.near_field import (
     projected_logarithm,
     projected_sign,
 )
+from flankload.nodal_loads import every_second, nodes_of
 from flankload.sector_closure import (
     alike_response,
     close_ring,
@@ -83,8 +84,15 @@ class BodyCompliance:
         towards growing arc length, without the jump; mm²/N.
     jump : float
         Strength j of the jump, mm²/N; 0 without friction.
+    along : as tangential, (…, q, q); None without friction, or where forces are small ones
+        Displacements along the flank by the same loads, without the logarithm, which is as strong
+        as the kernel.
     closed : bool
         The modes are harmonics of a turn around the body.
+    nodes : (n,) array, or None
+        Arc lengths of the nodes, mm, where tables between them stand in place of modes: smooth,
+        tangential and along then hold whole displacements by unit forces, mm²/N, and the kernel
+        only says how wide contacts are to be expected.
     asymmetry : float
         Largest relative difference of a response and its transposed counterpart before both were
         averaged.
@@ -111,7 +119,9 @@ class BodyCompliance:
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
+    along: NDArray[np.float64] | None = None
     closed: bool = False
+    nodes: NDArray[np.float64] | None = None
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
     counters: Mapping[str, int] = field(default_factory=dict)
@@ -172,15 +182,28 @@ class BodyCompliance:
     def fewer_modes(self) -> BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal.
 
-        The highest harmonic of a turn is two of them.
+        The highest harmonic of a turn is two of them. Of tables: between half as many nodes.
         """
+        if self.nodes is not None:
+            fewer, parts = every_second(self.nodes)
+            tables = {
+                name: parts.T @ table @ parts
+                for name in ("smooth", "tangential", "along")
+                if (table := getattr(self, name)) is not None
+            }
+            return replace(self, nodes=fewer, **tables)
         kept = self.smooth.shape[1] - (2 if self.closed else 1)
         if kept < 1:
             return self
         tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
         shifts = {name: modes[:, :kept] for name, modes in self.shifts.items()}
+        along = None if self.along is None else self.along[:, :kept, :kept]
         return replace(
-            self, smooth=self.smooth[:, :kept, :kept], tangential=tangential, shifts=shifts
+            self,
+            smooth=self.smooth[:, :kept, :kept],
+            tangential=tangential,
+            along=along,
+            shifts=shifts,
         )
 
     def unyielding(self) -> BodyCompliance:
@@ -210,6 +233,7 @@ class BodyCompliance:
             self,
             smooth=alone(self.smooth),
             tangential=None if self.tangential is None else alone(self.tangential),
+            along=None if self.along is None else alone(self.along),
             root=None if root is None else replace(root, response=alone(root.response)),
         )
 
@@ -226,6 +250,8 @@ def flank_compliance(
     n_modes: int,
     plane: str,
     friction: bool = False,
+    along: bool = False,
+    nodal: bool = False,
     fillets: RootFillets | None = None,
     sectors: int | None = None,
     growth: Growth | None = None,
@@ -241,6 +267,10 @@ def flank_compliance(
     plane : {"strain", "stress"}
     friction : bool
         As many modes of load along the flank are solved, too.
+    along : bool
+        Their displacements along the flank are wanted, too.
+    nodal : bool
+        Unit forces at the nodes of the flank in place of modes; n_modes is not asked for then.
     fillets : RootFillets, optional
         Where stress is wanted, too.
     sectors : int, optional
@@ -265,6 +295,10 @@ def flank_compliance(
         clock = now
 
     mesh, closed = body.mesh, body.curve.closed
+    nodes = None
+    if nodal:
+        nodes = nodes_of(mesh)
+        n_modes = nodes.size
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
     account = Account(workspace_bytes=_sparse_bytes(matrix))
@@ -286,11 +320,12 @@ def flank_compliance(
             readings=stress,
             forces=forces,
             account=account,
+            nodes=nodes,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
     else:
-        loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction)
+        loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction, nodes=nodes)
         lap("assembly")
         more = stress(0) if stress else None
         count_loads(account, loads.shape[1], friction=friction)
@@ -315,19 +350,14 @@ def flank_compliance(
         count, places = response.shape[2], fillets.points.arc_length_mm.size
         root = RootResponse(fillets.points, response[:, count : count + places])
     response = response[:, : response.shape[2]]
-    low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
-    logarithm = projected_logarithm(n_modes, high - low, closed=closed)
-    response[own, :n_modes, :n_modes] += strength * logarithm
-    norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
     jump = 0.0
-    if friction:
-        jump = jump_strength(body.material, plane)
-        sign = jump * projected_sign(n_modes, high - low)
-        response[own, :n_modes, n_modes:] += sign
-        response[own, n_modes:, :n_modes] += sign.T
-        norms = np.tile(norms, 2)
-    response /= norms[:, None] * norms[None, :]
+    if nodes is None:
+        if friction:
+            jump = jump_strength(body.material, plane)
+        _take_out_near_field(response, own, body, n_modes, strength, jump)
+    else:
+        account.count(unit_loads_nodal=response.shape[2] * max(1, len(flanks)))
     # the response the other way is the transposed one (Betti); the halves of rounding are shared
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
@@ -343,7 +373,9 @@ def flank_compliance(
         flanks=flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,
         jump=jump,
+        along=response[:, n_modes:, n_modes:] if along and friction else None,
         closed=closed,
+        nodes=nodes,
         asymmetry=asymmetry,
         degrees_of_freedom=free,
         counters=account.counters,
@@ -357,6 +389,29 @@ def flank_compliance(
 
 def _sparse_bytes(matrix: csc_matrix) -> int:
     return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
+
+
+def _take_out_near_field(
+    response: NDArray[np.float64],
+    own: NDArray[np.int64],
+    body: Body,
+    n_modes: int,
+    strength: float,
+    jump: float,
+) -> None:
+    """Leave what modes carry, as mode coefficients; loads along the flank stand behind."""
+    low, high = body.mode_range_mm
+    closed = body.curve.closed
+    logarithm = strength * projected_logarithm(n_modes, high - low, closed=closed)
+    response[own, :n_modes, :n_modes] += logarithm
+    norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
+    if response.shape[1] > n_modes:
+        sign = jump * projected_sign(n_modes, high - low)
+        response[own, :n_modes, n_modes:] += sign
+        response[own, n_modes:, :n_modes] += sign.T
+        response[own, n_modes:, n_modes:] += logarithm
+        norms = np.tile(norms, 2)
+    response /= norms[:, None] * norms[None, :]
 
 
 def _stress_columns(

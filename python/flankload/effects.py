@@ -389,7 +389,7 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.near_field",),
         switch=_level("near_field", "nodes", "analytic"),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
-        size_by="compliance",
+        counters=("unit_loads_nodal",),
         coarser=True,
     ),
     Effect(
@@ -397,8 +397,9 @@ EFFECTS: tuple[Effect, ...] = (
         title="influence numbers of finite force",
         keys=("effects.influence",),
         switch=_level("influence", "finite", "small"),
-        stages=ALL_SWEEPS,
-        work=Work(columns=2, solves=2),
+        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        work=Work(tangential_loads=1, columns=2, solves=2),
+        counters=("unit_loads_tangential", "finite_solutions"),
         size_by="levers",
     ),
     Effect(

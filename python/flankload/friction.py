@@ -13,12 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
     from flankload.scene import Scene
-
-    #: Of a body under loads along its flank: number of modes, smooth part (flat), mm/N, jump, mm/N.
-    Field = tuple[int, NDArray[np.float64], float]
 
 KEY = "effects.friction_coefficient"
 
@@ -66,40 +62,25 @@ class FrictionArguments:
         Of both bodies, rad per rad of the position.
     table : (n,) and (n * S,) arrays
         Arc lengths on flank 1, mm, and coefficients there, site by site.
-    fields : two tuples
-        Of each body number of modes of load along its flank, their smooth part (flat) and the
-        strength of the jump, mm/N.
     """
 
     speeds: NDArray[np.float64]
     table: tuple[NDArray[np.float64], NDArray[np.float64]]
-    fields: tuple[Field, Field]
 
     @classmethod
     def of(
         cls,
         friction: Friction | None,
-        compliances: tuple[BodyCompliance, BodyCompliance],
         pairing: Pairing,
         position_rad: NDArray[np.float64],
-        face_width_mm: float,
     ) -> FrictionArguments:
-        """Arguments of a sweep; rigid bodies have no fields."""
-        none = np.empty(0)
+        """Arguments of a sweep."""
         if friction is None:
-            return cls(np.empty((2, 0)), (none, none), ((0, none, 0.0), (0, none, 0.0)))
-        fields: list[Field] = []
-        for compliance in compliances:
-            part = compliance.tangential
-            if part is None:
-                fields.append((0, none, 0.0))
-                continue
-            smooth = part.transpose(1, 2, 0).ravel(order="F") / face_width_mm
-            fields.append((part.shape[2], smooth, compliance.jump / face_width_mm))
+            none = np.empty(0)
+            return cls(np.empty((2, 0)), (none, none))
         return cls(
             friction.speeds(pairing, position_rad),
             (friction.places_mm, friction.coefficients.ravel(order="F")),
-            (fields[0], fields[1]),
         )
 
     @property

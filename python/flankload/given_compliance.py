@@ -16,19 +16,27 @@ from flankload.near_field import (
     mode_values,
     projected_logarithm,
 )
+from flankload.nodal_loads import hat_values, hat_widths
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
 
 #: Largest difference of a response and the one the other way round, relative to the largest.
 LARGEST_ASYMMETRY = 1e-6
-FRICTION_KEY = "effects.friction_coefficient"
 
 
 def given_compliance(
-    body: Body, *, modes: int | None, default_modes: int, plane: str, friction: bool = False
+    body: Body,
+    *,
+    modes: int | None,
+    default_modes: int,
+    plane: str,
+    tangential: str | None = None,
+    nodal: bool = False,
 ) -> BodyCompliance:
     """Compliance of a body that has brought it along.
 
@@ -43,8 +51,10 @@ def given_compliance(
         file that holds modes gives them all.
     plane : {"strain", "stress"}
         Of the scene: the same as in the file.
-    friction : bool
-        The response to loads along the flank is wanted, too.
+    tangential : str, optional
+        The key that asks for the response to loads along the flank, too.
+    nodal : bool
+        Tables between the nodes of the file in place of pressure modes.
 
     Returns
     -------
@@ -66,17 +76,19 @@ def given_compliance(
             expected=f"'{plane}', as in accuracy.plane",
             found=f"'{given.plane}'",
         )
-    if friction and given.tangential is None:
+    if tangential and given.tangential is None:
         modal = isinstance(given, ModalCompliance)
         raise ComplianceFileError(
             file=given.file,
             key="smooth_nt" if modal else "format",
-            expected=f"the response to loads along the flank, since the scene has {FRICTION_KEY}: "
+            expected=f"the response to loads along the flank, since the scene has {tangential}: "
             "as flankload compliance writes it for a scene with friction",
             found="nothing" if modal else "a matrix of normal displacements and forces alone",
         )
     if isinstance(given, ModalCompliance):
-        return _of_modes(body, given, modes or given.smooth.shape[1], friction=friction)
+        return _of_modes(body, given, modes or given.smooth.shape[1], friction=bool(tangential))
+    if nodal:
+        return _tables(body, given, plane)
     enough = max(2, min(default_modes, given.flank_elements // 2 + 1))
     return _of_nodes(body, given, modes or enough, plane)
 
@@ -147,11 +159,7 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
         loads = mode_values(given.arc_length_mm, body.mode_range_mm, n_modes)
     else:
         loads = nodal_mode_forces(given, body.mode_range_mm, n_modes)
-    response = np.zeros((body.teeth, n_modes, n_modes))
-    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
-        response[offset] = loads.T @ block @ loads
-        if -offset % body.teeth not in given.offsets:
-            response[-offset % body.teeth] = response[offset].T
+    response = _responses(body, given, loads)
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
     response[0] += strength * projected_logarithm(n_modes, high - low)
@@ -164,10 +172,48 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     )
 
 
+def _responses(
+    body: Body, given: NodalCompliance, loads: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Response (z, p, p) of all teeth to p loads of tooth 0, read by the same loads."""
+    response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
+    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
+        response[offset] = loads.T @ block @ loads
+        if -offset % body.teeth not in given.offsets:
+            response[-offset % body.teeth] = response[offset].T
+    return response
+
+
+def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
+    """Tables between the nodes: of quadratic elements the ends, since middles yield otherwise."""
+    nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
+
+    def pressures(s: NDArray[np.float64]) -> NDArray[np.float64]:
+        return hat_values(s, nodes) / hat_widths(nodes)
+
+    if given.of_pressures:
+        loads = pressures(given.arc_length_mm)
+    else:
+        loads = consistent_forces(given, pressures)
+    return BodyCompliance(
+        smooth=_responses(body, given, loads),
+        kernel=logarithm_strength(body.material, plane),
+        mode_range_mm=body.mode_range_mm,
+        nodes=nodes,
+        asymmetry=given.asymmetry,
+    )
+
+
 def nodal_mode_forces(
     given: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
 ) -> NDArray[np.float64]:
     """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
+    return consistent_forces(given, lambda s: mode_values(s, mode_range_mm, n_modes))
+
+
+def consistent_forces(
+    given: NodalCompliance, pressures: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
     places, weights, shapes = gauss_places(given.arc_length_mm, quadratic=given.quadratic)
-    modes = mode_values(places, mode_range_mm, n_modes)
-    return np.asarray(shapes.T @ (weights[:, None] * modes))
+    return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

@@ -21,6 +21,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Material, MeshedFlank, SectorMesh
@@ -135,28 +137,70 @@ def mode_loads(
     (2 N, n_modes) array
         Per mm of width, degree of freedom 2*node + component.
     """
-    points, weights = leggauss(max(6, n_modes // 2 + 4))
+    turn = mode_range_mm[1] - mode_range_mm[0] if closed else None
+    return consistent_loads(
+        mesh,
+        lambda s: mode_values(s, mode_range_mm, n_modes, closed=closed),
+        count=n_modes,
+        along=along,
+        turn=turn,
+        gauss_points=max(6, n_modes // 2 + 4),
+    )
+
+
+def consistent_loads(
+    mesh: SectorMesh | MeshedFlank,
+    values: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    *,
+    count: int,
+    along: Literal["normal", "tangent"] = "normal",
+    turn: float | None = None,
+    gauss_points: int = 6,
+    edges: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
+) -> NDArray[np.float64]:
+    """Consistent nodal loads of pressures along a flank.
+
+    Parameters
+    ----------
+    mesh : SectorMesh or MeshedFlank
+    values : callable
+        Arc lengths (k,) to pressures (k, count).
+    count : int
+        Number of loads.
+    along : {"normal", "tangent"}
+        Out of the material, or towards growing arc length.
+    turn : float, optional
+        Length of a closed flank, mm.
+    gauss_points : int
+        On each edge.
+    edges : (m, 3) arrays, optional
+        Nodes of the edges that carry and their arc lengths, where these are not those that carry
+        modes.
+
+    Returns
+    -------
+    (2 N, count) array
+        Per mm of width, degree of freedom 2*node + component.
+    """
+    points, weights = leggauss(gauss_points)
     shape = np.stack(
         [points * (points - 1) / 2, points * (points + 1) / 2, 1 - points**2], axis=1
     )  # (g, 3), meshio's line3 order: ends, then middle
     slope = np.stack([points - 0.5, points + 0.5, -2 * points], axis=1)
-    edges = mesh.flank_edges
-    place = mesh.nodes[edges]  # (m, 3, 2)
+    numbers, ends = edges or (mesh.flank_edges, mesh.flank_arc_length[mesh.flank_edges])
+    place = mesh.nodes[numbers]  # (m, 3, 2)
     tangent = np.einsum("gk,mkd->mgd", slope, place)
     direction = tangent  # times ds, as the normal is
     if along == "normal":
         direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
-    ends = mesh.flank_arc_length[edges]
-    if closed:  # the node at which a turn begins ends it, too
-        turn = mode_range_mm[1] - mode_range_mm[0]
+    if turn is not None:  # the node at which a turn begins ends it, too
         ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
     s = ends @ shape.T  # (m, g)
-    modes = mode_values(s.ravel(), mode_range_mm, n_modes, closed=closed)
-    modes = modes.reshape(*s.shape, n_modes)
-    local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, modes, direction)
-    loads = np.zeros((len(mesh.nodes), 2, n_modes))
-    np.add.at(loads, edges, local)
-    return loads.reshape(-1, n_modes)
+    pressures = values(s.ravel()).reshape(*s.shape, count)
+    local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, pressures, direction)
+    loads = np.zeros((len(mesh.nodes), 2, count))
+    np.add.at(loads, numbers, local)
+    return loads.reshape(-1, count)
 
 
 def projected_logarithm(

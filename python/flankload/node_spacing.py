@@ -15,6 +15,14 @@ if TYPE_CHECKING:
 #: Where on the flank its curvature is taken, in parts of its length: off its ends.
 MIDDLE_PARTS = np.linspace(0.3, 0.7, 9)
 
+#: Nodes that carry forces are so many Hertz half-widths of all of the load on one flank apart. On
+#: the FZG type C pair that leaves 0.07 to 0.2 % of the rotation off tip corners and 0.3 to 15 % of
+#: the largest pressure (the more, the less a flank carries); a third 0.2 to 0.8 and up to 40 %, a
+#: tenth 0.03 to 0.08 and 1 %. The elements cost in proportion to the square of the nodes.
+NODES_PART = 0.2
+#: Where flanks conform the whole of them carries: so many nodes along the flank.
+CONFORMING_NODES = 40
+
 
 @dataclass(frozen=True)
 class HertzContact:
@@ -94,6 +102,34 @@ def spacing_notes(
             part = nodes.deviation_mm / contact.flattening_mm
             note += f"; the curve deviates by about {100 * part:.2g} % of the flattening there"
         yield note
+
+
+def spacing_for_loads(
+    bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
+) -> float | None:
+    """Distance of nodes that forces at nodes need, mm.
+
+    Parameters
+    ----------
+    bodies : two Body
+    torques_Nm : tuple of float
+        On body 1; the largest makes the contact by which the nodes are set.
+    face_width_mm : float
+
+    Returns
+    -------
+    float or None
+        A fifth of the Hertz half-width with one flank under the torque; where the flanks conform a
+        part of their length. None without torque.
+    """
+    torque = max(torques_Nm)
+    if torque <= 0.0 or all(body.rigid for body in bodies):
+        return None
+    contact = hertz_contact(*bodies, 1000 * torque / bodies[0].reference_radius_mm / face_width_mm)
+    if contact is not None:
+        return NODES_PART * contact.half_width_mm
+    low, high = bodies[0].mode_range_mm
+    return (high - low) / CONFORMING_NODES
 
 
 def _middle_curvature(body: Body) -> float:

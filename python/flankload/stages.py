@@ -7,8 +7,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flankload.compliance import BodyCompliance, flank_compliance
+from flankload.effects import effects_of
 from flankload.given_compliance import given_compliance
 from flankload.growth import grown
+from flankload.nodal_loads import nodes_of
 from flankload.resolution import Resolution, choose_resolution
 from flankload.sweep import sweep
 
@@ -21,6 +23,13 @@ if TYPE_CHECKING:
     from flankload.root_fillet import RootFillets
     from flankload.scene import Scene
     from flankload.sweep import Sweep
+
+#: Influence numbers of finite forces are linear through so many steps of each force. Where they
+#: grow evenly with it 10 steps have 5 % more of that growth than steps without number, 3 steps
+#: 14 %.
+FINITE_STEPS = 10
+#: What asks for loads along the flanks.
+FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
 
 
 def compliance_of(
@@ -50,14 +59,17 @@ def compliance_of(
     -------
     BodyCompliance
     """
-    resolution = resolution or choose_resolution(scene)
+    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
+    # what moves along the flank under normal loads is what these move the other way round
+    tangential = effects.friction or effects.finite_influence
     if body.given is not None:
         found = given_compliance(
             body,
             modes=scene.accuracy.modes,
             default_modes=resolution.modes,
             plane=scene.accuracy.plane,
-            friction=scene.has_friction,
+            tangential=(FRICTION if effects.friction else FINITE) if tangential else None,
+            nodal=effects.nodal_near_field,
         )
         if growth is not None:
             found = replace(found, expansion=growth.strain)
@@ -66,7 +78,9 @@ def compliance_of(
             body,
             n_modes=modes_of(body, scene, resolution),
             plane=scene.accuracy.plane,
-            friction=scene.has_friction,
+            friction=tangential,
+            along=effects.friction and effects.finite_influence,
+            nodal=effects.nodal_near_field,
             fillets=fillets,
             sectors=scene.sectors,
             growth=growth,
@@ -121,11 +135,12 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
         face_width_mm=scene.pair.face_width_mm,
         friction=pair.friction,
         level=scene.effects.contact,
+        finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
     )
 
 
 def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
-    """Pressure modes of a flank of a body with elements.
+    """Pressure modes of a flank of a body with elements, or its nodes that carry unit forces.
 
     Parameters
     ----------
@@ -140,6 +155,8 @@ def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
         Where the scene names none, of a degree at most half the number of flank elements: more
         makes a coarse mesh worse.
     """
+    if effects_of(scene).nodal_near_field and body.mesh is not None:
+        return nodes_of(body.mesh).size
     asked, wanted = scene.accuracy.modes, resolution.modes
     if body.modes_part > 1.0:
         asked, wanted = None, round(body.modes_part * (asked or wanted))

@@ -39,6 +39,7 @@ CORE_COUNTERS = (
     "refactorisations",
     "influence_columns_tangential",
     "lumped_solutions",
+    "finite_solutions",
 )
 #: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
 #: is never written costs nothing.
@@ -58,7 +59,7 @@ class Sweep:
     status, rotation_rad, tangent_rad_per_Nmm : (P,) arrays
     certificate : (P, 3) array
         Backward error, condition, margin.
-    counters : (P, 6) array
+    counters : (P, 7) array
         What each state took: `CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
@@ -92,6 +93,7 @@ def sweep(
     grid: Grid,
     level: Level = "pairs",
     friction: Friction | None = None,
+    finite_steps: int = 0,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -121,6 +123,9 @@ def sweep(
         that conform have no such place.
     friction : Friction, optional
         Of the flanks; the compliances must have their tangential parts then.
+    finite_steps : int
+        Influence numbers of finite forces by so many steps of each force, 0: of small ones; the
+        compliances must have their tangential parts then, with friction also those along.
     keep_pairs : bool
         Whether the single pairs are wanted; the numbers of the sites are there in any case.
     account : Account, optional
@@ -142,6 +147,9 @@ def sweep(
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
     arguments = _core_arguments(bodies, compliances, pairing, face_width_mm)
+    along_flanks = _AlongFlanks.of(
+        compliances if friction is not None or finite_steps else (), face_width_mm
+    )
 
     def call(
         where: NDArray[np.float64],
@@ -155,7 +163,9 @@ def sweep(
             arguments=arguments,
             grid=grid,
             level=level,
-            rubbing=FrictionArguments.of(friction, compliances, pairing, where, face_width_mm),
+            rubbing=FrictionArguments.of(friction, pairing, where),
+            along_flanks=along_flanks,
+            finite_steps=finite_steps,
             account=spent,
             progress=tell,
         )
@@ -244,11 +254,51 @@ def _core_arguments(
                 compliance.kernel / face_width_mm,
                 smooth,
                 np.asfortranarray(block + 1, dtype=np.intc),
+                np.empty(0) if compliance.nodes is None else compliance.nodes,
                 len(shift),
                 shift.ravel(),
             )
         )
     return arguments
+
+
+@dataclass(frozen=True)
+class _AlongFlanks:
+    """What loads along the flanks move, in the layout of the flat door; empty where none rub.
+
+    Attributes
+    ----------
+    across : two tuples
+        Of each body number of loads along its flank, what they move out of the material (flat) and
+        the strength of the jump.
+    along : tuple
+        For body 1, then body 2, number of these loads and what they move along (flat).
+    """
+
+    across: tuple[tuple[int, NDArray[np.float64], float], ...]
+    along: tuple[NDArray[np.float64] | int, ...]
+
+    @classmethod
+    def of(cls, compliances: Sequence[BodyCompliance], face_width_mm: float) -> _AlongFlanks:
+        """Arguments; rigid bodies have none, nor do those of which none is asked for."""
+        across: list[tuple[int, NDArray[np.float64], float]] = []
+        along: list[NDArray[np.float64] | int] = []
+        for compliance in compliances or (None, None):
+            count, flat = _flat(compliance, "tangential", face_width_mm)
+            jump = compliance.jump / face_width_mm if compliance is not None else 0.0
+            across.append((count, flat, jump))
+            along += _flat(compliance, "along", face_width_mm)
+        return cls(tuple(across), tuple(along))
+
+
+def _flat(
+    compliance: BodyCompliance | None, name: str, face_width_mm: float
+) -> tuple[int, NDArray[np.float64]]:
+    """Number of loads of blocks of a compliance, and the blocks one after the other."""
+    blocks = getattr(compliance, name, None)
+    if blocks is None:
+        return 0, np.empty(0)
+    return blocks.shape[2], blocks.transpose(1, 2, 0).ravel(order="F") / face_width_mm
 
 
 @dataclass
@@ -293,6 +343,8 @@ class _CoreCall:
     grid: Grid
     level: Level
     rubbing: FrictionArguments
+    along_flanks: _AlongFlanks
+    finite_steps: int
     account: Account
     progress: Callable[[int, int], None] | None
 
@@ -312,9 +364,9 @@ class _CoreCall:
 
         (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
         (site_1, site_2) = (argument[3:5] for argument in self.arguments)
-        (field_1, field_2) = (argument[5:9] for argument in self.arguments)
-        (shift_1, shift_2) = (argument[9:] for argument in self.arguments)
-        (tangential_1, tangential_2) = self.rubbing.fields
+        (field_1, field_2) = (argument[5:10] for argument in self.arguments)
+        (shift_1, shift_2) = (argument[10:] for argument in self.arguments)
+        (tangential_1, tangential_2) = self.along_flanks.across
         grid = self.grid
         knobs = (
             grid.strips_per_half_width,
@@ -348,6 +400,8 @@ class _CoreCall:
                 *shift_1,
                 *tangential_2,
                 *shift_2,
+                *self.along_flanks.along,
+                self.finite_steps,
                 columns,
                 control,
                 site,

@@ -41,6 +41,7 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
         ),
     ),
     -18: (PivotLimit, "the half-widths of the lumped contacts do not settle"),
+    -20: (PivotLimit, "finite forces and their influence numbers do not come to rest"),
 }
 
 

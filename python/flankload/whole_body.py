@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from flankload.cost import Account
 from flankload.elasticity import degrees_of, factored
 from flankload.near_field import mode_loads
+from flankload.nodal_loads import hat_loads
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +27,7 @@ def unit_loads(
     *,
     friction: bool,
     closed: bool = False,
+    nodes: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """Loads of the modes along the normal; with friction followed by those along the tangent.
 
@@ -37,16 +39,20 @@ def unit_loads(
     friction : bool
     closed : bool
         The modes' range is a turn around the body.
+    nodes : (n_modes,) array, optional
+        Arc lengths, mm: unit forces at nodes in place of modes.
 
     Returns
     -------
     (2 N, n_modes) or (2 N, 2 n_modes) array
     """
-    normal = mode_loads(mesh, mode_range_mm, n_modes, closed=closed)
-    if not friction:
-        return normal
-    tangent = mode_loads(mesh, mode_range_mm, n_modes, along="tangent", closed=closed)
-    return np.hstack([normal, tangent])
+
+    def loads(along: Literal["normal", "tangent"]) -> NDArray[np.float64]:
+        if nodes is not None:
+            return hat_loads(mesh, nodes, along=along)
+        return mode_loads(mesh, mode_range_mm, n_modes, along=along, closed=closed)
+
+    return np.hstack([loads("normal"), loads("tangent")]) if friction else loads("normal")
 
 
 def count_loads(account: Account, columns: int, *, friction: bool) -> None:
@@ -75,6 +81,7 @@ def whole_response(
     forces: NDArray[np.float64] | None = None,
     closed: bool = False,
     account: Account | None = None,
+    nodes: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -98,6 +105,8 @@ def whole_response(
         The modes' range is a turn around the body.
     account : Account, optional
         Where load cases and solutions are counted.
+    nodes : (n_modes,) array, optional
+        Arc lengths on each flank, mm: unit forces at nodes in place of modes.
 
     Returns
     -------
@@ -113,16 +122,18 @@ def whole_response(
         account = Account()
     solve = factored(matrix[free][:, free].tocsc(), account)
     tell("factorisation")
-    loads = []
-    for flank in mesh.flanks:
-        own = unit_loads(flank, mode_range_mm, n_modes, friction=friction, closed=closed)[free]
-        loads.append(_nonzero(own))
+
+    def loads_of(flank: MeshedFlank) -> NDArray[np.float64]:
+        return unit_loads(
+            flank, mode_range_mm, n_modes, friction=friction, closed=closed, nodes=nodes
+        )
+
+    loads = [_nonzero(loads_of(flank)[free]) for flank in mesh.flanks]
     seen = loads
     if readings is not None:
         seen = []
         for i, flank in enumerate(mesh.flanks):
-            own = unit_loads(flank, mode_range_mm, n_modes, friction=friction, closed=closed)
-            seen.append(_nonzero(np.hstack([own, readings(i)])[free]))
+            seen.append(_nonzero(np.hstack([loads_of(flank), readings(i)])[free]))
     f, p, r = len(loads), loads[0][1].shape[1], seen[0][1].shape[1]
     response = np.empty((f, f, r, p))
     for j, (rows, column) in enumerate(loads):

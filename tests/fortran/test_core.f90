@@ -11,6 +11,9 @@ program test_core
         & drop_pair
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
     use flankload_near_field, only: add_near_field
+    use flankload_finite_influence, only: departures
+    use flankload_compliance_field, only: compliance_type
+    use flankload_tabled_influence, only: add_table, add_tangential_table
     use flankload_bordered_solution, only: solve_bordered, invert_small
     implicit none
 
@@ -36,9 +39,124 @@ program test_core
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
+    call test_tables_between_nodes
+    call test_flank_pushed_far
+    call test_flank_turned_far
+    call test_small_forces_depart_little
     print '(a)', 'all passed'
 
 contains
+
+    !> Tables are read between nodes by what these have, and beyond the last one as there.
+    subroutine test_tables_between_nodes
+        integer, parameter :: nodes = 6, places = 4
+        real(wp), parameter :: s(places) = [0.3_wp, 2.5_wp, 4.2_wp, 6.0_wp]
+        real(wp), parameter :: friction(places) = [0.1_wp, -0.2_wp, 0.0_wp, 0.3_wp]
+        integer, parameter :: site(places) = [1, 1, 2, 2]
+        type(compliance_type) :: body
+        real(wp) :: hats(places, nodes), expected(places, places), found(places, places)
+        integer :: i, j, block
+
+        body%nodes = [0.0_wp, 1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 5.0_wp]
+        allocate (body%smooth(nodes, nodes, 2), body%tangential(nodes, nodes, 2))
+        call random_number(body%smooth)
+        call random_number(body%tangential)
+        body%smooth = body%smooth + reshape([(transpose(body%smooth(:, :, i)), i=1, 2)], &
+            & shape(body%smooth))
+        body%block = reshape([1, 2, 2, 1], [2, 2])
+        do j = 1, nodes
+            hats(:, j) = max(0.0_wp, 1.0_wp - abs(min(s, 5.0_wp) - body%nodes(j)))
+        end do
+        found = 0.0_wp
+        call add_table(body, site, s, found)
+        do j = 1, places
+            do i = j, places
+                block = body%block(site(i), site(j))
+                expected(i, j) = dot_product(hats(i, :), &
+                    & matmul(body%smooth(:, :, block), hats(j, :)))
+                call expect(abs(found(i, j) - expected(i, j)) <= round_off*10.0_wp, 'a table')
+            end do
+        end do
+        found = 0.0_wp
+        call add_tangential_table(body, site, s, friction, found)
+        do j = 1, places
+            do i = 1, places
+                block = body%block(site(i), site(j))
+                expected(i, j) = -friction(j)*dot_product(hats(i, :), &
+                    & matmul(body%tangential(:, :, block), hats(j, :)))
+                call expect(abs(found(i, j) - expected(i, j)) <= round_off, 'loads along a flank')
+            end do
+        end do
+    end subroutine test_tables_between_nodes
+
+    !> A straight flank pushed by a force, whatever its size: where its line then cuts a circle is
+    !> known, and so is the line through the angles of all steps.
+    subroutine test_flank_pushed_far
+        integer, parameter :: points = 9, steps = 7
+        real(wp), parameter :: from(2) = [20.0_wp, 1.0_wp], along(2) = [0.8_wp, 0.6_wp]
+        real(wp), parameter :: push(2) = [-0.03_wp, 0.05_wp], force = 40.0_wp
+        real(wp) :: line(2, points), found(points), expected, part, angles, squares, reach
+        integer :: i, step
+
+        line = reshape([(from + i*along, i=1, points)], [2, points])
+        found = departures(line, [(1, i=1, points)], spread(push, 2, points), force, steps)
+        do i = 1, points
+            angles = 0.0_wp
+            squares = 0.0_wp
+            do step = 1, steps
+                part = force*step/steps
+                associate (moved => from + part*push)
+                    ! moved + reach*along on the circle of the point
+                    reach = sqrt(dot_product(moved, along)**2 - dot_product(moved, moved) &
+                        & + dot_product(line(:, i), line(:, i))) - dot_product(moved, along)
+                    angles = angles + part*(atan2(moved(2) + reach*along(2), &
+                        & moved(1) + reach*along(1)) - atan2(line(2, i), line(1, i)))
+                end associate
+                squares = squares + part**2
+            end do
+            ! of a small force: push.n/(P.t), with the normal (-t_y, t_x)
+            expected = angles/squares - (push(2)*along(1) - push(1)*along(2)) &
+                & /dot_product(line(:, i), along)
+            call expect(abs(found(i) - expected) <= 1.0e4_wp*epsilon(1.0_wp), 'a flank pushed far')
+            call expect(abs(expected) > 1.0e-5_wp, 'the push is large enough to be seen')
+        end do
+    end subroutine test_flank_pushed_far
+
+    !> A flank along the radii moved across these as if it turned: by atan of what it would turn by.
+    subroutine test_flank_turned_far
+        integer, parameter :: points = 5
+        real(wp), parameter :: force = 0.1_wp
+        real(wp) :: flank(2, points), across(2, points), found(points), expected
+        integer :: i
+
+        do i = 1, points   ! radial: its cuts stand on it, however large it gets
+            flank(:, i) = [20.0_wp + i, 0.0_wp]
+            across(:, i) = [0.0_wp, flank(1, i)]
+        end do
+        found = departures(flank, [(1, i=1, points)], across, force, 1)
+        expected = atan(force)/force - 1.0_wp
+        call expect(all(abs(found - expected) <= 1.0e4_wp*epsilon(1.0_wp)), 'a flank turned far')
+    end subroutine test_flank_turned_far
+
+    !> As the force goes to 0 nothing is left, on bent flanks and at their ends too, and what there
+    !> is grows evenly with the force.
+    subroutine test_small_forces_depart_little
+        integer, parameter :: points = 6
+        real(wp) :: flank(2, points), moves(2, points), large(points), small(points)
+        integer :: i, site(points)
+
+        site = [1, 1, 1, 1, 2, 2]
+        do i = 1, points
+            flank(:, i) = [20.0_wp + i, 0.1_wp*i**2]
+        end do
+        call random_number(moves)
+        moves = moves - 0.5_wp
+        large = departures(flank, site, moves, 1.0e-4_wp, 3)
+        small = departures(flank, site, moves, 1.0e-5_wp, 3)
+        call expect(all(abs(small) <= 1.0e-5_wp), 'small forces depart little')
+        call expect(all(abs(large - 10.0_wp*small) <= 1.0e-2_wp*abs(large) + 1.0e-9_wp), &
+            & 'they depart in proportion')
+    end subroutine test_small_forces_depart_little
 
     !> The mean over a strip is that of many narrow parts of it, the same from both sides, and goes
     !> over smoothly to what stands for it far away.

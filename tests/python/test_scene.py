@@ -27,6 +27,7 @@ SCENE: dict[str, Any] = {
     "load": {"torque_Nm": 302},
 }
 PROFILE = {"module_mm": 4.5, "tip_diameter_mm": 82.46}
+ROUNDED = {**PROFILE, "tip_radius_mm": 0.3}
 MESH = {"kind": "mesh", "file": "a.msh", "teeth": 16, "profile": PROFILE}
 
 RING = {
@@ -204,6 +205,33 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "effects.coast_flank",
             "no such key, since this version does not simulate contact on the coast flank",
             "true",
+        ),
+        (
+            {"effects__near_field": "nodes", "accuracy__modes": 5},
+            "accuracy.modes",
+            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes",
+            "5",
+        ),
+        (
+            {"effects__near_field": "nodes", "body_1": {**MESH, "profile": ROUNDED}},
+            "effects.near_field",
+            (
+                "'analytic' with body_1.profile.tip_radius_mm: the edges of a file's flank set "
+                "that carry end where the tip turns"
+            ),
+            "'nodes'",
+        ),
+        (
+            {"effects__near_field": "nodes", "effects__contact": "lumped"},
+            "effects.contact",
+            "'pairs' with effects.near_field 'nodes': forces there have places",
+            "'lumped'",
+        ),
+        (
+            {"effects__influence": "finite", "effects__contact": "lumped"},
+            "effects.contact",
+            "'pairs' with effects.influence 'finite': forces there have places",
+            "'lumped'",
         ),
         (
             {"effects__wind": 1},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
@@ -26,6 +26,7 @@ def build_body(
     folder: Path,
     flank_element_mm: float | None,
     flank_element_parts: float,
+    flank_nodes_mm: float | None = None,
 ) -> Body:
     """Build the body that a table of a scene asks for.
 
@@ -41,6 +42,9 @@ def build_body(
     flank_element_parts : float
         The same in modules, where `flank_element_mm` is None; cams and followers, which have no
         module, have a number of elements along their flank in proportion.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -88,16 +92,20 @@ def build_body(
         flank_element_mm = flank_element_parts * spec.module_mm
         if spec.kind in ("spline_shaft", "spline_hub"):
             flank_element_mm *= SPLINE_PART
+    lengths: dict[str, Any] = {
+        "flank_element_mm": flank_element_mm,
+        "flank_nodes_mm": flank_nodes_mm,
+    }
     if isinstance(spec, Gear):
         from flankload.bodies.gear import build_gear
 
-        return build_gear(spec, key, flank_element_mm=flank_element_mm)
+        return build_gear(spec, key, **lengths)
     if isinstance(spec, Ring):
         from flankload.bodies.ring import build_ring
 
-        return build_ring(spec, key, flank_element_mm=flank_element_mm)
+        return build_ring(spec, key, **lengths)
     from flankload.bodies.spline import build_spline_hub, build_spline_shaft
 
     if isinstance(spec, SplineShaft):
-        return build_spline_shaft(spec, key, flank_element_mm=flank_element_mm)
-    return build_spline_hub(spec, key, flank_element_mm=flank_element_mm)
+        return build_spline_shaft(spec, key, **lengths)
+    return build_spline_hub(spec, key, **lengths)

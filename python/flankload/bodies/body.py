@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from flankload.bodies.given import GivenCompliance
@@ -48,6 +49,9 @@ class SectorMesh:
         right node k is left node k turned by one pitch.
     teeth : int
         Number of equal sectors.
+    tip_edges, tip_arc_length : (k, 3) arrays
+        Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
+        of their nodes, mm: modes end before them, forces at nodes go on. Empty without.
     """
 
     nodes: NDArray[np.float64]
@@ -58,6 +62,8 @@ class SectorMesh:
     left_nodes: NDArray[np.int64]
     right_nodes: NDArray[np.int64]
     teeth: int
+    tip_edges: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    tip_arc_length: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
 
     @property
     def flank_elements(self) -> int:

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from flankload.scene import Gear, SplineShaft
 
 
-def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
+def build_gear(
+    spec: Gear, key: str, *, flank_element_mm: float, flank_nodes_mm: float | None = None
+) -> Body:
     """Build a gear.
 
     Parameters
@@ -24,6 +26,9 @@ def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
         Key of the body in the scene, for messages.
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -34,10 +39,16 @@ def build_gear(spec: Gear, key: str, *, flank_element_mm: float) -> Body:
     SceneError
         If there is no such gear, or it cannot be meshed; names the key.
     """
-    return outward_body(spec, key, flank_element_mm=flank_element_mm)
+    return outward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
 
 
-def outward_body(spec: Gear | SplineShaft, key: str, *, flank_element_mm: float) -> Body:
+def outward_body(
+    spec: Gear | SplineShaft,
+    key: str,
+    *,
+    flank_element_mm: float,
+    flank_nodes_mm: float | None = None,
+) -> Body:
     """Build a body whose teeth stand outwards, held at its bore; see `build_gear`."""
     profile = gear_profile(spec, key)
     bore_radius = 0.5 * spec.bore_diameter_mm
@@ -50,7 +61,11 @@ def outward_body(spec: Gear | SplineShaft, key: str, *, flank_element_mm: float)
     mesh = None
     if not spec.rigid:
         mesh = sector_mesh(
-            profile, bore_radius_mm=bore_radius, flank_element_mm=flank_element_mm, key=key
+            profile,
+            bore_radius_mm=bore_radius,
+            flank_element_mm=flank_element_mm,
+            key=key,
+            flank_nodes_mm=flank_nodes_mm,
         )
     return Body(
         kind=spec.kind,

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from flankload.scene import Ring, SplineHub
 
 
-def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
+def build_ring(
+    spec: Ring, key: str, *, flank_element_mm: float, flank_nodes_mm: float | None = None
+) -> Body:
     """Build a ring.
 
     Parameters
@@ -24,6 +26,9 @@ def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
         Key of the body in the scene, for messages.
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -34,17 +39,27 @@ def build_ring(spec: Ring, key: str, *, flank_element_mm: float) -> Body:
     SceneError
         If there is no such ring, or it cannot be meshed; names the key.
     """
-    return inward_body(spec, key, flank_element_mm=flank_element_mm)
+    return inward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
 
 
-def inward_body(spec: Ring | SplineHub, key: str, *, flank_element_mm: float) -> Body:
+def inward_body(
+    spec: Ring | SplineHub,
+    key: str,
+    *,
+    flank_element_mm: float,
+    flank_nodes_mm: float | None = None,
+) -> Body:
     """Build a body whose teeth stand inwards, held at its rim; see `build_ring`."""
     profile = ring_profile(spec, key)
     outer_radius = 0.5 * spec.outer_diameter_mm
     mesh = None
     if not spec.rigid:
         mesh = ring_mesh(
-            profile, outer_radius_mm=outer_radius, flank_element_mm=flank_element_mm, key=key
+            profile,
+            outer_radius_mm=outer_radius,
+            flank_element_mm=flank_element_mm,
+            key=key,
+            flank_nodes_mm=flank_nodes_mm,
         )
     return Body(
         kind=spec.kind,

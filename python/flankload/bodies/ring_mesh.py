@@ -102,7 +102,12 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 
 
 def ring_mesh(
-    profile: RingProfile, *, outer_radius_mm: float, flank_element_mm: float, key: str
+    profile: RingProfile,
+    *,
+    outer_radius_mm: float,
+    flank_element_mm: float,
+    key: str,
+    flank_nodes_mm: float | None = None,
 ) -> SectorMesh:
     """Mesh one tooth of a ring and its share of the rim.
 
@@ -115,6 +120,9 @@ def ring_mesh(
         Largest length of an element along the flank.
     key : str
         Key of the body in the scene, for messages.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -137,7 +145,7 @@ def ring_mesh(
         root_radius_mm=radius**2 / involute.root_radius_mm,
         tip_radius_mm=radius**2 / involute.tip_radius_mm,
     )
-    image = tooth_mesh(tooth, radius**2 / outer_radius_mm, flank_element_mm)
+    image = tooth_mesh(tooth, radius**2 / outer_radius_mm, flank_element_mm, flank_nodes_mm)
     c, s = np.cos(half_pitch), np.sin(half_pitch)
     mesh = replace(
         image,

@@ -84,7 +84,9 @@ class SectorBreaks:
     rows: Floats
 
 
-def sector_breaks(profile: ToothForm, bore_radius: float, h: float) -> SectorBreaks:
+def sector_breaks(
+    profile: ToothForm, bore_radius: float, h: float, on_flank: float | None = None
+) -> SectorBreaks:
     """Breaks for flank elements no longer than h.
 
     Parameters
@@ -94,6 +96,8 @@ def sector_breaks(profile: ToothForm, bore_radius: float, h: float) -> SectorBre
         mm.
     h : float
         mm.
+    on_flank : float, optional
+        Another length along the flank, mm; all other elements then keep theirs.
 
     Returns
     -------
@@ -103,15 +107,16 @@ def sector_breaks(profile: ToothForm, bore_radius: float, h: float) -> SectorBre
     form = profile.mode_range_mm[0]
     split = _split_point(curve, form)
     corner, end = _tip_corner(curve)
+    on_flank = on_flank or h
     radius = float(np.linalg.norm(curve.point([split])[0]))
     pieces = [_turned_breaks(curve, split, form, FILLET * h)]
     parts = np.unique([form, *curve.range_of("flank", "relief"), corner])
     for start, stop in pairwise(parts):
         least = 3 if start == form else 1
-        pieces.append(even_breaks(start, stop, h, least)[1:])
+        pieces.append(even_breaks(start, stop, on_flank, least)[1:])
     tip = np.array([corner])
     if end > corner:
-        tip = even_breaks(corner, end, h)
+        tip = even_breaks(corner, end, on_flank)
     width = 2 * curve.point([0.5 * (form + corner)])[0, 1]
     depth = radius - bore_radius
     pitch = 2 * pi / profile.teeth
@@ -120,7 +125,7 @@ def sector_breaks(profile: ToothForm, bore_radius: float, h: float) -> SectorBre
     rows = growing_breaks(depth, FIRST_ROW * h, GROWTH, caps)
     if rows.size < 3:
         rows = np.array([0.0, 0.5, 1.0])
-    columns = symmetric_breaks(width, FIRST_LAYER * h, GROWTH, INNER * h)
+    columns = symmetric_breaks(width, FIRST_LAYER * on_flank, GROWTH, INNER * max(h, on_flank))
     if tip.size > (columns.size - 1) // 2:
         tip = np.linspace(corner, end, (columns.size - 1) // 2)
     return SectorBreaks(

@@ -9,7 +9,7 @@ images.
 from __future__ import annotations
 
 from math import atan2, cos, pi, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -26,13 +26,19 @@ if TYPE_CHECKING:
     from flankload.bodies.sector_breaks import ToothCurve, ToothForm
 
     Floats = NDArray[np.float64]
+    T = TypeVar("T", np.int64, np.float64)
 
 #: The foot of the tooth sags at most by this part of the rim's height.
 SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile, *, bore_radius_mm: float, flank_element_mm: float, key: str
+    profile: GearProfile,
+    *,
+    bore_radius_mm: float,
+    flank_element_mm: float,
+    key: str,
+    flank_nodes_mm: float | None = None,
 ) -> SectorMesh:
     """Mesh one tooth and its share of the rim.
 
@@ -46,6 +52,9 @@ def sector_mesh(
         Largest length of an element along the flank.
     key : str
         Key of the body in the scene, for messages.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -62,7 +71,7 @@ def sector_mesh(
             expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
             found=f"{2 * bore_radius_mm:g}",
         )
-    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm)
+    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm, flank_nodes_mm)
     worst, place = worst_element(mesh)
     if not worst > 0.0:
         in_rim = place < profile.involute.root_radius_mm
@@ -84,7 +93,12 @@ def worst_element(mesh: SectorMesh) -> tuple[float, float]:
     return float(worst.min()), float(np.linalg.norm(place))
 
 
-def tooth_mesh(profile: ToothForm, bore_radius: float, flank_element_mm: float) -> SectorMesh:
+def tooth_mesh(
+    profile: ToothForm,
+    bore_radius: float,
+    flank_element_mm: float,
+    flank_nodes_mm: float | None = None,
+) -> SectorMesh:
     """Mesh of a tooth that stands outwards on the +x axis, its elements not yet checked.
 
     Parameters
@@ -94,12 +108,15 @@ def tooth_mesh(profile: ToothForm, bore_radius: float, flank_element_mm: float) 
         mm.
     flank_element_mm : float
         Largest length of an element along the flank.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
     SectorMesh
     """
-    breaks = sector_breaks(profile, bore_radius, flank_element_mm)
+    breaks = sector_breaks(profile, bore_radius, flank_element_mm, flank_nodes_mm)
     curve, teeth = profile.curve, profile.teeth
     tip_radius = profile.tip_radius_mm
     mirror = np.array([1.0, -1.0])
@@ -157,16 +174,25 @@ def tooth_mesh(profile: ToothForm, bore_radius: float, flank_element_mm: float) 
     path = numbers[carries]
     arc_length = np.full(len(nodes), np.nan)
     arc_length[path] = lengths[carries]
+    beyond = numbers[lengths >= high - 1e-12]
+    s_beyond = lengths[lengths >= high - 1e-12]
     return SectorMesh(
         nodes=nodes,
         cells=(("quad9", np.concatenate(mesh.cells)),),
-        flank_edges=np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1),
+        flank_edges=_edges(path),
         flank_arc_length=arc_length,
         fixed_nodes=np.unique(np.concatenate([right[0], middle[0], left[0]])),
         left_nodes=left[1:, -1],
         right_nodes=right[1:, 0],
         teeth=teeth,
+        tip_edges=_edges(beyond),
+        tip_arc_length=_edges(s_beyond),
     )
+
+
+def _edges(path: NDArray[T]) -> NDArray[T]:
+    """First, last and middle of each edge of a path through ends and middles."""
+    return np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1)
 
 
 def _arc(radius: float, angles: Floats) -> Floats:

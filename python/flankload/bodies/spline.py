@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from flankload.scene import SplineHub, SplineShaft
 
 
-def build_spline_shaft(spec: SplineShaft, key: str, *, flank_element_mm: float) -> Body:
+def build_spline_shaft(
+    spec: SplineShaft, key: str, *, flank_element_mm: float, flank_nodes_mm: float | None = None
+) -> Body:
     """Build the shaft of a spline.
 
     Parameters
@@ -28,6 +30,9 @@ def build_spline_shaft(spec: SplineShaft, key: str, *, flank_element_mm: float) 
         Key of the body in the scene, for messages.
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
 
     Returns
     -------
@@ -39,10 +44,14 @@ def build_spline_shaft(spec: SplineShaft, key: str, *, flank_element_mm: float) 
         If there is no such shaft, or it cannot be meshed; names the key.
     """
     _check_root(spec, key)
-    return _by_pitch_radius(outward_body(spec, key, flank_element_mm=flank_element_mm))
+    return _by_pitch_radius(
+        outward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
+    )
 
 
-def build_spline_hub(spec: SplineHub, key: str, *, flank_element_mm: float) -> Body:
+def build_spline_hub(
+    spec: SplineHub, key: str, *, flank_element_mm: float, flank_nodes_mm: float | None = None
+) -> Body:
     """Build the hub of a spline; see `build_spline_shaft`."""
     from flankload.scene.tables import SPLINE_FILLET
 
@@ -50,7 +59,9 @@ def build_spline_hub(spec: SplineHub, key: str, *, flank_element_mm: float) -> B
     if radius is None:
         radius = SPLINE_FILLET * spec.module_mm
     spec = structs.replace(spec, root_fillet_radius_mm=radius)
-    return _by_pitch_radius(inward_body(spec, key, flank_element_mm=flank_element_mm))
+    return _by_pitch_radius(
+        inward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
+    )
 
 
 def _by_pitch_radius(body: Body) -> Body:

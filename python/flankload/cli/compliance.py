@@ -28,6 +28,13 @@ def compliance(arguments: Namespace) -> None:
             expected="bodies with teeth: no scene could read the file of a cam",
             found="'cam'",
         )
+    if scene.effects.near_field == "nodes":
+        raise SceneError(
+            file=scene.file,
+            key="effects.near_field",
+            expected="'analytic': the files hold pressure modes",
+            found="'nodes'",
+        )
     from flankload.assembly import build_bodies
     from flankload.bodies.modal_file import modal_arrays
     from flankload.named_arrays import npz_of

@@ -153,7 +153,10 @@ class Coarse:
 
 
 def without_knobs(scene: Scene) -> Scene:
-    """The scene without knobs of its own, and without what changes no state."""
+    """The scene without knobs of its own, and without what changes no state.
+
+    Forces at nodes are another way to the same states, a hundred times as dear: modes tell sizes.
+    """
     accuracy = structs.replace(
         scene.accuracy,
         flank_element_mm=None,
@@ -162,7 +165,7 @@ def without_knobs(scene: Scene) -> Scene:
         corner_strips_per_half_width=None,
         zone_half_widths=None,
     )
-    effects = structs.replace(scene.effects, root_stress=False)
+    effects = structs.replace(scene.effects, root_stress=False, near_field="analytic")
     return replace(scene, effects=effects, accuracy=accuracy)
 
 

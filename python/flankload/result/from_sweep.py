@@ -185,7 +185,7 @@ def _warnings(
             'and may be half of the true one (effects.contact = "pairs" follows it)'
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        modes = compliances[z].smooth.shape[1]
+        modes = compliances[z].smooth.shape[1] if compliances[z].nodes is None else 0
         if body.mesh is not None and 2 * (modes - 1) > body.mesh.flank_elements:
             yield (
                 f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.near_field import mode_norms, mode_values
+from flankload.nodal_loads import hat_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,6 +48,8 @@ class RootReading:
         n_modes, or twice as many where friction loads the flanks along, too.
     mode_range_mm : (float, float)
     face_width_mm : float
+    nodes : (n_modes,) array, optional
+        Arc lengths of nodes that carry unit forces in place of modes, mm.
     """
 
     points: RootPoints
@@ -54,6 +57,7 @@ class RootReading:
     response: Floats
     mode_range_mm: tuple[float, float]
     face_width_mm: float
+    nodes: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +138,7 @@ def root_reading(
         response=compliance.root.response[block],
         mode_range_mm=compliance.mode_range_mm,
         face_width_mm=face_width_mm,
+        nodes=compliance.nodes,
     )
 
 
@@ -173,9 +178,13 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64]
     """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it."""
     low, high = reading.mode_range_mm
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
-    # beyond their range modes keep their end values
-    values = mode_values(np.clip(places, low, high), reading.mode_range_mm, reading.n_modes)
-    norms = mode_norms(reading.mode_range_mm, reading.n_modes) * reading.face_width_mm
+    if reading.nodes is not None:
+        values = hat_values(places, reading.nodes)
+        norms = np.full(reading.n_modes, reading.face_width_mm)
+    else:
+        # beyond their range modes keep their end values
+        values = mode_values(np.clip(places, low, high), reading.mode_range_mm, reading.n_modes)
+        norms = mode_norms(reading.mode_range_mm, reading.n_modes) * reading.face_width_mm
     # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
     # so do the forces along them
     forces = [-table.force_N]

@@ -30,6 +30,8 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_extent(asked, effects)
     _check_coupling(asked, effects)
     _check_growth(asked)
+    _check_nodes(asked)
+    _check_places(asked)
 
 
 def _refuse(key: str, expected: str, found: object) -> None:
@@ -142,3 +144,50 @@ def _check_elements(asked: SceneFile, key: str) -> None:
 def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
     """A number for each body; 0 where there is none."""
     return value if isinstance(value, tuple) else (value or 0.0,) * 2
+
+
+def _check_places(asked: SceneFile) -> None:
+    """A lumped contact has one place for its forces."""
+    if asked.effects.contact != "lumped":
+        return
+    for key, value in (("near_field", "nodes"), ("influence", "finite")):
+        if getattr(asked.effects, key) == value:
+            _refuse(
+                "effects.contact",
+                f"'pairs' with effects.{key} '{value}': forces there have places",
+                "lumped",
+            )
+
+
+def _check_nodes(asked: SceneFile) -> None:
+    """Both flanks have nodes for forces, and nothing stands in modes."""
+    if asked.effects.near_field != "nodes":
+        return
+    key = "effects.near_field"
+    if isinstance(asked.body_2, Cam):
+        _refuse(
+            key,
+            "'analytic' with body_2.kind 'cam': a closed flank has no first and last node",
+            "nodes",
+        )
+    for name, body in (("body_1", asked.body_1), ("body_2", asked.body_2)):
+        profile = body.profile if isinstance(body, MeshBody) else None
+        for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
+            if getattr(profile, rounding) is not None:
+                _refuse(
+                    key,
+                    f"'analytic' with {name}.profile.{rounding}: the edges of a file's flank set "
+                    "that carry end where the tip turns",
+                    "nodes",
+                )
+    for growth in ("temperature_rise_K", "speed_rpm"):
+        if getattr(asked.effects, growth):
+            _refuse(
+                key, f"'analytic' with effects.{growth}: growth is known in modes alone", "nodes"
+            )
+    if asked.accuracy.modes is not None:
+        _refuse(
+            "accuracy.modes",
+            f"nothing with {key} 'nodes': forces at nodes stand in place of modes",
+            asked.accuracy.modes,
+        )

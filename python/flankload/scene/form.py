@@ -22,8 +22,6 @@ T = TypeVar("T", bound=Table)
 #: Keys that later versions know, and what this one does not do; where they stand, by table.
 NOT_YET = {
     "effects": {
-        "influence": "finite-load influence numbers",
-        "near_field": "the near field from nodal loads",
         "coast_flank": "contact on the coast flank",
     },
     "body": {

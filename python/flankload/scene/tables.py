@@ -541,6 +541,23 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "linear between; 0 = no friction",
         ),
     ] = None
+    near_field: Annotated[
+        Literal["analytic", "nodes"],
+        about(
+            "",
+            "how flanks give way near a force: 'analytic' = pressure modes and a half-plane's "
+            "logarithm; 'nodes' = forces at the nodes of the flanks, with tables between these "
+            "(a fifth of the Hertz half-width apart, or accuracy.flank_element_mm)",
+        ),
+    ] = "analytic"
+    influence: Annotated[
+        Literal["small", "finite"],
+        about(
+            "",
+            "influence numbers: 'small' = of small forces; 'finite' = of the forces found, by "
+            "where the deformed flank cuts the circle of a pair",
+        ),
+    ] = "small"
     root_stress: Annotated[
         bool,
         about(
