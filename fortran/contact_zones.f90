@@ -5,7 +5,7 @@
 !> by the theoretical path of contact: tip corners and fillets count like any other place.
 module flankload_contact_zones
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: frame_type, curve_length, placed_point
+    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length, placed_point
     use flankload_circle_pair, only: flank_type, pair_on_circle, pair_type
     use flankload_gap_scan, only: scan_gaps
     implicit none
@@ -42,6 +42,8 @@ module flankload_contact_zones
         !> Body whose sharp corner comes first on either side of the least gap, else 0, and its
         !> distance along flank 1 [mm]
         integer :: corner_low = 0, corner_high = 0
+        !> The least gap lies at the end of a flank that is cut there: it does not count
+        logical :: left_out = .false.
         real(wp) :: to_corner_low = huge(1.0_wp), to_corner_high = huge(1.0_wp)
     end type zone_type
 
@@ -125,6 +127,7 @@ contains
                     & radius_2, first, last, i, closed_moment, zone, last_level, conforms, found)
                 lost = lost .or. .not. found
                 zone%site = site
+                zone%left_out = lies_at_cut(flank_1%curve, flank_2%curve, zone)
                 if (n_zones > 0 .and. n_zones <= size(zones)) then
                     if (same_zone(zones(n_zones), zone)) cycle
                 end if
@@ -149,6 +152,37 @@ contains
         end function same_zone
 
     end subroutine find_zones
+
+    !> Whether the least gap lies at the end of a flank that is cut out of a longer one.
+    pure function lies_at_cut(curve_1, curve_2, zone) result(at_cut)
+        !> Curves of both flanks
+        type(flank_curve_type), intent(in) :: curve_1
+        type(flank_curve_type), intent(in) :: curve_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        logical :: at_cut
+
+        at_cut = .false.
+        if (zone%corner == 1 .and. curve_1%cut) at_cut = is_end(curve_1, zone%nearest%s_1)
+        if (zone%corner == 2 .and. curve_2%cut) at_cut = is_end(curve_2, zone%nearest%s_2)
+
+    contains
+
+        !> Whether a place is an end of a curve.
+        pure function is_end(curve, s) result(at_end)
+            !> The curve
+            type(flank_curve_type), intent(in) :: curve
+            !> Arc length [mm]
+            real(wp), intent(in) :: s
+            logical :: at_end
+
+            associate (breaks => curve%breaks)
+                at_end = min(abs(s - breaks(0)), abs(s - breaks(ubound(breaks, 1)))) &
+                    & <= same_place*curve_length(curve)
+            end associate
+        end function is_end
+
+    end function lies_at_cut
 
     !> The exact least gap beside a sample that has less gap than its neighbours.
     pure subroutine refine_zone(flank_1, frame_1, flank_2, frame_2, s_1, segment, corner, &

@@ -107,6 +107,8 @@ contains
             text = 'points not steadily outwards or inwards about O1, or a normal through O1'
         case (-20)
             text = 'finite forces and their influence numbers do not come to rest'
+        case (-21)
+            text = 'flanks are nearest to each other at ends that are left out'
         case (:before_arguments - 1)
             write (number, '(i0)') before_arguments - code
             text = 'argument '//trim(number)//' is not valid'

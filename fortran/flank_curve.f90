@@ -21,6 +21,8 @@ module flankload_flank_curve
         logical, allocatable :: corners(:)
         !> True where the curve ends smoothly in its own beginning
         logical :: closed = .false.
+        !> True where the curve is cut out of a longer one: nothing touches first at its ends
+        logical :: cut = .false.
     end type flank_curve_type
 
     !> Where a body stands: its frame turned by an angle about its axis.
@@ -44,7 +46,8 @@ contains
         real(wp), intent(in) :: breaks(:)
         !> Coefficients, shape (degree + 1, 2, n)
         real(wp), intent(in) :: coefficients(:, :, :)
-        !> Nonzero where the curve has a sharp corner, shape (n + 1)
+        !> Nonzero where the curve has a sharp corner; 2 at the ends of one that is cut out of a
+        !> longer one, shape (n + 1)
         integer, intent(in) :: corners(:)
         type(flank_curve_type) :: curve
 
@@ -56,6 +59,7 @@ contains
         allocate (curve%coefficients(0:degree, 2, n), source=coefficients)
         allocate (curve%corners(0:n), source=corners /= 0)
         curve%closed = ends_meet(curve)
+        curve%cut = any(corners == 2)
     end function new_flank_curve
 
     !> Whether a curve ends smoothly where it begins.

@@ -15,7 +15,7 @@ module flankload_position
 
     public :: body_type, position_type
     public :: look_at_position
-    public :: code_no_zone, code_too_many_zones, code_circle_misses
+    public :: code_no_zone, code_too_many_zones, code_circle_misses, code_only_ends
 
     !> What a body hands over.
     type :: body_type
@@ -39,6 +39,10 @@ module flankload_position
         !> and shifts [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
         real(wp), allocatable :: gap(:)
+        !> The same places at the ends of flanks that are cut: they do not count; not allocated
+        !> where there are none
+        type(zone_type), allocatable :: ends(:)
+        real(wp), allocatable :: end_gap(:)
         !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
         real(wp), allocatable :: smooth(:, :)
         !> c of both bodies: strength of the logarithm [mm/N]
@@ -54,6 +58,7 @@ module flankload_position
     integer, parameter :: code_no_zone = -11
     integer, parameter :: code_too_many_zones = -12
     integer, parameter :: code_circle_misses = -14
+    integer, parameter :: code_only_ends = -21
     !> No real job needs more zones, in all or on each site where there are many sites; more than
     !> that is refused, not cut off.
     integer, parameter :: max_zones = 64, max_zones_per_site = 6
@@ -115,16 +120,23 @@ contains
                 & 'more places of least gap than can be kept: profile too wavy')
             return
         end if
-        position%zones = zones(:n_zones)
+        if (any(zones(:n_zones)%left_out)) then
+            position%ends = pack(zones(:n_zones), zones(:n_zones)%left_out)
+            position%end_gap = gaps_without_load(body_1, body_2, position%ends)
+        end if
+        position%zones = pack(zones(:n_zones), .not. zones(:n_zones)%left_out)
+        n_zones = size(position%zones)
+        if (n_zones == 0) then
+            call fatal_error(error, code_only_ends, &
+                & 'at this position flanks are nearest to each other at ends that are left out')
+            return
+        end if
         if (has_shift(body_1%compliance, body_2%compliance)) then
             call shift_zones(body_1%flank%curve, position%frames_1, body_2%flank%curve, &
                 & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
         end if
+        position%gap = gaps_without_load(body_1, body_2, position%zones)
         associate (found => position%zones)
-            position%gap = found%gap_angle &
-                & - (body_1%deviations(found%site) + body_2%deviations(found%site))/found%lever
-            if (has_shift(body_1%compliance, body_2%compliance)) position%gap = position%gap &
-                & - zone_shift(body_1%compliance, body_2%compliance, found)/found%lever
             smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
             smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
         end associate
@@ -133,6 +145,21 @@ contains
             & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
             & body_2%compliance%kernel)
     end subroutine look_at_position
+
+    !> Gap angles with all deviations and shifts [rad].
+    pure function gaps_without_load(body_1, body_2, zones) result(gap)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Places of least gap
+        type(zone_type), intent(in) :: zones(:)
+        real(wp) :: gap(size(zones))
+
+        gap = zones%gap_angle &
+            & - (body_1%deviations(zones%site) + body_2%deviations(zones%site))/zones%lever
+        if (has_shift(body_1%compliance, body_2%compliance)) gap = gap &
+            & - zone_shift(body_1%compliance, body_2%compliance, zones)/zones%lever
+    end function gaps_without_load
 
     !> Weight of body 1's lever in the one lever that both bodies have: its part of what recedes.
     !>

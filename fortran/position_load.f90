@@ -11,8 +11,8 @@ module flankload_position_load
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_pair_forces, only: solve_pairs
-    use flankload_position_state, only: blank_state, count_lumped, position_state, unloaded_state, &
-        & would_touch
+    use flankload_position_state, only: blank_state, count_lumped, note_ends, position_state, &
+        & unloaded_state, would_touch
     implicit none
     private
 
@@ -74,6 +74,8 @@ contains
             if (allocated(error)) then
                 states(t)%status = error%code
                 deallocate (error)
+            else if (allocated(position%ends)) then
+                call note_ends(position, states(t))
             end if
         end do
     end subroutine solve_position

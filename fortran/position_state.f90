@@ -8,12 +8,13 @@ module flankload_position_state
     private
 
     public :: position_state
-    public :: touches_only, other_shape
-    public :: blank_state, unloaded_state, would_touch, count_lumped
+    public :: touches_only, other_shape, end_would_touch
+    public :: blank_state, unloaded_state, would_touch, count_lumped, note_ends
 
     !> Instead of a body whose corner works: the site that touches without torque, off corners; a
-    !> lumped contact that no parabola makes, since a kink, a rounding or an end lies beside it.
-    integer, parameter :: touches_only = -1, other_shape = -2
+    !> lumped contact that no parabola makes, since a kink, a rounding or an end lies beside it; an
+    !> end of a flank that is left out and would touch.
+    integer, parameter :: touches_only = -1, other_shape = -2, end_would_touch = -3
 
     !> What is found at a position under a torque.
     type :: position_state
@@ -73,6 +74,23 @@ contains
         call reserve_pairs(state%pairs, 0)
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state
+
+    !> Note at which sites an end that is left out would touch: its gap closes.
+    pure subroutine note_ends(position, state)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> What was found
+        type(position_state), intent(inout) :: state
+
+        integer :: z, site
+
+        do z = 1, size(position%ends)
+            site = position%ends(z)%site
+            if (position%end_gap(z) < state%rotation .and. state%site_corner(site) == 0) then
+                state%site_corner(site) = end_would_touch
+            end if
+        end do
+    end subroutine note_ends
 
     !> Count a solution with one unknown for each place of contact.
     pure subroutine count_lumped(pivots, state)

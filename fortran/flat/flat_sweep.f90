@@ -38,7 +38,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: center_distance
     !> Torques on body 1 [N mm]
     double precision, intent(in) :: torques(n_torques)
-    !> Flank curve of body 1: breaks [mm], coefficients (power, x|y, interval), corners (0|1)
+    !> Flank curve of body 1: breaks [mm], coefficients (power, x|y, interval), corners (0|1;
+    !> 2 at both ends: cut out of a longer curve, nothing touches first at its ends)
     integer, intent(in) :: n_breaks_1
     integer, intent(in) :: degree_1
     double precision, intent(in) :: breaks_1(n_breaks_1)
@@ -144,7 +145,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(out) :: counters(7, n_positions, n_torques)
     !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
     !> the site that touches without torque, -2: no parabola's contact at the lumped level, both off
-    !> corners)
+    !> corners; -3: an end that is left out would touch)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)

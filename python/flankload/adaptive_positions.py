@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.position_curve import curve_through, loaded_pair_changes
-from flankload.sweep import Sweep, join_sweeps
+from flankload.sweep import END_WOULD_TOUCH, Sweep, join_sweeps
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -184,8 +184,11 @@ class _Known:
     @classmethod
     def of(cls, parts: tuple[Sweep, ...], order: Integers) -> _Known:
         rotation = np.concatenate([part.rotation_rad for part in parts])
-        key = "site_force_N" if parts[0].torque_Nmm > 0 else "site_corner"
-        carries = np.concatenate([getattr(part, key) for part in parts]) != 0
+        if parts[0].torque_Nmm > 0:
+            carries = np.concatenate([part.site_force_N for part in parts]) != 0
+        else:
+            corner = np.concatenate([part.site_corner for part in parts])
+            carries = (corner != 0) & (corner != END_WOULD_TOUCH)
         return cls(rotation[order], carries[order])
 
 

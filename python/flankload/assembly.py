@@ -168,6 +168,8 @@ def build_bodies(
     resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
     body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
     try:
+        if not effects.tip_contact:
+            body_1, body_2 = _without_ends(body_1), _without_ends(body_2)
         by_tooth = coefficients_by_tooth(scene, body_1)
         period = period_of(body_1, body_2, by_tooth=by_tooth)
         pitches = _pitches(scene.positions, period)
@@ -262,6 +264,11 @@ def _body(
         flank_element_parts=resolution.flank_element_parts,
         flank_nodes_mm=nodes_mm,
     )
+def _without_ends(body: Body) -> Body:
+    """A body that can touch on its active flanks only, not on tips and in fillets."""
+    active = {"flank", "relief"}.intersection(body.curve.labels)
+    low, high = body.curve.range_of(*active) if active else (0.0, body.curve.length_mm)
+    return replace(body, active_range_mm=(low, high))
 
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.sweep import END_WOULD_TOUCH
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -144,7 +146,8 @@ def lumped_error(
     half_width = np.max(found.pairs.column("cell") * (2.0 / np.pi), initial=0.0, where=loaded)
     length = min(high - low for low, high in (c.mode_range_mm for c in compliances))
     ratio = float(half_width / length)
-    shaped = ((found.site_corner != 0) & (found.site_force_N > 0)).any()
+    marked = (found.site_corner != 0) & (found.site_corner != END_WOULD_TOUCH)
+    shaped = (marked & (found.site_force_N > 0)).any()
     return {
         quantity: max(square * ratio**2 + least, linear * ratio if shaped else 0.0)
         for quantity, (square, least, linear) in LUMPED.items()
@@ -164,7 +167,7 @@ def _differences(fine: Sweep, coarse: Sweep) -> dict[str, float]:
     rotation = np.abs(coarse.rotation_rad - fine.rotation_rad) / np.max(np.abs(fine.rotation_rad))
     total = np.maximum(fine.site_force_N.sum(axis=1, keepdims=True), np.finfo(float).tiny)
     share = np.abs(coarse.site_force_N - fine.site_force_N) / total
-    smooth = (fine.site_corner == 0) & (coarse.site_corner == 0) & (fine.site_peak_N_per_mm > 0)
+    smooth = (fine.site_corner <= 0) & (coarse.site_corner <= 0) & (fine.site_peak_N_per_mm > 0)
     peak = np.abs(coarse.site_peak_N_per_mm - fine.site_peak_N_per_mm)[smooth]
     scale = np.max(fine.site_peak_N_per_mm[smooth], initial=np.finfo(float).tiny)
     return {

@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 #: Levels of contact, cheapest last, as the core numbers them.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
+#: Mark of an end of a curve that is cut: nothing touches first there.
+CUT_END = 2
+#: What the core notes at a site where an end that is left out would touch.
+END_WOULD_TOUCH = -3
 #: Status of a position whose pairs found no room: it is asked for again, with more; of one that was
 #: not begun.
 NO_ROOM, STOPPED = -15, -16
@@ -63,7 +67,8 @@ class Sweep:
         What each state took: `CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
-        that touches without torque, -2: a lumped contact that no parabola makes, both off corners).
+        that touches without torque, -2: a lumped contact that no parabola makes, both off corners;
+        -3: an end that is left out would touch).
     n_pairs : (P,) array
     pairs : PackedPairs
         Empty where pairs are not kept.
@@ -242,12 +247,16 @@ def _core_arguments(
         block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
         smooth = np.asfortranarray(compliance.smooth.transpose(1, 2, 0) / face_width_mm)
         shift = compliance.shift_of(teeth)
-        curve = body.curve
+        curve, corners = body.curve, body.curve.corners.astype(np.intc)
+        if body.active_range_mm is not None:
+            curve = curve.cut(*body.active_range_mm)
+            corners = curve.corners.astype(np.intc)
+            corners[[0, -1]] = CUT_END
         arguments.append(
             (
                 curve.breaks,
                 np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
-                curve.corners.astype(np.intc),
+                corners,
                 pairing.site_angles_rad[z],
                 pairing.site_deviations_mm[z],
                 np.asarray(compliance.mode_range_mm, dtype=float),

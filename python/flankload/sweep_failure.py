@@ -42,6 +42,10 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
     ),
     -18: (PivotLimit, "the half-widths of the lumped contacts do not settle"),
     -20: (PivotLimit, "finite forces and their influence numbers do not come to rest"),
+    -21: (
+        NoContactState,
+        "only tips or fillets come near here, which effects.tip_contact = false leaves out",
+    ),
 }
 
 

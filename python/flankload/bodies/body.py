@@ -219,6 +219,8 @@ class Body:
         What a follower touches its cam with.
     turns_clockwise : bool
         Of a cam.
+    active_range_mm : (float, float) or None
+        Arc lengths, two breaks of the curve, between which the flank may touch; None: anywhere.
     """
 
     kind: str
@@ -242,6 +244,7 @@ class Body:
     modes_part: float = 1.0
     touches: Roller | Flat | None = None
     turns_clockwise: bool = False
+    active_range_mm: tuple[float, float] | None = None
 
     @property
     def outward(self) -> int:

@@ -23,7 +23,7 @@ class FlankCurve:
     Attributes
     ----------
     breaks : (n + 1,) array
-        Arc length at the ends of the intervals, mm; ascending from 0.
+        Arc length at the ends of the intervals, mm; ascending, of a whole curve from 0.
     coefficients : (n, 2, degree + 1) array
         Ascending powers of s - breaks[k], for x and y in mm.
     labels : tuple of n str
@@ -114,6 +114,24 @@ class FlankCurve:
                 f"labels: expected some of {sorted(set(self.labels))}, found {list(labels)}"
             )
         return float(self.breaks[found[0]]), float(self.breaks[found[-1] + 1])
+
+    def cut(self, low: float, high: float) -> FlankCurve:
+        """Return the part between two breaks, by the same arc lengths, with corners at its ends.
+
+        Parameters
+        ----------
+        low, high : float
+            Arc lengths of two breaks, mm.
+        """
+        first, last = np.searchsorted(self.breaks, [low, high])
+        corners = self.corners[first : last + 1].copy()
+        corners[[0, -1]] = True
+        return FlankCurve(
+            breaks=self.breaks[first : last + 1],
+            coefficients=self.coefficients[first:last],
+            labels=self.labels[first:last],
+            corners=corners,
+        )
 
     def arc_length_of(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Closest places on the curve.

@@ -15,6 +15,7 @@ from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
 from flankload.result.root_stress import root_reading
+from flankload.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -183,6 +184,12 @@ def _warnings(
             f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
             "beside a lumped contact: its peak pressure is that of a Hertz contact of its width "
             'and may be half of the true one (effects.contact = "pairs" follows it)'
+        )
+    left_out = np.flatnonzero((found.site_corner == END_WOULD_TOUCH).any(axis=1))
+    if left_out.size:
+        yield (
+            f"at {left_out.size} of {found.status.size} positions a tip or fillet that "
+            "effects.tip_contact = false leaves out would touch: there the rotation is too large"
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = compliances[z].smooth.shape[1] if compliances[z].nodes is None else 0

@@ -32,6 +32,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_growth(asked)
     _check_nodes(asked)
     _check_places(asked)
+    _check_tip_contact(asked)
 
 
 def _refuse(key: str, expected: str, found: object) -> None:
@@ -128,6 +129,16 @@ def _check_growth(asked: SceneFile) -> None:
     for key in ("speed_rpm", "support_expansion_per_K"):
         if getattr(effects, key) is not None:
             _check_elements(asked, key)
+
+
+def _check_tip_contact(asked: SceneFile) -> None:
+    """Cams and followers have no tips that could be left out."""
+    if not asked.effects.tip_contact and isinstance(asked.body_2, Cam):
+        _refuse(
+            "effects.tip_contact",
+            "true with body_2.kind 'cam', which has neither tips nor fillets",
+            False,
+        )
 
 
 def _check_elements(asked: SceneFile, key: str) -> None:

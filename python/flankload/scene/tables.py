@@ -628,6 +628,14 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "solution about their places on the pitch circle",
         ),
     ] = False
+    tip_contact: Annotated[
+        bool,
+        about(
+            "",
+            "false: tip corners, tip roundings and chamfers, and root fillets touch nothing; the "
+            "active flanks alone carry",
+        ),
+    ] = True
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
