@@ -12,6 +12,7 @@ module flankload_contact_pairs
 
     public :: pairs_type, grid_type
     public :: zone_reach, wanted_grid, part_neighbours, lay_cells, append_pairs, reserve_pairs
+    public :: take_out_of_mirror
 
     !> The cells of one zone: equal widths along flank 1, or finer towards the ends of even gap.
     type :: grid_type
@@ -41,10 +42,11 @@ module flankload_contact_pairs
         integer, allocatable :: site(:), zone(:)
         !> Arc lengths on both flanks and widths of the cells there [mm], shape (n)
         real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
-        !> Radius of the circle about O1 [mm], gap angle [rad], shape (n)
+        !> Radius of the circle about O1 [mm], turn of body 1 that closes the gap [rad], shape (n);
+        !> coast flanks are open while body 1 has turned further
         real(wp), allocatable :: radius(:), gap_angle(:)
         !> Lever arms about O1 [mm]: of the force on body 1, friction included (torque row), and of
-        !> the pair (row scale)
+        !> the pair (row scale); negative on coast flanks
         real(wp), allocatable :: torque_lever(:), lever(:)
         !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
         !> sign, shape (n); not allocated without friction
@@ -479,5 +481,22 @@ contains
         end subroutine take_steadier
 
     end subroutine append_pairs
+
+    !> Turn pairs of coast flanks, which were laid in the mirror, back: on the other side of the
+    !> line of centres forces turn body 1 the other way.
+    pure subroutine take_out_of_mirror(first, pairs)
+        !> The first of these pairs; the others follow up to the last one that there is
+        integer, intent(in) :: first
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        associate (last => pairs%n)
+            pairs%torque_lever(first:last) = -pairs%torque_lever(first:last)
+            pairs%lever(first:last) = -pairs%lever(first:last)
+            pairs%gap_angle(first:last) = -pairs%gap_angle(first:last)
+            pairs%point(2, first:last) = -pairs%point(2, first:last)
+            pairs%normal(2, first:last) = -pairs%normal(2, first:last)
+        end associate
+    end subroutine take_out_of_mirror
 
 end module flankload_contact_pairs

@@ -18,6 +18,9 @@ module flankload_contact_zones
     type :: zone_type
         !> Number of the site (flank pair)
         integer :: site = 0
+        !> 1: body 1 turns in the sense of its torque to close the gap; -1: the flanks are coast
+        !> flanks, and all else here is as a mirror along the line of centres shows it
+        real(wp) :: side = 1.0_wp
         !> Body whose sharp corner makes the least gap, minus the body where its curve just ends,
         !> 0 where two smooth flanks do
         integer :: corner = 0

@@ -42,7 +42,8 @@ contains
             & forces, rotation, pivots, error)
         !> Smooth compliance of both bodies between the places [mm/N], shape (n, n)
         real(wp), intent(in) :: smooth(:, :)
-        !> Gap angles [rad], lever arms [mm], sums of curvatures [1/mm], shape (n)
+        !> Turns of body 1 that close the gaps [rad], lever arms [mm] (negative on coast flanks),
+        !> sums of curvatures [1/mm], shape (n)
         real(wp), intent(in) :: gap_angles(:)
         real(wp), intent(in) :: levers(:)
         real(wp), intent(in) :: curvatures(:)
@@ -73,7 +74,7 @@ contains
         allocate (warm_pairs(0))
         rotation = 0.0_wp
         pivots = 0
-        full = torque/levers
+        full = torque/abs(levers)
         allocate (forces(n), source=full)
         motions(:, 1) = levers
         gaps = levers*gap_angles

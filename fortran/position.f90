@@ -27,6 +27,10 @@ module flankload_position
         real(wp), allocatable :: site_angles(:)
         !> Metal that touches early at each site, along the normal [mm], shape (sites)
         real(wp), allocatable :: deviations(:)
+        !> Side of each site (body 1 alone): 1 working flanks, -1 coast flanks, whose angles are
+        !> those of the mirrored bodies; the former stand first, shape (sites); not allocated
+        !> without coast flanks
+        integer, allocatable :: sides(:)
         !> Friction of its flanks with those of body 2 (body 1 alone); not allocated without
         type(friction_type), allocatable :: friction
     end type body_type
@@ -83,10 +87,11 @@ contains
         !> Set if no flanks meet, or a place of least gap could not be made exact
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: site, n_sites, n_zones, z
+        integer :: site, n_sites, n_working, n_zones, z
         real(wp) :: closed_moment
         real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
         type(zone_type), allocatable :: zones(:)
+        integer, allocatable :: sides(:)
         logical, allocatable :: faces(:)
         logical :: lost, conforms
 
@@ -95,11 +100,19 @@ contains
         allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
         n_zones = 0
         position%kernel = body_1%compliance%kernel + body_2%compliance%kernel
-        closed_moment = closed_part*position%kernel*torque/n_sites
-        faces = sites_that_face(body_1, body_2, angle_1)
+        allocate (sides(n_sites), source=1)
+        if (allocated(body_1%sides)) sides = body_1%sides
+        n_working = count(sides > 0)
+        closed_moment = closed_part*position%kernel*torque/n_working
+        faces = sites_that_face(body_1, body_2, angle_1, 1, n_working)
+        if (n_working < n_sites) then
+            faces = [faces, sites_that_face(body_1, body_2, -angle_1, n_working + 1, n_sites)]
+        end if
         do site = 1, n_sites
-            position%frames_1(site) = new_frame(body_1%origin, angle_1 + body_1%site_angles(site))
-            position%frames_2(site) = new_frame(body_2%origin, angle_2 + body_2%site_angles(site))
+            position%frames_1(site) = new_frame(body_1%origin, &
+                & sides(site)*angle_1 + body_1%site_angles(site))
+            position%frames_2(site) = new_frame(body_2%origin, &
+                & sides(site)*angle_2 + body_2%site_angles(site))
             if (.not. faces(site)) cycle
             call find_zones(body_1%flank, position%frames_1(site), body_2%flank, &
                 & position%frames_2(site), site, closed_moment, zones, n_zones, conforms, lost)
@@ -120,13 +133,18 @@ contains
                 & 'more places of least gap than can be kept: profile too wavy')
             return
         end if
+        zones(:n_zones)%side = sides(zones(:n_zones)%site)
+        if (.not. any(zones(:n_zones)%side > 0.0_wp)) then
+            call fatal_error(error, code_no_zone, 'only coast flanks face each other')
+            return
+        end if
         if (any(zones(:n_zones)%left_out)) then
             position%ends = pack(zones(:n_zones), zones(:n_zones)%left_out)
             position%end_gap = gaps_without_load(body_1, body_2, position%ends)
         end if
         position%zones = pack(zones(:n_zones), .not. zones(:n_zones)%left_out)
         n_zones = size(position%zones)
-        if (n_zones == 0) then
+        if (.not. any(position%zones%side > 0.0_wp)) then
             call fatal_error(error, code_only_ends, &
                 & 'at this position flanks are nearest to each other at ends that are left out')
             return
@@ -196,35 +214,40 @@ contains
     !>
     !> Where sites go round a body more than once they name the same tooth again: only the one that
     !> has come round by less than half a turn of either body is meant.
-    pure function sites_that_face(body_1, body_2, angle_1) result(faces)
+    pure function sites_that_face(body_1, body_2, angle_1, first, last) result(faces)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Turn of body 1 [rad]
         real(wp), intent(in) :: angle_1
-        logical :: faces(size(body_1%site_angles))
+        !> First and last site of one side
+        integer, intent(in) :: first
+        integer, intent(in) :: last
+        logical :: faces(last - first + 1)
 
         real(wp), parameter :: half_turn = acos(-1.0_wp)
-        real(wp) :: span_1, span_2, widest, polar, meshing
+        real(wp) :: turn_1, turn_2, span_1, span_2, widest, polar, meshing
         integer :: n
 
         n = size(faces)
         faces = .true.
         if (n < 2) return
-        span_1 = abs(body_1%site_angles(n) - body_1%site_angles(1))
-        span_2 = abs(body_2%site_angles(n) - body_2%site_angles(1))
+        turn_1 = body_1%site_angles(last) - body_1%site_angles(first)
+        turn_2 = body_2%site_angles(last) - body_2%site_angles(first)
+        span_1 = abs(turn_1)
+        span_2 = abs(turn_2)
         widest = max(span_1, span_2)
         ! sites that go just once round span a pitch less than a turn
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
         ! flanks meet between both axes, or beyond O1 where both bodies turn the same way
-        meshing = merge(half_turn, 0.0_wp, (body_1%site_angles(n) - body_1%site_angles(1)) &
-            & *(body_2%site_angles(n) - body_2%site_angles(1)) > 0.0_wp)
+        meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
         associate (point => body_1%flank%point(:, size(body_1%flank%s)/2))
             ! a flank stands beside its own axis or at the mesh: the cut is far from both
             polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
                 & - 0.5_wp*half_turn
         end associate
-        faces = abs(polar - meshing + angle_1 + body_1%site_angles) <= half_turn*span_1/widest
+        faces = abs(polar - meshing + angle_1 + body_1%site_angles(first:last)) &
+            & <= half_turn*span_1/widest
     end function sites_that_face
 
 end module flankload_position

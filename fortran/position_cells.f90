@@ -7,7 +7,7 @@ module flankload_position_cells
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
-        & part_neighbours, reserve_pairs, wanted_grid, zone_reach
+        & part_neighbours, reserve_pairs, take_out_of_mirror, wanted_grid, zone_reach
     use flankload_friction, only: rub_pairs
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
@@ -82,6 +82,10 @@ contains
         cells%joins = joins
         cells%estimate = estimate
         cells%least = least_part*torque/position%zones%lever
+        if (any(position%zones%side < 0.0_wp)) then
+            ! flanks that press on each other across a tooth carry more than the torque
+            cells%least = max(cells%least, least_part*maxval(estimate))
+        end if
         allocate (cells%part(n), cells%reach(2, n), source=0.0_wp)
         allocate (cells%widths(2, n), source=settings%zone_half_widths)
         allocate (cells%grids(n))
@@ -178,6 +182,7 @@ contains
                         & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), first, &
                         & pairs)
                 end if
+                if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
             end do
         end associate
 

@@ -12,7 +12,7 @@ module flankload_position_load
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_pair_forces, only: solve_pairs
     use flankload_position_state, only: blank_state, count_lumped, note_ends, position_state, &
-        & unloaded_state, would_touch
+        & presses_across, unloaded_state, would_touch
     implicit none
     private
 
@@ -62,7 +62,7 @@ contains
             end if
             if (.not. allocated(error)) then
                 call blank_state(size(body_1%site_angles), states(t))
-                if (torques(t) <= 0.0_wp) then
+                if (torques(t) <= 0.0_wp .and. .not. presses_across(position)) then
                     call unloaded_state(position, states(t))
                 else if (settings%level == level_lumped) then
                     call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
@@ -87,7 +87,7 @@ contains
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Torque on body 1, above 0 [N mm]
+        !> Torque on body 1 [N mm], above 0 unless flanks press on each other across the teeth
         real(wp), intent(in) :: torque
         !> How fine the cells are
         type(grid_settings), intent(in) :: settings
@@ -104,19 +104,20 @@ contains
         logical :: settled
 
         associate (zones => position%zones, gap => position%gap)
-            call lumped_contact(position%smooth, gap, zones%lever, zones%curvature, &
-                & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                & estimate, rotation, spent, error)
+            call lumped_contact(position%smooth, zones%side*gap, zones%side*zones%lever, &
+                & zones%curvature, 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, &
+                & torque, estimate, rotation, spent, error)
             call count_lumped(spent, state)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
-                & .or. gap < rotation + joining*(rotation - minval(gap)), settings)
+                & .or. gap < zones%side*rotation + joining*maxval(zones%side*rotation - gap), &
+                & settings)
             call measure_reach(body_1, body_2, position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
-                call lumped_contact(position%smooth, gap, zones%lever, curvatures, &
-                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                    & estimate, rotation, spent, error)
+                call lumped_contact(position%smooth, zones%side*gap, zones%side*zones%lever, &
+                    & curvatures, 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, &
+                    & torque, estimate, rotation, spent, error)
                 call count_lumped(spent, state)
                 if (allocated(error)) return
                 cells%estimate = estimate

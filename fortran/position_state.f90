@@ -10,6 +10,7 @@ module flankload_position_state
     public :: position_state
     public :: touches_only, other_shape, end_would_touch
     public :: blank_state, unloaded_state, would_touch, count_lumped, note_ends
+    public :: presses_across
 
     !> Instead of a body whose corner works: the site that touches without torque, off corners; a
     !> lumped contact that no parabola makes, since a kink, a rounding or an end lies beside it; an
@@ -56,6 +57,20 @@ contains
         allocate (state%site_corner(n_sites), source=0)
     end subroutine blank_state
 
+    !> Whether coast flanks leave working flanks no room: body 1 cannot turn back so far that
+    !> neither touches.
+    pure function presses_across(position) result(presses)
+        !> The position
+        type(position_type), intent(in) :: position
+        logical :: presses
+
+        presses = .false.
+        associate (gap => position%gap, side => position%zones%side)
+            if (any(side < 0.0_wp)) presses = minval(gap, mask=side > 0.0_wp) &
+                & + minval(gap, mask=side < 0.0_wp) < 0.0_wp
+        end associate
+    end function presses_across
+
     !> No torque: body 1 stands where the first pair touches.
     pure subroutine unloaded_state(position, state)
         !> The position
@@ -65,7 +80,7 @@ contains
 
         integer :: z
 
-        z = minloc(position%gap, dim=1)
+        z = minloc(position%gap, dim=1, mask=position%zones%side > 0.0_wp)
         state%rotation = position%gap(z)
         state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
         associate (zone => position%zones(z))
@@ -86,7 +101,8 @@ contains
 
         do z = 1, size(position%ends)
             site = position%ends(z)%site
-            if (position%end_gap(z) < state%rotation .and. state%site_corner(site) == 0) then
+            if (position%end_gap(z) < position%ends(z)%side*state%rotation &
+                & .and. state%site_corner(site) == 0) then
                 state%site_corner(site) = end_would_touch
             end if
         end do
@@ -119,8 +135,9 @@ contains
         associate (zones => position%zones)
             do z = 1, size(zones)
                 ! the own site pushes back at any place; how much the level itself will tell
-                touches(z) = zones(z)%lever*(position%gap(z) - rotation) + min(0.0_wp, &
-                    & sum(position%smooth(z, :)*forces, mask=zones%site /= zones(z)%site)) < 0.0_wp
+                touches(z) = zones(z)%lever*(position%gap(z) - zones(z)%side*rotation) &
+                    & + min(0.0_wp, sum(position%smooth(z, :)*forces, &
+                    & mask=zones%site /= zones(z)%site)) < 0.0_wp
             end do
         end associate
     end function would_touch

@@ -13,7 +13,7 @@
 subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_distance, torques, &
         & n_breaks_1, degree_1, breaks_1, coefficients_1, corners_1, &
         & n_breaks_2, degree_2, breaks_2, coefficients_2, corners_2, &
-        & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, &
+        & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, n_sides, sides, &
         & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
         & n_nodes_1, nodes_1, &
         & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
@@ -57,6 +57,10 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: site_angles_2(n_sites)
     double precision, intent(in) :: deviations_1(n_sites)
     double precision, intent(in) :: deviations_2(n_sites)
+    !> Coast flanks (n_sides = n_sites; 0: none): 1 for sites of working flanks, then -1 for those
+    !> of coast flanks, whose angles are those of the bodies in a mirror along the line of centres
+    integer, intent(in) :: n_sides
+    integer, intent(in) :: sides(n_sides)
     !> Compliance of body 1 per its face width: modes, blocks, arc lengths between which modes live
     !> [mm], strength of the logarithm [mm/N], smooth part [mm/N], block of each pair of sites (from
     !> 1)
@@ -176,34 +180,40 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (n_breaks_1 < 2) info = -7
     if (n_breaks_2 < 2) info = -12
     if (n_sites < 1) info = -17
-    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -27
-    if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -28
-    if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -29
-    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -35
-    if (n_nodes_2 /= 0 .and. (n_nodes_2 /= n_modes_2 .or. n_nodes_2 < 2)) info = -36
+    if (n_sides /= 0 .and. n_sides /= n_sites) info = -22
+    if (n_sides > 0) then
+        if (any(abs(sides) /= 1) .or. sides(1) < 0) info = -23
+        if (any(sides(2:) > sides(:n_sides - 1))) info = -23
+    end if
+    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -29
+    if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -30
+    if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -31
+    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -37
+    if (n_nodes_2 /= 0 .and. (n_nodes_2 /= n_modes_2 .or. n_nodes_2 < 2)) info = -38
     ! nodes of one body go with nodes of the other, unless that is rigid
-    if (n_nodes_1 > 0 .and. n_nodes_2 == 0 .and. kernel_2 > 0.0d0) info = -36
-    if (n_nodes_2 > 0 .and. n_nodes_1 == 0 .and. kernel_1 > 0.0d0) info = -28
-    if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -37
-    if (.not. all(grid > 0.0d0)) info = -38
-    if (level /= level_pairs .and. level /= level_lumped) info = -39
-    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -40
-    if (.not. all(ieee_is_finite(speeds))) info = -41
-    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -44
-    if (all(n_shift_1 /= [0, n_sites])) info = -48
-    if (.not. all(ieee_is_finite(shift_1))) info = -49
-    if (all(n_shift_2 /= [0, n_sites])) info = -53
-    if (.not. all(ieee_is_finite(shift_2))) info = -54
-    if (n_along_1 /= 0 .and. n_along_1 /= n_tangential_1) info = -55
-    if (n_along_2 /= 0 .and. n_along_2 /= n_tangential_2) info = -57
-    if (finite_steps < 0) info = -59
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -60
+    if (n_nodes_1 > 0 .and. n_nodes_2 == 0 .and. kernel_2 > 0.0d0) info = -38
+    if (n_nodes_2 > 0 .and. n_nodes_1 == 0 .and. kernel_1 > 0.0d0) info = -30
+    if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -39
+    if (.not. all(grid > 0.0d0)) info = -40
+    if (level /= level_pairs .and. level /= level_lumped) info = -41
+    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -42
+    if (.not. all(ieee_is_finite(speeds))) info = -43
+    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -46
+    if (all(n_shift_1 /= [0, n_sites])) info = -50
+    if (.not. all(ieee_is_finite(shift_1))) info = -51
+    if (all(n_shift_2 /= [0, n_sites])) info = -55
+    if (.not. all(ieee_is_finite(shift_2))) info = -56
+    if (n_along_1 /= 0 .and. n_along_1 /= n_tangential_1) info = -57
+    if (n_along_2 /= 0 .and. n_along_2 /= n_tangential_2) info = -59
+    if (finite_steps < 0) info = -61
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -62
     if (info < 0) return
 
     body_1%origin = 0.0d0
     body_1%flank = new_flank(new_flank_curve(breaks_1, coefficients_1, corners_1))
     body_1%site_angles = site_angles_1
     body_1%deviations = deviations_1
+    if (n_sides > 0) body_1%sides = sides
     body_1%compliance%s_low = mode_range_1(1)
     body_1%compliance%s_high = mode_range_1(2)
     body_1%compliance%kernel = kernel_1

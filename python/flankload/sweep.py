@@ -400,6 +400,8 @@ class _CoreCall:
                 site_2[0],
                 site_1[1],
                 site_2[1],
+                0,
+                np.empty(0, dtype=np.intc),
                 *field_1,
                 *field_2,
                 np.array(knobs),
