@@ -178,9 +178,9 @@ contains
                     call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
                 end if
                 if (allocated(body_1%friction)) then
-                    call rub_pairs(body_1%friction, position%speeds, body_1%flank%curve, &
-                        & frames_1(site), body_2%flank%curve, frames_2(site), zones(z), first, &
-                        & pairs)
+                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, &
+                        & body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                        & frames_2(site), zones(z), first, pairs)
                 end if
                 if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
             end do

@@ -196,6 +196,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -39
     if (.not. all(grid > 0.0d0)) info = -40
     if (level /= level_pairs .and. level /= level_lumped) info = -41
+    if (level == level_lumped .and. n_sides > 0) info = -41
     if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -42
     if (.not. all(ieee_is_finite(speeds))) info = -43
     if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -46

@@ -25,6 +25,7 @@ from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
 from flankload.root_fillet import RootFillets, root_fillets
 from flankload.scene import Chain
+from flankload.scene.effect_rules import check_coast_kinds
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
 #: the result may have.
@@ -168,6 +169,8 @@ def build_bodies(
     resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
     body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
     try:
+        if effects.coast_flanks:
+            check_coast_kinds(body_1.kind, body_2.kind)
         if not effects.tip_contact:
             body_1, body_2 = _without_ends(body_1), _without_ends(body_2)
         by_tooth = coefficients_by_tooth(scene, body_1)
@@ -181,6 +184,7 @@ def build_bodies(
             body_2,
             center_distance_mm=scene.pair.axes_apart_mm,
             position_rad=position_rad,
+            coast_flanks=effects.coast_flanks,
         )
         pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
         friction = friction_of(scene, body_1, pairing)

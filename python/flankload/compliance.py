@@ -20,6 +20,7 @@ from flankload.growth_loads import growth_loads, growth_of_flanks
 from flankload.near_field import (
     jump_strength,
     logarithm_strength,
+    mirrored_loads,
     mode_norms,
     projected_logarithm,
     projected_sign,
@@ -87,6 +88,12 @@ class BodyCompliance:
     along : as tangential, (…, q, q); None without friction, or where forces are small ones
         Displacements along the flank by the same loads, without the logarithm, which is as strong
         as the kernel.
+    crossing : (z, p, p) array; None without contact on coast flanks
+        crossing[t] maps the pressure modes on the working flank of tooth 0 to displacements on the
+        coast flank of tooth t; mm²/N. What coast flanks do to each other and to working flanks is
+        the same in a mirror.
+    crossing_tangential : (z, p, q) array; None without friction
+        The same for the modes of load along the working flank.
     closed : bool
         The modes are harmonics of a turn around the body.
     nodes : (n,) array, or None
@@ -120,6 +127,8 @@ class BodyCompliance:
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
     along: NDArray[np.float64] | None = None
+    crossing: NDArray[np.float64] | None = None
+    crossing_tangential: NDArray[np.float64] | None = None
     closed: bool = False
     nodes: NDArray[np.float64] | None = None
     asymmetry: float = 0.0
@@ -179,6 +188,42 @@ class BodyCompliance:
             return np.broadcast_to(total, (at.size, total.shape[1]))
         return np.asarray(total[np.searchsorted(self.flanks, at)])
 
+    def blocks_of_sites(
+        self, teeth_at: NDArray[np.int64], n_working: int, teeth: int
+    ) -> NDArray[np.int64]:
+        """Blocks of `all_blocks` for displacements at sites (rows) under loads at sites.
+
+        Parameters
+        ----------
+        teeth_at : (S,) array
+            Tooth of the body at each site; sites of coast flanks stand behind the others.
+        n_working : int
+            Number of sites of working flanks.
+        teeth : int
+            Number of teeth of the body.
+
+        Returns
+        -------
+        (S, S) array
+        """
+        displaced, loaded = teeth_at[:, None], teeth_at[None, :]
+        block = self.block_of(displaced, loaded, teeth)
+        if n_working == teeth_at.size or self.is_rigid:
+            return block
+        coast = np.arange(teeth_at.size) >= n_working
+        # a load on a coast flank is one on a working flank in a mirror, which counts the other way
+        block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
+        return block + teeth * (coast[:, None] != coast[None, :])
+
+    def all_blocks(self) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """`smooth` and `tangential`, followed by what crosses the teeth where there is such."""
+        if self.crossing is None:
+            return self.smooth, self.tangential
+        tangential = self.tangential
+        if tangential is not None and self.crossing_tangential is not None:
+            tangential = np.concatenate([tangential, self.crossing_tangential])
+        return np.concatenate([self.smooth, self.crossing]), tangential
+
     def fewer_modes(self) -> BodyCompliance:
         """The same without the highest mode: a block, since the modes are orthogonal.
 
@@ -198,20 +243,31 @@ class BodyCompliance:
         tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
         shifts = {name: modes[:, :kept] for name, modes in self.shifts.items()}
         along = None if self.along is None else self.along[:, :kept, :kept]
+        crossing = [
+            None if part is None else part[:, :kept, :kept]
+            for part in (self.crossing, self.crossing_tangential)
+        ]
         return replace(
             self,
             smooth=self.smooth[:, :kept, :kept],
             tangential=tangential,
             along=along,
             shifts=shifts,
+            crossing=crossing[0],
+            crossing_tangential=crossing[1],
         )
 
     def unyielding(self) -> BodyCompliance:
         """Of the same body where no force moves it; known loads do."""
-        if not self.shifts:
-            return replace(self, smooth=np.zeros((1, 1, 1)), kernel=0.0, tangential=None)
-        modes = self.smooth.shape[1]
-        return replace(self, smooth=np.zeros((1, modes, modes)), kernel=0.0, tangential=None)
+        modes = self.smooth.shape[1] if self.shifts else 1
+        return replace(
+            self,
+            smooth=np.zeros((1, modes, modes)),
+            kernel=0.0,
+            tangential=None,
+            crossing=None,
+            crossing_tangential=None,
+        )
 
     def grown(self) -> BodyCompliance:
         """Of the same body, grown as a whole: its modes live on the larger curve."""
@@ -221,19 +277,30 @@ class BodyCompliance:
 
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth moves no other tooth, and stresses none."""
-        own = np.arange(len(self.flanks)) * (len(self.flanks) + 1) if self.flanks else [0]
+        own = np.zeros(1, dtype=np.int64)
+        if self.flanks:
+            own = np.arange(len(self.flanks)) * (len(self.flanks) + 1)
 
-        def alone(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
-            kept = np.zeros_like(blocks)
-            kept[own] = blocks[own]
-            return kept
+        def alone(
+            blocks: NDArray[np.float64], kept: NDArray[np.int64] = own
+        ) -> NDArray[np.float64]:
+            alike = np.zeros_like(blocks)
+            alike[kept] = blocks[kept]
+            return alike
 
+        crossing, along = self.crossing, self.crossing_tangential
+        if crossing is not None:  # a tooth that stands inwards is one of two spaces
+            across = np.atleast_1d(np.abs(crossing[:, 0, 0]).argmax())
+            crossing = alone(crossing, across)
+            along = None if along is None else alone(along, across)
         root = self.root
         return replace(
             self,
             smooth=alone(self.smooth),
             tangential=None if self.tangential is None else alone(self.tangential),
             along=None if self.along is None else alone(self.along),
+            crossing=crossing,
+            crossing_tangential=along,
             root=None if root is None else replace(root, response=alone(root.response)),
         )
 
@@ -252,6 +319,7 @@ def flank_compliance(
     friction: bool = False,
     along: bool = False,
     nodal: bool = False,
+    coast_flanks: bool = False,
     fillets: RootFillets | None = None,
     sectors: int | None = None,
     growth: Growth | None = None,
@@ -271,6 +339,8 @@ def flank_compliance(
         Their displacements along the flank are wanted, too.
     nodal : bool
         Unit forces at the nodes of the flank in place of modes; n_modes is not asked for then.
+    coast_flanks : bool
+        Displacements of the coast flanks are read, too; of a sector alone.
     fillets : RootFillets, optional
         Where stress is wanted, too.
     sectors : int, optional
@@ -302,6 +372,7 @@ def flank_compliance(
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
     account = Account(workspace_bytes=_sparse_bytes(matrix))
+    coast_tooth = 0
     stress = _stress_columns(fillets, body, plane, matrix.shape[0])
     growing = growth_loads(matrix, mesh, growth)
     forces = np.stack(list(growing.values()), axis=1) if growing else None
@@ -326,16 +397,33 @@ def flank_compliance(
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
     else:
         loads = unit_loads(mesh, body.mode_range_mm, n_modes, friction=friction, nodes=nodes)
+        coast = None
+        if coast_flanks:
+            assert body.involute is not None
+            coast, coast_tooth = mirrored_loads(mesh, loads[:, :n_modes], body.involute.turn_rad)
         lap("assembly")
         more = stress(0) if stress else None
         count_loads(account, loads.shape[1], friction=friction)
         if sectors == 1:
+            both = [part for part in (coast, more) if part is not None]
             response, free = tooth_response(
-                matrix, loads, mesh, lap, readings=more, account=account
+                matrix,
+                loads,
+                mesh,
+                lap,
+                readings=np.hstack(both) if both else None,
+                account=account,
             )
         else:
             sector, free = condense(
-                matrix, loads, mesh, lap, readings=more, forces=forces, account=account
+                matrix,
+                loads,
+                mesh,
+                lap,
+                coast=coast,
+                readings=more,
+                forces=forces,
+                account=account,
             )
             if forces is not None:
                 by_growth = alike_response(sector, mesh.teeth)[None, -len(growing) :]
@@ -345,6 +433,11 @@ def flank_compliance(
                 response = segment_response(sector, mesh.teeth, sectors)
         own = np.zeros(1, dtype=np.int64)
         across = -np.arange(mesh.teeth) % mesh.teeth
+    crossing = None
+    if coast_flanks:
+        count = response.shape[2]
+        crossing = np.roll(response[:, count : count + n_modes], coast_tooth, axis=0)
+        response = np.delete(response, slice(count, count + n_modes), axis=1)
     root = None
     if fillets is not None:
         count, places = response.shape[2], fillets.points.arc_length_mm.size
@@ -358,6 +451,9 @@ def flank_compliance(
         _take_out_near_field(response, own, body, n_modes, strength, jump)
     else:
         account.count(unit_loads_nodal=response.shape[2] * max(1, len(flanks)))
+    if crossing is not None:
+        norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
+        crossing = _of_coefficients(crossing, np.tile(norms, 2) if friction else norms)
     # the response the other way is the transposed one (Betti); the halves of rounding are shared
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
@@ -374,6 +470,8 @@ def flank_compliance(
         tangential=response[:, :n_modes, n_modes:] if friction else None,
         jump=jump,
         along=response[:, n_modes:, n_modes:] if along and friction else None,
+        crossing=None if crossing is None else crossing[..., :n_modes],
+        crossing_tangential=crossing[..., n_modes:] if crossing is not None and friction else None,
         closed=closed,
         nodes=nodes,
         asymmetry=asymmetry,
@@ -412,6 +510,19 @@ def _take_out_near_field(
         response[own, n_modes:, n_modes:] += logarithm
         norms = np.tile(norms, 2)
     response /= norms[:, None] * norms[None, :]
+def _of_coefficients(
+    crossing: NDArray[np.float64], norms: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What crosses the teeth, between coefficients of modes; pressures are symmetric.
+
+    What a load on the working flank moves on the coast flank of another tooth, the load there moves
+    on the working flank here (Betti), and that is the same in a mirror.
+    """
+    count = crossing.shape[1]
+    crossing = crossing / (norms[:count, None] * norms[None, :])
+    pressures = crossing[..., :count]
+    crossing[..., :count] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return crossing
 
 
 def _stress_columns(

@@ -53,7 +53,7 @@ class Work:
     ----------
     factorisations, growth_loads : float
         Of each body with finite elements; load cases that stand for the body's own forces.
-    normal_loads, tangential_loads : float
+    normal_loads, tangential_loads, coast_readings : float
         For each pressure mode of each loaded flank.
     recoveries : float
         For each place in the root fillets of a tooth.
@@ -70,6 +70,7 @@ class Work:
     growth_loads: float = 0
     normal_loads: float = 0
     tangential_loads: float = 0
+    coast_readings: float = 0
     recoveries: float = 0
     columns: float = 0
     solves: float = 0
@@ -229,7 +230,8 @@ def work_in(stage: str, effects: Effects) -> Work:
 
 # --- switches -------------------------------------------------------------------------------------
 def _is_loaded(scene: Scene) -> bool:
-    return any(scene.torques_Nm)
+    """By a torque, or by flanks that may press on each other across the teeth without one."""
+    return any(scene.torques_Nm) or scene.effects.coast_flank
 
 
 def _yields(number: int) -> Callable[[Scene], Switch]:
@@ -411,6 +413,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(columns=-1, solves=-1),
         size_by="places",
         coarser=True,
+        excludes=("coast_flanks",),
     ),
     Effect(
         name="tip_contact",
@@ -427,9 +430,11 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.coast_flank",),
         switch=_level("coast_flank", True, False),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
-        work=Work(normal_loads=1),
+        work=Work(coast_readings=1),
+        counters=("coast_readings",),
         size_by="places",
         of_teeth=True,
+        excludes=("root_stress", "lumped_contact"),
     ),
     Effect(
         name="flank_modifications",
@@ -499,6 +504,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(recoveries=1),
         counters=("stress_recoveries",),
         of_teeth=True,
+        excludes=("coast_flanks",),
     ),
     Effect(
         name="several_torques",

@@ -78,9 +78,12 @@ class FrictionArguments:
         if friction is None:
             none = np.empty(0)
             return cls(np.empty((2, 0)), (none, none))
+        coefficients = friction.coefficients
+        if pairing.coast is not None:  # the coast flank of a tooth is as rough as its working one
+            coefficients = np.hstack([coefficients, coefficients])
         return cls(
             friction.speeds(pairing, position_rad),
-            (friction.places_mm, friction.coefficients.ravel(order="F")),
+            (friction.places_mm, coefficients.ravel(order="F")),
         )
 
     @property

@@ -87,7 +87,14 @@ class _Pair:
         return f"{'more' if least == (self.sense > 0) else 'less'} than {value:.4f} mm"
 
 
-def gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str]) -> Mesh:
+def gear_mesh(
+    body_1: Body,
+    body_2: Body,
+    distance: float,
+    warnings: list[str],
+    *,
+    coast_flanks: bool = False,
+) -> Mesh:
     """Working geometry of two bodies with involute flanks.
 
     Parameters
@@ -98,6 +105,8 @@ def gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str]) 
         Centre distance, mm.
     warnings : list of str
         What a user must know is appended.
+    coast_flanks : bool
+        They can carry, too.
 
     Returns
     -------
@@ -116,7 +125,7 @@ def gear_mesh(body_1: Body, body_2: Body, distance: float, warnings: list[str]) 
     least = _check_distance(pair)
     angle = acos(least / distance)
     radius_1, radius_2 = one.base_radius_mm / cos(angle), two.base_radius_mm / cos(angle)
-    backlash = _backlash(pair, radius_1, radius_2, warnings)
+    backlash = _backlash(pair, radius_1, radius_2, warnings, coast_flanks=coast_flanks)
     _check_clearances(pair)
     tangent_1, tangent_2 = (r * tan(angle) for r in (one.base_radius_mm, two.base_radius_mm))
     start = pair.sense * (tangent_2 - _length_at_tip(two))
@@ -205,7 +214,9 @@ def _check_distance(pair: _Pair) -> float:
     return least
 
 
-def _backlash(pair: _Pair, radius_1: float, radius_2: float, warnings: list[str]) -> float:
+def _backlash(
+    pair: _Pair, radius_1: float, radius_2: float, warnings: list[str], *, coast_flanks: bool
+) -> float:
     """Circular backlash on the working pitch circles, mm."""
     thickness = 2 * (
         radius_1 * pair.one.tooth_half_angle_at(radius_1)
@@ -228,10 +239,10 @@ def _backlash(pair: _Pair, radius_1: float, radius_2: float, warnings: list[str]
             "have no negative backlash",
             found=found,
         )
-    if backlash <= 0.0:
+    if backlash <= 0.0 and not coast_flanks:
         warnings.append(
             f"the backlash on the working pitch circle is {1000 * backlash:.2f} um: only the "
-            "working flanks are looked at"
+            "working flanks are looked at (effects.coast_flank)"
         )
     return backlash
 

@@ -132,8 +132,10 @@ def grown(body: Body, strain: float) -> Body:
     curve, larger = body.curve, 1.0 + strain
     powers = larger ** (1.0 - np.arange(curve.coefficients.shape[2]))
     low, high = body.mode_range_mm
+    active = body.active_range_mm
     return replace(
         body,
+        active_range_mm=None if active is None else (larger * active[0], larger * active[1]),
         curve=replace(
             curve, breaks=larger * curve.breaks, coefficients=powers * curve.coefficients
         ),

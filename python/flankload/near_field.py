@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Material, MeshedFlank, SectorMesh
 
+#: A node and the mirror image of another are one to this part of the mesh's size.
+SAME_NODE = 1e-9
+
 
 def logarithm_strength(material: Material, plane: str) -> float:
     """c0 (mm²/N): normal displacement of a half-plane is -c0 ln(distance) per force and width.
@@ -201,6 +204,47 @@ def consistent_loads(
     loads = np.zeros((len(mesh.nodes), 2, count))
     np.add.at(loads, numbers, local)
     return loads.reshape(-1, count)
+
+
+def mirrored_loads(
+    mesh: SectorMesh, loads: NDArray[np.float64], center_rad: float
+) -> tuple[NDArray[np.float64], int]:
+    """Loads of the other flank in the sector, whose halves are mirror images.
+
+    Parameters
+    ----------
+    mesh : SectorMesh
+    loads : (2 N, p) array
+        Of the flank that the mesh names, that of tooth 0.
+    center_rad : float
+        Polar angle of the centre of tooth 0 (of the space, where teeth stand inwards).
+
+    Returns
+    -------
+    loads : (2 N, p) array
+        Each force at the mirrored node, mirrored.
+    tooth : int
+        Whose coast flank that is: a sector may hold a tooth that stands between two spaces.
+
+    Raises
+    ------
+    ValueError
+        If a node of the flank has no mirror image.
+    """
+    from scipy.spatial import cKDTree
+
+    cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
+    axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
+    cosine, sine = np.cos(2 * axis), np.sin(2 * axis)
+    mirror = np.array([[cosine, sine], [sine, -cosine]])
+    nodes = np.unique(mesh.flank_edges)
+    apart, image = cKDTree(mesh.nodes).query(mesh.nodes[nodes] @ mirror)
+    if apart.max() > SAME_NODE * float(np.abs(mesh.nodes).max()):
+        raise ValueError("mesh: expected a sector whose halves are mirror images")
+    mirrored = np.zeros((len(mesh.nodes), 2, loads.shape[1]))
+    mirrored[image] = np.einsum("ij,njp->nip", mirror, loads.reshape(mirrored.shape)[nodes])
+    tooth = round(float(axis - center_rad) * mesh.teeth / np.pi)
+    return mirrored.reshape(loads.shape), tooth
 
 
 def projected_logarithm(

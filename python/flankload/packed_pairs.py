@@ -80,6 +80,30 @@ class PackedPairs:
         before = np.cumsum(self.count) - self.count
         return np.arange(total) + np.repeat(self.first - before, self.count)
 
+    def parted_at(self, site: int) -> tuple[PackedPairs, PackedPairs]:
+        """Pairs of sites below a number and those above, of which the numbers begin at 0 again.
+
+        Parameters
+        ----------
+        site : int
+            At each position pairs below it stand first.
+
+        Returns
+        -------
+        below, above : PackedPairs
+            With the same table.
+        """
+        above = self.site >= site
+        rows = np.concatenate([[0], np.cumsum(above)])
+        first = np.maximum(self.first, 0)
+        n_above = rows[first + self.count] - rows[first]
+        n_below = self.count - n_above
+        numbers = self.site - np.where(above, site, 0).astype(self.site.dtype)
+        return (
+            PackedPairs(numbers, self.table, self.first, n_below),
+            PackedPairs(numbers, self.table, self.first + n_below, n_above),
+        )
+
     @property
     def nbytes(self) -> int:
         """Bytes of the pairs under this torque."""

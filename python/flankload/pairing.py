@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.cam_motion import CamMotion, cam_motion
+from flankload.coast_sites import CoastSites, coast_sites
 from flankload.errors import SceneError
 from flankload.gear_mesh import Mesh, gear_mesh
 from flankload.period import Period, period_of
@@ -65,6 +66,8 @@ class Pairing:
         Geometry of a spline.
     motion : CamMotion or None
         Of a follower on its cam.
+    coast : CoastSites or None
+        Coast flanks of the same pair numbers, where they can carry.
     """
 
     center_distance_mm: float
@@ -79,6 +82,7 @@ class Pairing:
     warnings: tuple[str, ...]
     fit: SplineFit | None = None
     motion: CamMotion | None = None
+    coast: CoastSites | None = None
 
     @property
     def pitch_rad(self) -> float:
@@ -126,6 +130,7 @@ def pair_bodies(
     *,
     center_distance_mm: float,
     position_rad: NDArray[np.float64],
+    coast_flanks: bool = False,
 ) -> Pairing:
     """Put two bodies together.
 
@@ -136,6 +141,8 @@ def pair_bodies(
         Of a spline: the offset of its axes.
     position_rad : (P,) array
         Positions that will be asked for; they decide how many sites are looked at.
+    coast_flanks : bool
+        Coast flanks can carry, too: flanks may overlap without load.
 
     Returns
     -------
@@ -147,7 +154,7 @@ def pair_bodies(
         If the flanks cannot mesh on this centre distance; says by how much.
     """
     if body_1.kind == "spline_shaft":
-        return _pair_spline(body_1, body_2, center_distance_mm)
+        return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
     if body_1.kind == "follower":
         return _pair_cam(body_1, body_2, center_distance_mm, position_rad)
     if body_1.outward < 0:
@@ -160,7 +167,7 @@ def pair_bodies(
     warnings: list[str] = []
     mesh = None
     if body_1.involute is not None and body_2.involute is not None:
-        mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings)
+        mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings, coast_flanks=coast_flanks)
     # the pitch point follows from the ratio, also where the mate stands by its file
     circles = abs(body_1.teeth + sense * body_2.teeth) or 1
     turns = (
@@ -169,7 +176,8 @@ def pair_bodies(
         ),
         _turn_to_pitch_point(body_2, center_distance_mm * body_2.teeth / circles, pi),
     )
-    sites = _with_flanks(_sites(mesh, body_1.teeth, body_2.teeth, position_rad), body_1, body_2)
+    sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
+    sites = _with_flanks(sites, body_1, body_2)
     # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
     # on body 1; on body 2 at a smaller one, or a greater one where it turns the same way.
     teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
@@ -191,13 +199,14 @@ def pair_bodies(
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
         mesh=mesh,
         warnings=tuple(warnings),
+        coast=coast_sites(sites, body_1, body_2) if coast_flanks else None,
     )
 
 
-def _pair_spline(shaft: Body, hub: Body, offset: float) -> Pairing:
+def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -> Pairing:
     """Every tooth of the shaft in its space of the hub."""
     warnings: list[str] = []
-    fit = spline_fit(shaft, hub, offset, warnings)
+    fit = spline_fit(shaft, hub, offset, warnings, coast_flanks=coast_flanks)
     sites = np.arange(shaft.teeth)
     angles = 2 * pi * sites / shaft.teeth
     return Pairing(
@@ -212,6 +221,7 @@ def _pair_spline(shaft: Body, hub: Body, offset: float) -> Pairing:
         mesh=None,
         warnings=tuple(warnings),
         fit=fit,
+        coast=coast_sites(sites, shaft, hub) if coast_flanks else None,
     )
 
 
@@ -246,16 +256,24 @@ def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> f
 
 
 def _sites(
-    mesh: Mesh | None, teeth_1: int, teeth_2: int, position_rad: NDArray[np.float64]
+    mesh: Mesh | None,
+    teeth_1: int,
+    teeth_2: int,
+    position_rad: NDArray[np.float64],
+    *,
+    coast_flanks: bool,
 ) -> NDArray[np.int64]:
-    """Pairs that come near the path of contact at any position, one to spare at each end."""
+    """Pairs that come near the path of contact at any position, one to spare at each end.
+
+    Coast flanks follow half a pitch behind, which may be one more.
+    """
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
     start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
     if mesh is not None:
         start, end = mesh.path_start_mm / mesh.base_pitch_mm, mesh.path_end_mm / mesh.base_pitch_mm
         spare = 1
     first = np.floor(start - pitches).astype(int) - spare
-    last = np.ceil(end - pitches).astype(int) + spare
+    last = np.ceil(end - pitches).astype(int) + spare + int(coast_flanks)
     # positions may stand turns apart
     runs = set(zip(first.tolist(), last.tolist(), strict=True))
     sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))

@@ -81,6 +81,7 @@ def _elements(
     solved_for = {
         "unit_loads_normal": round(work.normal_loads) * modes * flanks,
         "unit_loads_tangential": min(1, round(work.tangential_loads)) * modes * flanks,
+        "coast_readings": round(work.coast_readings) * modes * flanks,
         "cut_columns": 0 if many else cuts,
         "stress_recoveries": round(work.recoveries) * places,
         "fe_load_cases_growth": 0 if mesh is None else growth,

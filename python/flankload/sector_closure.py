@@ -52,6 +52,7 @@ def condense(
     mesh: SectorMesh,
     lap: Callable[[str], None] | None = None,
     *,
+    coast: NDArray[np.float64] | None = None,
     readings: NDArray[np.float64] | None = None,
     forces: NDArray[np.float64] | None = None,
     account: Account | None = None,
@@ -67,8 +68,10 @@ def condense(
     mesh : SectorMesh
     lap : callable, optional
         Told the name of each step when it is done.
+    coast : (2N, c) array, optional
+        Columns that only read the displacements, of the coast flank.
     readings : (2N, q) array, optional
-        Columns that only read the displacements.
+        The same, of stress.
     forces : (2N, k) array, optional
         Known loads; they read, too, which says what they do themselves (Betti).
     account : Account, optional
@@ -92,7 +95,11 @@ def condense(
     solve, complement = condensed(matrix, inside, cut, account)
     tell("factorisation")
     columns, solved = loads, solve(loads[inside])
-    for name, more in (("stress_recoveries", readings), ("fe_load_cases_growth", forces)):
+    for name, more in (
+        ("coast_readings", coast),
+        ("stress_recoveries", readings),
+        ("fe_load_cases_growth", forces),
+    ):
         if more is not None:
             # on their own, so that the loads' solutions stay what they are to the last bit
             account.count(**{name: more.shape[1]})

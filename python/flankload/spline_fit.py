@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 #: Modules, angles and widths that differ by less are equal but for rounding.
 ROUNDING = 1e-9
 
+#: Teeth wider than their spaces by more than this part of the base pitch are no press fit.
+LARGEST_OVERLAP = 0.01
+
 #: Less than this is no overlap of a tip and a fillet, mm.
 LEAST_MM = 1e-3
 
@@ -65,7 +68,9 @@ class SplineFit:
         return self.backlash_mm * cos(self.pressure_angle_rad)
 
 
-def spline_fit(shaft: Body, hub: Body, offset: float, warnings: list[str]) -> SplineFit:
+def spline_fit(
+    shaft: Body, hub: Body, offset: float, warnings: list[str], *, coast_flanks: bool = False
+) -> SplineFit:
     """Geometry of a shaft in its hub.
 
     Parameters
@@ -75,6 +80,8 @@ def spline_fit(shaft: Body, hub: Body, offset: float, warnings: list[str]) -> Sp
         Distance of their axes, mm.
     warnings : list of str
         What a user must know is appended.
+    coast_flanks : bool
+        They can carry, too: the tooth may be wider than its space by `LARGEST_OVERLAP`.
 
     Returns
     -------
@@ -92,12 +99,21 @@ def spline_fit(shaft: Body, hub: Body, offset: float, warnings: list[str]) -> Sp
     _check_circles(one, two, offset)
     angle = np.arccos(one.base_radius_mm / one.reference_radius_mm)
     room = two.base_half_angle_rad - one.base_half_angle_rad
-    if room < -ROUNDING:
+    wider = -2 * room * one.reference_radius_mm
+    widest = LARGEST_OVERLAP * 2 * np.pi * one.base_radius_mm / shaft.teeth
+    if coast_flanks and wider > widest:
         raise SceneError(
             key="body_1.profile_shift",
-            expected="at most that of body_2, so that the tooth is no wider than the space",
-            found=f"a tooth that is {-2 * room * one.reference_radius_mm:.4f} mm wider on the "
-            "pitch circle",
+            expected=f"a tooth wider than its space by at most {widest:.4f} mm on the pitch circle "
+            f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
+            found=f"{wider:.4f} mm",
+        )
+    if room < -ROUNDING and not coast_flanks:
+        raise SceneError(
+            key="body_1.profile_shift",
+            expected="at most that of body_2, so that the tooth is no wider than the space (or "
+            "effects.coast_flank = true)",
+            found=f"a tooth that is {wider:.4f} mm wider on the pitch circle",
         )
     fit = SplineFit(
         pressure_angle_rad=float(angle),
@@ -109,7 +125,7 @@ def spline_fit(shaft: Body, hub: Body, offset: float, warnings: list[str]) -> Sp
         offset_mm=offset,
     )
     _check_roots(shaft, hub, fit)
-    if 2 * offset > fit.normal_backlash_mm:
+    if 2 * offset > fit.normal_backlash_mm and not coast_flanks:
         warnings.append(
             f"the normal backlash of {1000 * fit.normal_backlash_mm:.1f} um is less than twice "
             f"the offset of {1000 * offset:.1f} um: before all teeth carry, coast flanks would "

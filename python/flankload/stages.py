@@ -81,6 +81,7 @@ def compliance_of(
             friction=tangential,
             along=effects.friction and effects.finite_influence,
             nodal=effects.nodal_near_field,
+            coast_flanks=scene.effects.coast_flank,
             fillets=fillets,
             sectors=scene.sectors,
             growth=growth,

@@ -54,6 +54,24 @@ ROOM_OF_CELL = 2.4
 
 
 @dataclass(frozen=True)
+class CoastSweep:
+    """What the core found on coast flanks, at the pair numbers of the working ones.
+
+    Attributes
+    ----------
+    site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
+        As in `Sweep`.
+    pairs : PackedPairs
+        Their torque levers are negative.
+    """
+
+    site_force_N: NDArray[np.float64]
+    site_peak_N_per_mm: NDArray[np.float64]
+    site_corner: NDArray[np.int64]
+    pairs: PackedPairs
+
+
+@dataclass(frozen=True)
 class Sweep:
     """What the core found at all positions (P) for one torque; S sites.
 
@@ -70,8 +88,11 @@ class Sweep:
         that touches without torque, -2: a lumped contact that no parabola makes, both off corners;
         -3: an end that is left out would touch).
     n_pairs : (P,) array
+        Those of coast flanks included.
     pairs : PackedPairs
-        Empty where pairs are not kept.
+        Of working flanks; empty where pairs are not kept.
+    coast : CoastSweep or None
+        The same of the coast flanks, where they can carry.
     """
 
     torque_Nmm: float
@@ -85,6 +106,7 @@ class Sweep:
     site_corner: NDArray[np.int64]
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
+    coast: CoastSweep | None = None
 
 
 def sweep(
@@ -186,22 +208,35 @@ def sweep(
     raise_first_failure(
         status, positions, torques, certificate, rubs=friction is not None, holds=holds
     )
-    return tuple(
-        Sweep(
-            torque_Nmm=float(torque),
+    working = slice(None, pairing.sites.size)
+
+    def coast_of(t: int, pairs: PackedPairs) -> CoastSweep:
+        behind = slice(pairing.sites.size, None)
+        return CoastSweep(
+            force[behind, :, t].T, peak[behind, :, t].T, corner[behind, :, t].T, pairs
+        )
+
+    def sweep_of(t: int) -> Sweep:
+        pairs, coast = found.pairs_of(t), None
+        if pairing.coast is not None:
+            pairs, coast_pairs = pairs.parted_at(pairing.sites.size)
+            coast = coast_of(t, coast_pairs)
+        return Sweep(
+            torque_Nmm=float(torques[t]),
             status=status[:, t],
             rotation_rad=rotation[:, t],
             tangent_rad_per_Nmm=tangent[:, t],
             certificate=certificate[..., t].T,
             counters=counters[..., t].T,
-            site_force_N=force[..., t].T,
-            site_peak_N_per_mm=peak[..., t].T,
-            site_corner=corner[..., t].T,
+            site_force_N=force[working, :, t].T,
+            site_peak_N_per_mm=peak[working, :, t].T,
+            site_corner=corner[working, :, t].T,
             n_pairs=n_pairs[:, t],
-            pairs=found.pairs_of(t),
+            pairs=pairs,
+            coast=coast,
         )
-        for t, torque in enumerate(torques)
-    )
+
+    return tuple(sweep_of(t) for t in range(torques.size))
 
 
 def _first_room(pairing: Pairing, grid: Grid) -> int:
@@ -225,13 +260,24 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     -------
     Sweep
     """
-    single = ("torque_Nmm", "pairs")
-    names = [item.name for item in fields(Sweep) if item.name not in single]
+    coasts = [part.coast for part in parts if part.coast is not None]
     return Sweep(
         torque_Nmm=parts[0].torque_Nmm,
-        pairs=join_pairs([part.pairs for part in parts], order),
-        **{name: np.concatenate([getattr(part, name) for part in parts])[order] for name in names},
+        coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
+        **_joined(parts, order),
     )
+
+
+def _joined(
+    parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
+) -> dict[str, Any]:
+    """What has a row for each position, and the pairs."""
+    single = ("torque_Nmm", "pairs", "coast")
+    names = [item.name for item in fields(parts[0]) if item.name not in single]
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return {name: values[order] for name, values in joined.items()} | {
+        "pairs": join_pairs([part.pairs for part in parts], order)
+    }
 
 
 def _core_arguments(
@@ -243,9 +289,15 @@ def _core_arguments(
     """Per body: curve, compliance and shift arrays, in the layout of the flat door."""
     arguments: list[tuple[NDArray[Any] | float, ...]] = []
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
-        teeth = pairing.site_teeth[z]
-        block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
-        smooth = np.asfortranarray(compliance.smooth.transpose(1, 2, 0) / face_width_mm)
+        teeth, angles = pairing.site_teeth[z], pairing.site_angles_rad[z]
+        deviations = pairing.site_deviations_mm[z]
+        if pairing.coast is not None:
+            teeth = np.concatenate([teeth, pairing.coast.site_teeth[z]])
+            angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
+            deviations = np.concatenate([deviations, np.zeros_like(deviations)])
+        block = compliance.blocks_of_sites(teeth, pairing.sites.size, body.teeth)
+        blocks, _ = compliance.all_blocks()
+        smooth = np.asfortranarray(blocks.transpose(1, 2, 0) / face_width_mm)
         shift = compliance.shift_of(teeth)
         curve, corners = body.curve, body.curve.corners.astype(np.intc)
         if body.active_range_mm is not None:
@@ -257,8 +309,8 @@ def _core_arguments(
                 curve.breaks,
                 np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
                 corners,
-                pairing.site_angles_rad[z],
-                pairing.site_deviations_mm[z],
+                angles,
+                deviations,
                 np.asarray(compliance.mode_range_mm, dtype=float),
                 compliance.kernel / face_width_mm,
                 smooth,
@@ -293,18 +345,18 @@ class _AlongFlanks:
         across: list[tuple[int, NDArray[np.float64], float]] = []
         along: list[NDArray[np.float64] | int] = []
         for compliance in compliances or (None, None):
-            count, flat = _flat(compliance, "tangential", face_width_mm)
+            blocks = None if compliance is None else compliance.all_blocks()[1]
+            count, flat = _flat(blocks, face_width_mm)
             jump = compliance.jump / face_width_mm if compliance is not None else 0.0
             across.append((count, flat, jump))
-            along += _flat(compliance, "along", face_width_mm)
+            along += _flat(None if compliance is None else compliance.along, face_width_mm)
         return cls(tuple(across), tuple(along))
 
 
 def _flat(
-    compliance: BodyCompliance | None, name: str, face_width_mm: float
+    blocks: NDArray[np.float64] | None, face_width_mm: float
 ) -> tuple[int, NDArray[np.float64]]:
     """Number of loads of blocks of a compliance, and the blocks one after the other."""
-    blocks = getattr(compliance, name, None)
     if blocks is None:
         return 0, np.empty(0)
     return blocks.shape[2], blocks.transpose(1, 2, 0).ravel(order="F") / face_width_mm
@@ -382,6 +434,9 @@ class _CoreCall:
             grid.corner_strips_per_half_width,
             grid.zone_half_widths,
         )
+        sides = np.empty(0, dtype=np.intc)
+        if self.pairing.coast is not None:
+            sides = np.repeat(np.array([1, -1], dtype=np.intc), self.pairing.sites.size)
         control = np.zeros(2, dtype=np.intc)
         room *= len(self.torques)
         site = np.empty(room, dtype=np.intc)
@@ -400,8 +455,8 @@ class _CoreCall:
                 site_2[0],
                 site_1[1],
                 site_2[1],
-                0,
-                np.empty(0, dtype=np.intc),
+                sides.size,
+                sides,
                 *field_1,
                 *field_2,
                 np.array(knobs),

@@ -24,6 +24,7 @@ WORK = (
     "{} load case",
     "{} load per mode",
     "{} tangential load per mode",
+    "{} coast reading per mode",
     "{} solution per place",
     "{} column per pair",
     "{} contact problem per state",

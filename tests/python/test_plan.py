@@ -284,11 +284,12 @@ def test_a_choice_is_the_scene_with_its_keys_written_out(
     changes: dict[str, Any], written_out: dict[str, Any], said: str
 ) -> None:
     chosen = scene_of(effects__choose="auto", positions__count=4, **changes)
-    plain = scene_of(positions__count=4, **written_out)
+    levels = {}
     for effect in fl.plan(chosen).choice:  # levels that it has decided on
         table, _, key = effect.key.partition(".")
         if table == "effects" and effect.value is not None:
-            plain = scene_of(positions__count=4, **written_out, **{f"effects__{key}": effect.value})
+            levels[f"effects__{key}"] = effect.value
+    plain = scene_of(positions__count=4, **written_out, **levels)
     found, wanted = solved(chosen), solved(plain)
     assert same_numbers(found, wanted)
     assert found.cost["stages"]["plan"]["cpu_s"] > 0

@@ -37,6 +37,9 @@ RING = {
 
 ABSENT = object()
 
+#: Keys of [effects], in their order.
+EFFECT_KEYS = ("friction_coefficient", "root_stress", "contact", "coast_flank", "tip_contact")
+
 #: What two rigid bodies are told.
 UNDETERMINED = "where neither body yields, nothing says how the flanks share the torque"
 
@@ -199,12 +202,6 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
             "pair.x",
             "a known key (center_distance_mm, center_offset_mm, face_width_mm)",
             "the unknown key 'x'",
-        ),
-        (
-            {"effects__coast_flank": True},
-            "effects.coast_flank",
-            "no such key, since this version does not simulate contact on the coast flank",
-            "true",
         ),
         (
             {"effects__near_field": "nodes", "accuracy__modes": 5},

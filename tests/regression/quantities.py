@@ -70,6 +70,7 @@ SCENE = {
     "transmission_error_um": Quantity("um", 1e-6, 1e-6, _PLACED),
     "load_share": Quantity("1", 1e-6, 0.0, _ROUNDED),
     "site_force_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
+    "coast_force_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
     "peak_pressure_MPa": Quantity(
         "MPa", 1e-5, 0.0, "a force over its cell: the least smooth number"
     ),

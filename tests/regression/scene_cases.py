@@ -47,6 +47,12 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
             "speed_rpm": 12000.0,
         },
     },
+    "no_tip_contact": {"effects": {"tip_contact": False}},
+    "coast_flank": {
+        "effects": {"coast_flank": True, "friction_coefficient": 0.05},
+        "pair": {"center_distance_mm": 91.49},
+        "load": {"torque_Nm": 100.0},
+    },
 }
 
 #: Changes of other examples: which one, and what; a table that names its kind stands for itself.
@@ -81,6 +87,8 @@ def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
                 value: Any = result.cost[key]
             elif key == "pairs":
                 value = [len(result.pairs(p)) for p in range(result.position_rad.size)]
+            elif key == "coast_force_N" and result.coast is None:
+                continue
             else:
                 value = np.ravel(getattr(result, key))
             # without torque there is no stiffness

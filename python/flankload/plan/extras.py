@@ -87,7 +87,7 @@ class Extras:
             work, unknowns = effect.work, unknowns_of(body)
             columns = (
                 work.growth_loads
-                + (work.normal_loads + work.tangential_loads) * loads
+                + (work.normal_loads + work.tangential_loads + work.coast_readings) * loads
                 + work.recoveries * (0 if isinstance(body.mesh, WholeMesh) else PLACES)
             )
             seconds += columns * SOLUTION_S * unknowns

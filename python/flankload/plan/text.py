@@ -13,6 +13,7 @@ SHOWN = (
     "fe_factorisations",
     "unit_loads_normal",
     "unit_loads_tangential",
+    "coast_readings",
     "stress_recoveries",
     "states",
     "influence_columns",

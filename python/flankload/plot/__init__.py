@@ -16,6 +16,7 @@ from flankload.plot.curves import (
     plot_transmission_error,
 )
 from flankload.plot.drive import plot_chain_on_sprocket, plot_tensions
+from flankload.plot.flank_forces import plot_flank_forces
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.root_stress import plot_root_stress
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "plot_all",
     "plot_chain_on_sprocket",
+    "plot_flank_forces",
     "plot_flank_pressure",
     "plot_follower_motion",
     "plot_load_per_tooth",
@@ -61,7 +63,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     -------
     tuple of Path
         transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png;
-        stiffness.png where there is a torque; profile_deviation.png where a body has an
+        stiffness.png where there is a torque; flank_forces.png where coast flanks can carry;
+        profile_deviation.png where a body has an
         involute. Of a follower on its cam follower_motion.png in place of load_sharing.png. Of
         bodies that touch all around load_per_tooth.png, flank_pressure.png,
         loaded_pair.png, and with several positions transmission_error.png. Of all
@@ -79,6 +82,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         "peak_pressure.png": plot_peak_pressure,
         "loaded_pair.png": plot_loaded_pair,
     }
+    if result.coast is not None:
+        pictures["flank_forces.png"] = plot_flank_forces
     if result.torque_Nm > 0:
         pictures["stiffness.png"] = plot_stiffness
     if any(profile is not None for profile in result.drawing.profiles):

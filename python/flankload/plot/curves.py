@@ -115,10 +115,10 @@ def plot_load_sharing(result: Result) -> Figure:
         figure, axes = figure_over_positions(result, "Load sharing")
         shares = 100 * result.load_share
         for s, site in loaded_sites(result):
-            angle, share = _curve_of_pair(result, shares, s)
+            angle, share = pair_curve(result, shares, s)
             axes.plot(
                 angle,
-                _lifted(share),
+                lifted(share),
                 color=colour_of(result, site),
                 label=pair_name(site),
                 **marks(result),
@@ -127,7 +127,7 @@ def plot_load_sharing(result: Result) -> Figure:
         axes.set_yticks(range(0, 101, 20))
         axes.set_ylabel("load share in %")
         _add_force_axis(axes, result)
-        _legend_of_pairs(axes)
+        legend_of_pairs(axes)
         return figure
 
 
@@ -163,16 +163,16 @@ def plot_peak_pressure(result: Result) -> Figure:
         figure, axes = figure_over_positions(result, "Peak pressure")
         for s, site in loaded_sites(result):
             colour = colour_of(result, site)
-            angle, whole = _curve_of_pair(result, result.peak_pressure_MPa, s)
-            _, corner = _curve_of_pair(result, result.corner_contact.astype(float), s, closing=0.0)
+            angle, whole = pair_curve(result, result.peak_pressure_MPa, s)
+            _, corner = pair_curve(result, result.corner_contact.astype(float), s, closing=0.0)
             on_corner = corner > 0
             # A segment is dashed when one of its ends lies on a corner.
             beside = on_corner.copy()
             beside[1:] |= on_corner[:-1]
             beside[:-1] |= on_corner[1:]
-            smooth = np.where(on_corner, np.nan, _lifted(whole))
+            smooth = np.where(on_corner, np.nan, lifted(whole))
             axes.plot(angle, smooth, color=colour, label=pair_name(site), **marks(result))
-            dashed = np.where(beside, _lifted(whole), np.nan)
+            dashed = np.where(beside, lifted(whole), np.nan)
             axes.plot(angle, dashed, color=colour, linewidth=1.1, linestyle=(0, (3, 2)))
         if result.corner_contact.any():
             axes.plot(
@@ -187,7 +187,7 @@ def plot_peak_pressure(result: Result) -> Figure:
         smooth = result.summary["peak_pressure_off_corners_MPa"]
         axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
         axes.set_ylabel("peak pressure in MPa")
-        _legend_of_pairs(axes)
+        legend_of_pairs(axes)
         return figure
 
 
@@ -292,7 +292,7 @@ def _gaps(result: Result) -> NDArray[np.int64]:
     return np.asarray(np.flatnonzero(steps > 0.5001 * result.pitch_rad) + 1)
 
 
-def _curve_of_pair(
+def pair_curve(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of one pair: a period on it stands where the pair so many pitches further stood."""
@@ -304,7 +304,7 @@ def _curve_of_pair(
     return angle, np.append(values[:, s], end)
 
 
-def _lifted(values: NDArray[Any]) -> NDArray[Any]:
+def lifted(values: NDArray[Any]) -> NDArray[Any]:
     """Values without the stretches where a pair is open, so that no curve runs along the axis."""
     carries = values > 0
     near = carries.copy()
@@ -313,7 +313,7 @@ def _lifted(values: NDArray[Any]) -> NDArray[Any]:
     return np.where(near, values, np.nan)
 
 
-def _legend_of_pairs(axes: Axes) -> None:
+def legend_of_pairs(axes: Axes, more: dict[str, Line2D] | None = None) -> None:
     handles, labels = axes.get_legend_handles_labels()
     shown = dict(zip(labels, handles, strict=True))
     pairs = [label for label in labels if label.startswith("pair ")]
@@ -322,6 +322,7 @@ def _legend_of_pairs(axes: Axes) -> None:
         shown = {label: handle for label, handle in shown.items() if label not in pairs}
         ends = " to ".join(pair.removeprefix("pair ") for pair in (pairs[-1], pairs[0]))
         shown = {f"pairs {ends}, from left to right": Line2D([], [], color=GREY), **shown}
+    shown |= more or {}
     if shown:
         axes.legend(
             shown.values(),

@@ -17,6 +17,7 @@ from flankload.plot.style import (
     STEEL,
     STYLE,
     at_corner,
+    coast_sites,
     colour_of,
     loaded_sites,
     new_figure,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from flankload.result import Result
+    from flankload.result import PairTable, Result
 
 
 def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
@@ -65,15 +66,33 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
         if result.whole_circle:
             axes = figure.add_subplot()
             _draw_bodies(axes, result, p)
+            largest = _largest_force(result, p)
+            part = 0.08 if result.coast is None else 0.05  # less room between two flanks
             for s, site in carrying:
-                _draw_force_on_flank(axes, result, p, s, site)
+                _draw_force_on_flank(
+                    axes, table, site, result.site_force_N[p, s] / largest, COLOURS[1], part
+                )
+            if result.coast is not None:
+                coast = result.coast.pair_tables[p]
+                for s, site in coast_sites(result):
+                    _draw_force_on_flank(
+                        axes, coast, site, result.coast.force_N[p, s] / largest, COLOURS[2], part
+                    )
             return figure
         rows = max(1, len(carrying))
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.55, 1.0) if carrying else (1.0, 1e-3))
         axes = figure.add_subplot(grid[:, 0])
         _draw_bodies(axes, result, p)
         for s, site in carrying:
-            _draw_pressure_on_flank(axes, result, p, s, site)
+            _draw_pressure_on_flank(
+                axes, result, p, table, site, f"{result.site_force_N[p, s] / 1e3:.2f} kN"
+            )
+        if result.coast is not None:
+            coast = result.coast.pair_tables[p]
+            for s, site in coast_sites(result):
+                if (force := result.coast.force_N[p, s]) > 0:
+                    words = f"coast {force / 1e3:.2f} kN"
+                    _draw_pressure_on_flank(axes, result, p, coast, site, words)
         # The pair that stands above the other one in the picture stands so here.
         # The panels have the same axes, so that widths and heights can be compared.
         curves = [_pressure_along(result, p, site) for _, site in carrying]
@@ -185,34 +204,43 @@ def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
-def _rows_of_pair(result: Result, p: int, site: int) -> NDArray[np.int64]:
+def _rows_of_pair(table: PairTable, site: int) -> NDArray[np.int64]:
     """Rows of one flank pair in the table of a position, from root to tip of body 1."""
-    table = result.pairs(p)
     rows = np.flatnonzero(table.site == site)
     return np.asarray(rows[np.argsort(table.arc_length_1_mm[rows], kind="stable")])
 
 
-def _draw_force_on_flank(axes: Axes, result: Result, p: int, s: int, site: int) -> None:
-    """The force as a bar that stands on the part of the flank that carries."""
-    table = result.pairs(p)
-    rows = _rows_of_pair(result, p, site)
+def _draw_force_on_flank(
+    axes: Axes, table: PairTable, site: int, force: float, colour: str, part: float
+) -> None:
+    """A force, of the largest, as a bar that stands on the part of the flank that carries."""
+    rows = _rows_of_pair(table, site)
     rows = rows[table.force_N[rows] > 0]
     place = np.column_stack([table.x_mm, table.y_mm])[rows]
     normal = np.column_stack([table.normal_x, table.normal_y])[rows]
     low, high = axes.get_ylim()
-    height = 0.08 * (high - low) * result.site_force_N[p, s] / result.site_force_N[p].max()
+    height = part * (high - low) * force
     bar = np.vstack([place, (place + normal * height)[::-1]])
-    axes.add_patch(Polygon(bar, closed=True, facecolor=COLOURS[1], edgecolor=COLOURS[1]))
+    axes.add_patch(Polygon(bar, closed=True, facecolor=colour, edgecolor=colour))
 
 
-def _draw_pressure_on_flank(axes: Axes, result: Result, p: int, s: int, site: int) -> None:
+def _largest_force(result: Result, p: int) -> float:
+    largest = float(result.site_force_N[p].max())
+    return largest if result.coast is None else max(largest, float(result.coast.force_N[p].max()))
+
+
+def _draw_pressure_on_flank(
+    axes: Axes, result: Result, p: int, table: PairTable, site: int, force: str
+) -> None:
     """The pressure as a filled profile on the flank along the normals, and the force by name."""
-    table = result.pairs(p)
-    rows = _rows_of_pair(result, p, site)
+    rows = _rows_of_pair(table, site)
     place = np.column_stack([table.x_mm, table.y_mm])[rows]
     normal = np.column_stack([table.normal_x, table.normal_y])[rows]
     low, high = axes.get_ylim()
-    largest = float(np.max(result.pairs(p).pressure_MPa))
+    largest = float(np.max(result.pairs(p).pressure_MPa, initial=0.0))
+    if result.coast is not None:
+        pressure = result.coast.pair_tables[p].pressure_MPa
+        largest = max(largest, float(np.max(pressure, initial=0.0)))
     height = 0.2 * (high - low) * table.pressure_MPa[rows] / largest
     profile = np.vstack([place, (place + normal * height[:, None])[::-1]])
     colour = colour_of(result, site)
@@ -222,7 +250,7 @@ def _draw_pressure_on_flank(axes: Axes, result: Result, p: int, s: int, site: in
     peak = int(np.argmax(height))
     end = place[peak] + normal[peak] * height[peak]
     axes.annotate(
-        f"{pair_name(site)}\n{result.site_force_N[p, s] / 1e3:.2f} kN",
+        f"{pair_name(site)}\n{force}",
         xy=end,
         xytext=(0.97, float(end[1])),
         textcoords=("axes fraction", "data"),
@@ -240,7 +268,7 @@ def _pressure_along(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Arc length on flank 1 from the middle of the force, mm, and pressure of one pair."""
     table = result.pairs(p)
-    rows = _rows_of_pair(result, p, site)
+    rows = _rows_of_pair(table, site)
     along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
     return along - float((along * pressure).sum() / pressure.sum()), pressure
 

@@ -75,13 +75,21 @@ def loaded_sites(result: Result) -> list[tuple[int, int]]:
     ]
 
 
+def coast_sites(result: Result) -> list[tuple[int, int]]:
+    """(Column, pair number) of the coast flanks that carry anywhere."""
+    if result.coast is None:
+        return []
+    carries = (result.coast.force_N > 0).any(axis=0)
+    return [(int(s), int(result.sites[s])) for s in np.flatnonzero(carries)]
+
+
 def colour_of(result: Result, site: int) -> str:
     """Colour of a pair, the same in every picture of a result.
 
     The pairs that carry take the colours in the order 0, -1, 1, -2, 2, ..., so that few pairs never
     share one, however far from pair 0 they are.
     """
-    order = sorted((j for _, j in loaded_sites(result)), key=_turn)
+    order = sorted({j for _, j in loaded_sites(result) + coast_sites(result)}, key=_turn)
     return COLOURS[order.index(site) % len(COLOURS)]
 
 

@@ -38,23 +38,28 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
     """
     p = most_loaded(result)[0] if position is None else position
     force = result.site_force_N[p] / 1e3
+    coast = None if result.coast is None else result.coast.force_N[p] / 1e3
     teeth = result.sites.size
     angle = 2 * np.pi * result.sites / teeth + result.drawing.angle_1[p]
     with rc_context(STYLE):
         figure = new_figure((6.2, 5.6))
         axes = figure.add_subplot(projection="polar")
-        largest = float(force.max()) or 1.0
+        largest = max(float(force.max()), 0.0 if coast is None else float(coast.max())) or 1.0
         # From a ring, not from a point: near the axis bars would have no width.
         bottom = 0.45 * largest
-        axes.bar(
-            angle,
-            force,
-            width=0.8 * 2 * np.pi / teeth,
-            bottom=bottom,
-            color=COLOURS[0],
-            edgecolor="white",
-            linewidth=0.5,
-        )
+        parts = [(force, COLOURS[0], 0.0)]
+        if coast is not None:  # beside the working flank, on its other side
+            parts = [(force, COLOURS[0], 0.25), (coast, COLOURS[2], -0.25)]
+        for height, colour, beside in parts:
+            axes.bar(
+                angle + 0.8 * beside * 2 * np.pi / teeth,
+                height,
+                width=0.8 * 2 * np.pi / teeth / len(parts),
+                bottom=bottom,
+                color=colour,
+                edgecolor="white",
+                linewidth=0.5,
+            )
         axes.set_ylim(0, bottom + 1.05 * largest)
         mean = float(force.mean())
         turn = np.linspace(0, 2 * np.pi, 361)
@@ -85,7 +90,8 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
             figure,
             result,
             f"Load per tooth{_where(result, p)}",
-            f"mean {mean:.3g} kN (line), most {largest / mean if mean else 0:.2f} times that",
+            f"mean {mean:.3g} kN (line), most {force.max() / mean if mean else 0:.2f} times that"
+            + ("" if coast is None else "; coast flanks green"),
         )
         return figure
 

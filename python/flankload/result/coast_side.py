@@ -1,9 +1,6 @@
 """The flanks that do not work: how far they stand apart.
 
-Seen in a mirror along the line of centres, coast flanks are working flanks: both bodies turn the
-other way, and their gap is found by the same search, without load. A tooth of body 1 faces, with
-its coast flank, the tooth of body 2 that meets the next one of body 1 with its working flank; where
-body 2 stands around body 1 it faces the other side of its own space.
+In the mirror of `coast_sites` their gap is found by the search for working flanks, without load.
 """
 
 from __future__ import annotations
@@ -14,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.coast_sites import coast_sites
 from flankload.errors import ContactError
 from flankload.sweep import sweep
 
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
 
     from flankload.assembly import BodyPair
     from flankload.bodies.body import Body
-    from flankload.bodies.involute import Involute
     from flankload.compliance import BodyCompliance
     from flankload.pairing import Pairing
     from flankload.resolution import Grid
@@ -109,10 +106,9 @@ def coast_side(
         if any(len(shift) > 1 for shift in compliances[z].shifts.values()):
             return None, f"of body_{z + 1} only the growth of each working flank is known"
     assert one is not None
-    assert two is not None
     coast = CoastSide(
         bodies=(pair.body_1, pair.body_2),
-        pairing=_mirrored(pair.pairing, (one, two), (pair.body_1.teeth, pair.body_2.teeth)),
+        pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
         grid=pair.resolution.grid,
@@ -121,25 +117,20 @@ def coast_side(
     return coast, ""
 
 
-def _mirrored(
-    pairing: Pairing, involutes: tuple[Involute, Involute], teeth: tuple[int, int]
-) -> Pairing:
+def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:
     """The pairing of coast flanks, seen in the mirror."""
-    first, last = int(pairing.sites[0]), int(pairing.sites[-1])
-    around = involutes[1].outward < 0
-    one = pairing.sites if around else np.arange(first, last + 2)
-    two = one if around else one - 1
-    sense = -1 if around else 1
-    turns = tuple(
-        -turn - 2 * involute.turn_rad
-        for turn, involute in zip(pairing.turns_at_zero_rad, involutes, strict=True)
-    )
-    none = np.zeros(one.size)
+    numbers = pairing.sites
+    if body_2.outward > 0:
+        numbers = np.arange(int(numbers[0]), int(numbers[-1]) + 2)
+    coast = coast_sites(numbers, body_1, body_2)
+    turn_1, turn_2 = pairing.turns_at_zero_rad
+    none = np.zeros(numbers.size)
     return replace(
         pairing,
-        turns_at_zero_rad=(turns[0], turns[1]),
-        sites=one,
-        site_teeth=(one % teeth[0], -sense * two % teeth[1]),
-        site_angles_rad=(-2 * np.pi * one / teeth[0], sense * 2 * np.pi * two / teeth[1]),
+        turns_at_zero_rad=(-turn_1, -turn_2),
+        sites=numbers,
+        site_teeth=coast.site_teeth,
+        site_angles_rad=coast.site_angles_rad,
         site_deviations_mm=(none, none),
+        coast=None,
     )

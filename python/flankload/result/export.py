@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.coast_contact import OVER_SITES as COAST
+from flankload.result.coast_contact import coast_arrays
 from flankload.result.drive import ALONG_POSITIONS as DRIVE
 from flankload.result.drive import OVER_SITES as DRIVE_SITES
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
@@ -162,22 +164,24 @@ def _tree(result: Result) -> dict[str, Any]:
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
     if result.drive is not None:
         tree["drive"] = result.drive.as_dict()
-    tree |= {name: values for name, (values, _) in _root_arrays(result).items()}
+    tree |= {name: values for name, (values, _) in _arrays_asked_for(result).items()}
     tree["pairs"] = [table.columns() for table in result.pair_tables]
+    if result.coast is not None:
+        tree["coast_pairs"] = [table.columns() for table in result.coast.pair_tables]
     return tree
 
 
 def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
     """Arrays (P, S) that only some results have, with their units."""
-    found = _root_arrays(result)
+    found = _arrays_asked_for(result)
     if result.drive is not None:
         found |= {key: (getattr(result.drive, key), unit) for key, unit in DRIVE_SITES.items()}
     return found
 
 
-def _root_arrays(result: Result) -> dict[str, tuple[Any, str]]:
-    """Arrays (P, S) of stress in the roots, with their units; none where it is not asked for."""
-    found: dict[str, tuple[Any, str]] = {}
+def _arrays_asked_for(result: Result) -> dict[str, tuple[Any, str]]:
+    """Arrays (P, S) of coast flanks and of stress in the roots, with their units, if asked for."""
+    found = coast_arrays(result)
     for z, stress in enumerate(result.root_stress):
         if stress is not None:
             found |= root_arrays(stress, z)
@@ -256,7 +260,8 @@ def _at(result: Result, key: str, p: int) -> Any:
 def _at_site(over: Mapping[str, Any], key: str, p: int, s: int | None) -> Any:
     """A pair that no position of a torque loads carries nothing."""
     if s is None:
-        return 0 if key in OVER_SITES and key not in ONLY_LOADED else float("nan")
+        carried = key in OVER_SITES or key in COAST
+        return 0 if carried and key not in ONLY_LOADED else float("nan")
     return over[key][p, s] if key in over else float("nan")
 
 

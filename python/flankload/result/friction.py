@@ -83,6 +83,7 @@ def friction_result(
     site: NDArray[np.intc],
     *,
     n_sites: int,
+    n_working: int,
     center_distance_mm: float,
     speeds: Floats,
     driver: str,
@@ -98,6 +99,8 @@ def friction_result(
     position, site : (N,) arrays
         Number of each pair's position and site.
     n_sites : int
+    n_working : int
+        Sites from this number on are those of coast flanks.
     center_distance_mm : float
     speeds : (2, P) array
         As in `FrictionResult`.
@@ -112,9 +115,10 @@ def friction_result(
     """
     n = speeds.shape[1]
     force, rub = pairs["force"], pairs["force"] * pairs["friction"]
-    # on body 2: n F - mu sigma t F with t = n turned back
-    force_x = pairs["normal_x"] * force - pairs["normal_y"] * rub
-    force_y = pairs["normal_y"] * force + pairs["normal_x"] * rub
+    # on body 2: n F - mu sigma t F with t = n turned back, on coast flanks turned on
+    turned = np.where(site < n_working, rub, -rub)
+    force_x = pairs["normal_x"] * force - pairs["normal_y"] * turned
+    force_y = pairs["normal_y"] * force + pairs["normal_x"] * turned
     moment = (pairs["x"] - center_distance_mm) * force_y - pairs["y"] * force_x
     sense = 1.0 if driver == "body_1" else -1.0
     cell = position * n_sites + site

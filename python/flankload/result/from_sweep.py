@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
+from flankload.result.coast_contact import CoastContact
+from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.packed_pairs import PackedPairs
     from flankload.pairing import Pairing
     from flankload.result.geometry import PairGeometry
-    from flankload.sweep import Sweep
+    from flankload.sweep import CoastSweep, Sweep
 
 #: In place of a body whose corner works: a lumped contact that no parabola makes.
 OTHER_SHAPE = -2
@@ -70,6 +72,8 @@ def result_of(
     """
     circle = pair.pairing.whole_circle
     loaded = (found.site_force_N > 0).any(axis=0)
+    if found.coast is not None:
+        loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = face_width_mm
     result = make_result(
@@ -106,9 +110,26 @@ def result_of(
         if pair.pairing.motion is None
         else pair.pairing.turns(pair.position_rad)[0],
     )
+    if found.coast is not None:
+        result = replace(result, coast=_coast(pair, found.coast, carries, width))
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _coast(
+    pair: BodyPair, found: CoastSweep, carries: NDArray[np.int64], width: float
+) -> CoastContact:
+    """Contact on the coast flanks of some pair numbers."""
+    return CoastContact(
+        force_N=frozen(found.site_force_N[:, carries]),
+        peak_pressure_MPa=frozen(found.site_peak_N_per_mm[:, carries] / width),
+        corner_contact=frozen(found.site_corner[:, carries] > 0),
+        pair_tables=PairTables(
+            len(found.pairs.count),
+            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
+        ),
+    )
 
 
 def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -149,16 +170,22 @@ def _friction(
     """What friction does."""
     assert pair.friction is not None
     names = ("x", "y", "normal_x", "normal_y", "force", "sliding", "friction")
+    n_sites = pair.pairing.sites.size
+    parts = [(found.pairs, 0)]
+    if found.coast is not None:
+        parts.append((found.coast.pairs, n_sites))
+        n_sites *= 2
     whole = over_positions(result)
 
     def over_period(values: NDArray[np.float64]) -> float | None:
         return whole.mean(values) * result.period_rad if whole.covers_period else None
 
     summed = friction_result(
-        {name: found.pairs.column(name) for name in names},
-        found.pairs.position,
-        found.pairs.sites,
-        n_sites=pair.pairing.sites.size,
+        {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
+        np.concatenate([pairs.position for pairs, _ in parts]),
+        np.concatenate([pairs.sites + first for pairs, first in parts]),
+        n_sites=n_sites,
+        n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,
         speeds=pair.friction.speeds(pair.pairing, result.position_rad),
         driver=pair.friction.driver,

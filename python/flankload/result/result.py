@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.result.coast_contact import CoastContact, coast_summary
 from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.cost_table import cost_table
 from flankload.result.drive import ChainDrive
@@ -81,6 +82,8 @@ class Result(ContactQuantities):
         Tensions, places and margins of a chain; its sites are rollers, and pressures are 0.
     root_readings : two RootReading or None
         What turns forces into stress in the tooth roots, where it is asked for.
+    coast : CoastContact or None
+        Contact on the coast flanks, where they can carry; all else is said of working flanks.
     """
 
     name: str
@@ -109,6 +112,17 @@ class Result(ContactQuantities):
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
     follower_angle_rad: Floats | None = None
     drive: ChainDrive | None = None
+    coast: CoastContact | None = None
+
+    @property
+    def coast_force_N(self) -> Floats | None:
+        """(P, S) Force of each coast flank, 0 where open; None where they cannot carry."""
+        return None if self.coast is None else self.coast.force_N
+
+    @property
+    def coast_peak_pressure_MPa(self) -> Floats | None:
+        """(P, S) Largest pressure of each coast flank; None where they cannot carry."""
+        return None if self.coast is None else self.coast.peak_pressure_MPa
 
     @property
     def has_cam(self) -> bool:
@@ -122,7 +136,7 @@ class Result(ContactQuantities):
 
     @cached_property
     def load_share(self) -> Floats:
-        """(P, S) Force over the sum of forces; 0 where nothing carries."""
+        """(P, S) Force over the sum of forces, of working flanks; 0 where nothing carries."""
         total = self.site_force_N.sum(axis=1, keepdims=True)
         share = np.zeros_like(self.site_force_N)
         np.divide(self.site_force_N, total, out=share, where=total > 0)
@@ -191,7 +205,8 @@ class Result(ContactQuantities):
         `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
         the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
         and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
-        asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`.
+        asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`,
+        and what `coast_summary` says of the coast flanks.
         """
         error = self.transmission_error_um
         loaded = self.loaded_pairs
@@ -213,6 +228,7 @@ class Result(ContactQuantities):
             **self._largest("peak_pressure_off_corners", smooth),
             **stiffness_means(self),
             **summary_of_contacts(self),
+            **coast_summary(self),
             **self._root_summary(),
         }
 

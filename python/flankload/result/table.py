@@ -148,17 +148,29 @@ def _rows_of_circle(result: Result) -> Iterator[str]:
     p = int(np.argmax(result.site_force_N.max(axis=1)))
     yield ""
     yield f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
-    yield f"{'tooth':>8}  {'force':>8}  {'share':>7}  {'pressure':>8}"
-    yield f"{'':>8}  {'kN':>8}  {'%':>7}  {'MPa':>8}"
+    coast = result.coast
+    yield f"{'tooth':>8}  {'force':>8}  {'share':>7}  {'pressure':>8}" + (
+        "" if coast is None else f"   {'coast':>8}  {'pressure':>8}"
+    )
+    yield f"{'':>8}  {'kN':>8}  {'%':>7}  {'MPa':>8}" + (
+        "" if coast is None else f"   {'kN':>8}  {'MPa':>8}"
+    )
     for s, site in enumerate(result.sites):
-        if result.site_force_N[p, s] <= 0:
-            yield f"{site:>8}  {'-':>8}  {'-':>7}  {'-':>8}"
-            continue
-        mark = CORNER_MARK if result.corner_contact[p, s] else ""
-        yield (
-            f"{site:>8}  {result.site_force_N[p, s] / 1e3:8.3f}  "
-            f"{100 * result.load_share[p, s]:7.2f}  {result.peak_pressure_MPa[p, s]:8.0f}{mark}"
-        )
+        text = f"{site:>8}  {'-':>8}  {'-':>7}  {'-':>8} "
+        if result.site_force_N[p, s] > 0:
+            mark = CORNER_MARK if result.corner_contact[p, s] else " "
+            text = (
+                f"{site:>8}  {result.site_force_N[p, s] / 1e3:8.3f}  "
+                f"{100 * result.load_share[p, s]:7.2f}  {result.peak_pressure_MPa[p, s]:8.0f}{mark}"
+            )
+        if coast is not None and coast.force_N[p, s] > 0:
+            mark = CORNER_MARK if coast.corner_contact[p, s] else " "
+            text += (
+                f"  {coast.force_N[p, s] / 1e3:8.3f}  {coast.peak_pressure_MPa[p, s]:8.0f}{mark}"
+            )
+        elif coast is not None:
+            text += f"  {'-':>8}  {'-':>8}"
+        yield text
 
 
 def _site_cell(result: Result, p: int, s: int) -> str:
@@ -248,7 +260,9 @@ def _contact_lines(result: Result) -> Iterator[str]:
         turning = "the cam, as if no roller turned" if result.has_cam else "body 1"
         text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
         yield _labelled("sliding", text)
-    if summary["coast_flank_gap_min_um"] is not None:
+    if result.coast is not None:
+        yield _labelled("coast flanks", _coast_forces(summary))
+    elif summary["coast_flank_gap_min_um"] is not None:
         gap = summary["coast_flank_gap_min_um"]
         text = f"at least {gap:.1f} um apart, bodies turned as loaded"
         if gap < 0:
@@ -257,6 +271,21 @@ def _contact_lines(result: Result) -> Iterator[str]:
     elif result.geometry is not None and not result.has_cam:
         reason = result.geometry.coast_unknown or "none face each other"
         yield _labelled("coast flanks", f"not known: {reason}")
+
+
+def _coast_forces(summary: dict[str, Any]) -> str:
+    if summary["coast_force_pair"] is None:
+        gap = summary["coast_flank_gap_min_um"]
+        return "none carries" + ("" if gap is None else f", at least {gap:.1f} um apart")
+    least, most = summary["coast_flanks_loaded_min"], summary["coast_flanks_loaded_max"]
+    text = f"{least}" if least == most else f"{least} to {most}"
+    text += (
+        f" carry, up to {summary['coast_force_N'] / 1e3:.3f} kN on pair "
+        f"{summary['coast_force_pair']} at {degrees(summary['coast_force_position_rad']):.3f} deg"
+    )
+    if summary["coast_peak_pressure_off_corners_pair"] is not None:
+        text += f", {summary['coast_peak_pressure_off_corners_MPa']:.0f} MPa"
+    return text
 
 
 def _labelled(label: str, text: str) -> str:

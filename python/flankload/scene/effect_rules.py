@@ -12,6 +12,17 @@ from flankload.scene.tables import Cam, ComplianceBody, Follower, MeshBody, Scen
 LARGEST_STRAIN = 0.02
 
 
+#: Kinds of bodies whose coast flanks are not known, and why.
+ONE_FLANK = {
+    "mesh": "of whose teeth a file names one flank",
+    "compliance": "of whose teeth a file names one flank",
+    "cam": "which has one flank",
+    "follower": "which has one flank",
+    "sprocket": "whose pockets hold rollers",
+    "chain": "which has no teeth",
+}
+
+
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Refuse combinations of effects and bodies that have no meaning.
 
@@ -33,6 +44,23 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_nodes(asked)
     _check_places(asked)
     _check_tip_contact(asked)
+    _check_coast_flank(asked)
+
+
+def check_coast_kinds(*kinds: str) -> None:
+    """Check that both flanks of every tooth of body 1, of body 2 are known.
+
+    Raises
+    ------
+    SceneError
+    """
+    for key, kind in zip(("body_1", "body_2"), kinds, strict=True):
+        if kind in ONE_FLANK:
+            raise SceneError(
+                key="effects.coast_flank",
+                expected=f"false with {key}.kind '{kind}', {ONE_FLANK[kind]}",
+                found="true",
+            )
 
 
 def _refuse(key: str, expected: str, found: object) -> None:
@@ -201,4 +229,40 @@ def _check_nodes(asked: SceneFile) -> None:
             "accuracy.modes",
             f"nothing with {key} 'nodes': forces at nodes stand in place of modes",
             asked.accuracy.modes,
+        )
+
+
+def _check_coast_flank(asked: SceneFile) -> None:
+    """Both flanks of every tooth are known, and something yields between them."""
+    effects = asked.effects
+    if not effects.coast_flank:
+        return
+    check_coast_kinds(asked.body_1.kind, asked.body_2.kind)
+    if asked.body_1.rigid and asked.body_2.rigid:
+        raise SceneError(
+            key="effects.coast_flank",
+            expected="false with body_1.rigid and body_2.rigid: flanks that press on each other "
+            "across a tooth must yield",
+            found="true",
+        )
+    if effects.contact == "lumped":
+        raise SceneError(
+            key="effects.contact",
+            expected="'pairs' with effects.coast_flank: lumped contact has working flanks only",
+            found="'lumped'",
+        )
+    for key, value in (("near_field", "nodes"), ("influence", "finite")):
+        if getattr(effects, key) == value:
+            _refuse(
+                f"effects.{key}",
+                "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by "
+                "small forces",
+                value,
+            )
+    if effects.root_stress:
+        raise SceneError(
+            key="effects.root_stress",
+            expected="false with effects.coast_flank: stress is known of forces on the working "
+            "flanks only",
+            found="true",
         )

@@ -21,9 +21,6 @@ T = TypeVar("T", bound=Table)
 
 #: Keys that later versions know, and what this one does not do; where they stand, by table.
 NOT_YET = {
-    "effects": {
-        "coast_flank": "contact on the coast flank",
-    },
     "body": {
         "helix_angle_deg": "helical gears",
         "hand": "helical gears",

@@ -628,6 +628,14 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "solution about their places on the pitch circle",
         ),
     ] = False
+    coast_flank: Annotated[
+        bool,
+        about(
+            "",
+            "true: the flanks on the other side of the teeth can carry, too; teeth may then be "
+            "wider than the spaces (press fit, negative backlash)",
+        ),
+    ] = False
     tip_contact: Annotated[
         bool,
         about(

@@ -79,6 +79,13 @@ def check_bodies(scene: Scene) -> None:
                 expected="nothing: bodies that grow are not written for another program",
                 found=shown(getattr(scene.effects, key)),
             )
+    if scene.effects.coast_flank:
+        raise SceneError(
+            file=scene.file,
+            key="effects.coast_flank",
+            expected="false: a deck lets the working flanks touch, not the coast flanks",
+            found="true",
+        )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
         if spec.kind == "compliance":
             raise SceneError(

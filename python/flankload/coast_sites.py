@@ -1,0 +1,66 @@
+"""Where coast flanks face each other, as a mirror along the line of centres shows it.
+
+In the mirror coast flanks are working flanks: of teeth that are alike on both sides the same curve,
+on bodies that turn the other way. A tooth of body 1 faces, with its coast flank, the tooth of body
+2 that meets the next one of body 1 with its working flank; where body 2 stands around body 1 it
+faces the other side of its own space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+
+@dataclass(frozen=True)
+class CoastSites:
+    """Sites of coast flanks, S of them; each is named by the tooth of body 1, as a pair is.
+
+    Attributes
+    ----------
+    site_teeth : two (S,) arrays
+        Tooth of each body at each site.
+    site_angles_rad : two (S,) arrays
+        Angle of that tooth in the mirrored frame of its body, from the one that its turn, taken the
+        other way, leads to.
+    """
+
+    site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
+    site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> CoastSites:
+    """Sites of the coast flanks of some teeth of body 1.
+
+    Both flanks of a tooth are taken to be alike; pitch errors, which are said of working flanks,
+    leave coast flanks where they are.
+
+    Parameters
+    ----------
+    numbers : (S,) array
+        Pair numbers, which name the teeth of body 1.
+    body_1, body_2 : Body
+        With involutes.
+
+    Returns
+    -------
+    CoastSites
+    """
+    assert body_1.involute is not None
+    assert body_2.involute is not None
+    sense = body_2.outward
+    other = numbers - 1 if sense > 0 else numbers
+    return CoastSites(
+        site_teeth=(numbers % body_1.teeth, -sense * other % body_2.teeth),
+        site_angles_rad=(
+            -2 * np.pi * numbers / body_1.teeth - 2 * body_1.involute.turn_rad,
+            sense * 2 * np.pi * other / body_2.teeth - 2 * body_2.involute.turn_rad,
+        ),
+    )
