@@ -128,7 +128,10 @@ def paper_route(spacing_mm: float) -> tuple[float, np.ndarray, int]:
             body.curve.rotated(turns[z][0] + pair.pairing.site_angles_rad[z][k]) for k in sites
         ]
         placed.append(
-            [Flank(c.point(s) + (axes[z], 0.0), c.normal(s), c.tangent(s)) for c in curves]
+            [
+                Flank(c.point(s) + np.array([axes[z], 0.0]), c.normal(s), c.tangent(s))
+                for c in curves
+            ]
         )
     # 2, 3.2: contact pairs on circles about O1, here through the nodes of flank 1
     radii, gaps, levers = [], [], []

@@ -268,6 +268,8 @@ def _body(
         flank_element_parts=resolution.flank_element_parts,
         flank_nodes_mm=nodes_mm,
     )
+
+
 def _without_ends(body: Body) -> Body:
     """A body that can touch on its active flanks only, not on tips and in fillets."""
     active = {"flank", "relief"}.intersection(body.curve.labels)

@@ -510,6 +510,8 @@ def _take_out_near_field(
         response[own, n_modes:, n_modes:] += logarithm
         norms = np.tile(norms, 2)
     response /= norms[:, None] * norms[None, :]
+
+
 def _of_coefficients(
     crossing: NDArray[np.float64], norms: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -393,6 +393,7 @@ EFFECTS: tuple[Effect, ...] = (
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         counters=("unit_loads_nodal",),
         coarser=True,
+        excludes=("lumped_contact", "coast_flanks", "thermal_growth", "centrifugal_growth"),
     ),
     Effect(
         name="finite_influence",
@@ -403,6 +404,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(tangential_loads=1, columns=2, solves=2),
         counters=("unit_loads_tangential", "finite_solutions"),
         size_by="levers",
+        excludes=("lumped_contact", "coast_flanks"),
     ),
     Effect(
         name="lumped_contact",
@@ -413,7 +415,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(columns=-1, solves=-1),
         size_by="places",
         coarser=True,
-        excludes=("coast_flanks",),
+        excludes=("coast_flanks", "nodal_near_field", "finite_influence"),
     ),
     Effect(
         name="tip_contact",
@@ -434,7 +436,7 @@ EFFECTS: tuple[Effect, ...] = (
         counters=("coast_readings",),
         size_by="places",
         of_teeth=True,
-        excludes=("root_stress", "lumped_contact"),
+        excludes=("root_stress", "lumped_contact", "nodal_near_field", "finite_influence"),
     ),
     Effect(
         name="flank_modifications",
@@ -467,6 +469,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
         size_by="gaps",
+        excludes=("nodal_near_field",),
     ),
     Effect(
         name="centrifugal_growth",
@@ -477,6 +480,7 @@ EFFECTS: tuple[Effect, ...] = (
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
         size_by="gaps",
+        excludes=("nodal_near_field",),
     ),
     Effect(
         name="friction",
