@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from flankload.bodies import Body
 
 #: Where on the flank its curvature is taken, in parts of its length: off its ends.
@@ -20,6 +22,8 @@ MIDDLE_PARTS = np.linspace(0.3, 0.7, 9)
 #: the largest pressure (the more, the less a flank carries); a third 0.2 to 0.8 and up to 40 %, a
 #: tenth 0.03 to 0.08 and 1 %. The elements cost in proportion to the square of the nodes.
 NODES_PART = 0.2
+#: Nodes that stand further apart than this part of the half-width are worth a warning.
+WIDE_NODES = 0.6
 #: Where flanks conform the whole of them carries: so many nodes along the flank.
 CONFORMING_NODES = 40
 
@@ -126,10 +130,45 @@ def spacing_for_loads(
     if torque <= 0.0 or all(body.rigid for body in bodies):
         return None
     contact = hertz_contact(*bodies, 1000 * torque / bodies[0].reference_radius_mm / face_width_mm)
-    if contact is not None:
-        return NODES_PART * contact.half_width_mm
     low, high = bodies[0].mode_range_mm
-    return (high - low) / CONFORMING_NODES
+    widest = (high - low) / CONFORMING_NODES
+    return widest if contact is None else min(widest, NODES_PART * contact.half_width_mm)
+
+
+def wide_nodes_notes(
+    bodies: tuple[Body, Body],
+    nodes_mm: tuple[NDArray[np.float64] | None, NDArray[np.float64] | None],
+    torque_Nm: float,
+    face_width_mm: float,
+) -> Iterator[str]:
+    """Say of nodes that carry forces where they stand too far apart for the contact.
+
+    Parameters
+    ----------
+    bodies : two Body
+    nodes_mm : two (n,) arrays, or None
+        Arc lengths of the nodes.
+    torque_Nm : float
+        On body 1.
+    face_width_mm : float
+
+    Yields
+    ------
+    str
+    """
+    force = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
+    contact = hertz_contact(*bodies, force)
+    for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):
+        if contact is None or nodes is None:
+            continue
+        parts = float(np.diff(nodes).max()) / contact.half_width_mm
+        if parts > WIDE_NODES:
+            yield (
+                f"{name}: nodes up to {parts * contact.half_width_mm:.2g} mm apart, {parts:.2g} "
+                "Hertz half-widths with all of the torque on one flank: forces at nodes want "
+                f"{NODES_PART:g} of one, these leave percents of the rotation and most of the "
+                "pressure"
+            )
 
 
 def _middle_curvature(body: Body) -> float:

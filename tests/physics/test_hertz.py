@@ -41,7 +41,7 @@ def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
     # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
     two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
     kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
-    body = [SimpleNamespace(curve=c, rigid=False, teeth=1) for c in (one, two)]
+    body = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
     half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
     none = np.zeros(1)
     pairing = Pairing(

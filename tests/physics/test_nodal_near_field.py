@@ -233,3 +233,10 @@ def test_error_estimate_is_that_of_half_as_many_nodes() -> None:
     estimated = found.estimate["transmission_error"]
     # nodes 0.2 mm apart leave 2.6 %, 0.1 mm 0.8 %
     assert 0.005 < estimated < 0.05
+
+
+def test_nodes_that_stand_too_far_apart_are_told(nodes: fl.Result) -> None:
+    (told, other) = solved(near_field="nodes", h=0.4).warnings[-2:]
+    assert told.startswith("body_1: nodes up to 0.39 mm apart, 1.5 Hertz half-widths")
+    assert other.startswith("body_2: nodes up to")
+    assert not any("apart" in warning for warning in nodes.warnings)

@@ -61,8 +61,8 @@ def sliding_contact(mu: float, *, elastic: tuple[bool, bool], sense: int = 1) ->
     # body 1 turns faster than body 2, so that body 2 slides along +x, towards the tip of body 1
     (state,) = sweep(
         (
-            SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1),
-            SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1),
+            SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1, active_range_mm=None),
+            SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1, active_range_mm=None),
         ),
         compliances=(yielding if elastic[0] else rigid, yielding if elastic[1] else rigid),
         pairing=pairing,

@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
+<<<<<<< HEAD
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
+=======
+from flankload.node_spacing import wide_nodes_notes
+>>>>>>> 58b322c (result: say where nodes that carry forces stand too far apart)
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
@@ -99,7 +103,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost={},
-        warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found)),
+        warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found, width)),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -196,8 +200,17 @@ def _friction(
 
 
 def _warnings(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], found: Sweep
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    found: Sweep,
+    face_width_mm: float,
 ) -> Iterator[str]:
+    yield from wide_nodes_notes(
+        (pair.body_1, pair.body_2),
+        (compliances[0].nodes, compliances[1].nodes),
+        found.torque_Nmm / 1000.0,
+        face_width_mm,
+    )
     corner = np.flatnonzero((found.site_corner > 0).any(axis=1))
     if corner.size:
         yield (
