@@ -122,7 +122,7 @@ def test_numbers_of_methods_and_structures_agree() -> None:
 def test_every_status_has_its_words() -> None:
     words = {
         code: _core.flankload_status_text(code).decode("ascii").strip()
-        for code in (*range(4), *range(-1, -7, -1), *range(-11, -21, -1))
+        for code in (*range(4), *range(-1, -7, -1), *range(-11, -22, -1))
     }
     in_code = {
         int(code)
