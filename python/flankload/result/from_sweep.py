@@ -10,12 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
-<<<<<<< HEAD
+from flankload.node_spacing import wide_nodes_notes
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
-=======
-from flankload.node_spacing import wide_nodes_notes
->>>>>>> 58b322c (result: say where nodes that carry forces stand too far apart)
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
