@@ -95,7 +95,7 @@ contains
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
-        real(wp) :: turn, speeds_there, largest
+        real(wp) :: turn(2), speeds_there, largest
         real(wp) :: change(pairs%n - first + 1)
 
         if (.not. allocated(pairs%sliding)) then
@@ -144,9 +144,9 @@ contains
         !> Flank of body 2 and where it stands
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The zone, and half the angle between its normals [rad]
+        !> The zone, and cosine and sine of half the angle between its normals
         type(zone_type), intent(in) :: zone
-        real(wp), intent(in) :: turn
+        real(wp), intent(in) :: turn(2)
         !> Places on both flanks [mm]
         real(wp), intent(in) :: s_1
         real(wp), intent(in) :: s_2
@@ -166,9 +166,10 @@ contains
         if (zone%level_high > zone%level_low) then
             ! flanks that lie upon each other have one normal, which turns with its point until
             ! both meet
-            normal_2 = turned(normal_1, angle_between(point_1, point_2 - frame_1%origin))
+            normal_2 = turned(normal_1, &
+                & turn_by(angle_between(point_1, point_2 - frame_1%origin)))
         else
-            normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
+            normal_2 = turned([normal_2(2), -normal_2(1)], [turn(1), -turn(2)])
         end if
         point_2 = point_2 - frame_2%origin
         ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
@@ -205,25 +206,37 @@ contains
         slope = 2.0_wp*two_over_pi*sqrt(1.0_wp - part**2)
     end subroutine mean_sign
 
-    !> Half the angle from the normal of flank 1 to that of flank 2 at a place of least gap, once it
-    !> is closed: 0, but where a corner works and both turn towards each other by half of it.
+    !> Half the turn from the normal of flank 1 to that of flank 2 at a place of least gap, once it
+    !> is closed: none, but where a corner works and both turn towards each other by half of it.
     pure function half_turn_between(nearest) result(turn)
         !> The pair of least gap
         type(pair_type), intent(in) :: nearest
-        real(wp) :: turn
+        !> Cosine and sine
+        real(wp) :: turn(2)
 
-        turn = 0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) - nearest%gap_angle)
+        turn = turn_by(0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) &
+            & - nearest%gap_angle))
     end function half_turn_between
 
-    !> A vector turned to the left.
-    pure function turned(vector, angle) result(other)
-        !> The vector
-        real(wp), intent(in) :: vector(2)
+    !> A turn by an angle.
+    pure function turn_by(angle) result(turn)
         !> Angle [rad]
         real(wp), intent(in) :: angle
+        !> Cosine and sine
+        real(wp) :: turn(2)
+
+        turn = [cos(angle), sin(angle)]
+    end function turn_by
+
+    !> A vector turned to the left.
+    pure function turned(vector, turn) result(other)
+        !> The vector
+        real(wp), intent(in) :: vector(2)
+        !> Cosine and sine of the angle
+        real(wp), intent(in) :: turn(2)
         real(wp) :: other(2)
 
-        other = cos(angle)*vector + sin(angle)*[-vector(2), vector(1)]
+        other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
     end function turned
 
     !> By how much the sliding speed changes over each cell of a zone.

@@ -152,8 +152,8 @@ contains
         !> The place, its force and reach known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: turn, along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope, part
-        real(wp) :: width, part_slope
+        real(wp) :: turn(2), along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
+        real(wp) :: part, width, part_slope
 
         turn = half_turn_between(zone%nearest)
         ! how far along flank 2 a circle comes by a step along flank 1

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.benchmarks import effects
+from tests.benchmarks._instructions import read_profile
 from tests.benchmarks._packages import PACKAGES, Package, scale
 from tests.benchmarks._problem import Problem, cylinder, residual
 from tests.benchmarks._rivals import EXACT_ENOUGH, Measured, least_ratio, measure_package
@@ -110,3 +112,42 @@ def test_the_extra_names_every_package() -> None:
     extra = tomllib.loads(text)["project"]["optional-dependencies"]["bench"]
     names = {line.split(">=")[0] for line in extra}
     assert names == {package.name for package in PACKAGES} - {"scipy"}
+
+
+# --- instructions ---------------------------------------------------------------------------------
+PROFILE = """events: Ir
+fn=(1) flankload_sweep_
+12 100
+cfn=(2) __flankload_position_load_MOD_solve_position
+calls=1 20
+12 540
+
+fn=(2)
+20 30
++1 70
+cfn=(3) __flankload_influence_number_MOD_influence_matrix.isra.0
+calls=2 40
+* 400
+cfn=(4) malloc
+calls=3 60
+-2 40
+
+fn=(3)
+40 400
+
+fn=(4)
+60 40
+"""
+
+
+def test_instructions_are_summed_by_procedure_without_those_that_find_memory() -> None:
+    counted = read_profile(PROFILE)
+    assert counted.own == {"flankload_sweep_": 100, "solve_position": 100, "influence_matrix": 400}
+    assert counted.whole == 600
+    assert counted.within["flankload_sweep_", "solve_position"] == 540
+    assert counted.within["solve_position", "influence_matrix"] == 400
+
+
+def test_bench_of_effects_knows_all_that_a_scene_can_call_for() -> None:
+    known = {**effects.ON, **effects.OFF}
+    assert {row.name for row in effects.readable()} - set(known) == set()

@@ -1,0 +1,213 @@
+"""What effects cost the core in instructions: absent, absent beside others, and on.
+
+The sweep of the external pair at a few positions, under callgrind: counts, not seconds, so that
+they are the same on a loaded machine. Whatever the core runs with an effect and not in the plain
+sweep are the effect's own procedures; of these nothing may run without it, others on or off.
+FLANKLOAD_OTHER_CORE=FILE counts the plain sweep and friction in another build of the core, too: one
+from before an effect was there shows what its absence costs.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
+
+import flankload as fl
+from flankload import _core
+from flankload.effects import EFFECTS, Effect
+from flankload.scene.tables import EffectsAsked
+
+SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
+#: Some with two pairs that carry, some with one.
+POSITIONS = 4
+#: Effects on, by the keys that call for them; those of the plain scene are taken off.
+ON: dict[str, dict[str, Any]] = {
+    "segment": {"effects": {"body": "segment", "segment_teeth": 3}},
+    "single_tooth": {"effects": {"body": "tooth"}},
+    "nodal_near_field": {"effects": {"near_field": "nodes"}},
+    "finite_influence": {"effects": {"influence": "finite"}},
+    "lumped_contact": {"effects": {"contact": "lumped"}},
+    "coast_flanks": {"effects": {"coast_flank": True}},
+    "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
+    "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
+    "thermal_growth": {"effects": {"temperature_rise_K": 50.0, "support_expansion_per_K": 0.0}},
+    "centrifugal_growth": {"effects": {"speed_rpm": 3000.0}},
+    "friction": {"effects": {"friction_coefficient": 0.1}},
+    "power_loss": {"effects": {"friction_coefficient": 0.1}},
+    "root_stress": {"effects": {"root_stress": True}},
+    "several_torques": {"load": {"torque_Nm": [200, 302]}},
+}
+OFF: dict[str, dict[str, Any]] = {
+    "elastic_body_1": {"body_1": {"rigid": True}},
+    "elastic_body_2": {"body_2": {"rigid": True}},
+    "tooth_coupling": {"effects": {"tooth_coupling": False}},
+    "tip_contact": {"effects": {"tip_contact": False}},
+}
+#: What goes together: all the neighbours of an effect that change what the core does.
+TOGETHER = (
+    "flank_modifications",
+    "thermal_growth",
+    "centrifugal_growth",
+    "friction",
+)
+#: Procedures that lead a position, and what they call in its stages.
+LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_lumped")
+STAGES = {
+    "zones": ("look_at_position",),
+    "lumped": ("lumped_contact",),
+    "pairs": ("lay_pairs", "measure_reach", "append_place", "reach_of"),
+    "influence": ("influence_matrix",),
+    "loop": ("solve_contact_problem", "solve_pass"),
+}
+#: An absent effect may cost this part of the core without it.
+ALLOWED = 1e-3
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene by what it has beside the plain one, and the sweep that it makes."""
+
+    name: str
+    scene: fl.Scene
+    call: dict[str, Any]
+
+    @property
+    def states(self) -> int:
+        """Positions times torques."""
+        return int(len(self.call["angles_1"]) * len(self.call["torques"]))
+
+
+def run() -> str:
+    """Count and return the tables."""
+    if not has_valgrind():
+        return "missing: valgrind (apt-get install valgrind)"
+    rows = readable()
+    cases = {"plain": _case("plain", {})}
+    for row in rows:
+        cases[row.name] = _case(row.name, {**ON, **OFF}[row.name])
+    neighbours = [row.name for row in rows if row.name in TOGETHER]
+    for name in neighbours:
+        others = [ON[other] for other in neighbours if other != name]
+        cases[f"without {name}"] = _case(f"without {name}", merged(*others))
+    cases["together"] = _case("together", merged(*(ON[name] for name in neighbours)))
+    core = Path(_core.__file__)
+    calls = [case.call for case in cases.values()]
+    counted = dict(zip(cases, count_instructions(core, calls), strict=True))
+    lines = [*_stages(cases, counted), "", *_absent(rows, neighbours, counted)]
+    if other := os.environ.get("FLANKLOAD_OTHER_CORE"):
+        names = ["plain", "friction"]
+        before = count_instructions(Path(other), [cases[name].call for name in names])
+        lines += ["", *_against(dict(zip(names, before, strict=True)), counted)]
+    return "\n".join(lines)
+
+
+def readable() -> list[Effect]:
+    """Effects that a scene can call for."""
+    keys = {f"effects.{key}" for key in EffectsAsked.__struct_fields__}
+    return [
+        row
+        for row in EFFECTS
+        if any(key in keys or not key.startswith("effects.") for key in row.keys)
+    ]
+
+
+def merged(*changes: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """All changes of several."""
+    together: dict[str, dict[str, Any]] = {}
+    for change in changes:
+        for table, keys in change.items():
+            together.setdefault(table, {}).update(keys)
+    return together
+
+
+def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
+    """Solve the scene and take down how its sweep calls the core."""
+    tables = tomllib.loads(SCENE.read_text(encoding="utf-8"))
+    plain = {"positions": {"count": POSITIONS}, "accuracy": {"estimate": False}}
+    for table, keys in merged(plain, changes).items():
+        tables.setdefault(table, {}).update(keys)
+    scene = fl.Scene.from_dict(tables)
+    door = _core.flankload_sweep
+    names = door.__doc__.partition("(")[2].partition(")")[0].split(",")
+    calls: list[dict[str, Any]] = []
+
+    def watched(*arguments: Any) -> Any:
+        calls.append(deepcopy(dict(zip(names, arguments, strict=True))))
+        return door(*arguments)
+
+    with patch.object(_core, "flankload_sweep", watched):
+        fl.solve(scene)
+    return Case(name, scene, calls[0])
+
+
+# --- tables ---------------------------------------------------------------------------------------
+def _stages(cases: Mapping[str, Case], counted: Mapping[str, Counted]) -> list[str]:
+    """Thousands of instructions of a state, stage by stage."""
+    head = f"{'1000 instructions a state':<32}"
+    lines = [head + "".join(f"{stage:>10}" for stage in (*STAGES, "whole", "/ plain"))]
+    plain = counted["plain"].whole / cases["plain"].states
+    for name, case in cases.items():
+        label = f"{name} off" if name in OFF else name
+        numbers = [*_by_stages(counted[name]), counted[name].whole]
+        lines.append(
+            f"{label:<32}"
+            + "".join(f"{number / case.states / 1000:10.1f}" for number in numbers)
+            + f"{counted[name].whole / case.states / plain:10.3f}"
+        )
+    return [*lines, "whole: without finding and giving back memory"]
+
+
+def _by_stages(counted: Counted) -> list[int]:
+    """Instructions of the stages."""
+    return [
+        sum(counted.within[leader, name] for leader in LEADING for name in names)
+        for names in STAGES.values()
+    ]
+
+
+def _absent(rows: list[Effect], neighbours: list[str], counted: Mapping[str, Counted]) -> list[str]:
+    """Procedures of an effect, and what they take without it."""
+    lines = [
+        f"{'own procedures of':<32}{'number':>10}{'on':>12}{'plain':>10}{'beside others':>16}",
+    ]
+    plain = counted["plain"]
+    for row in rows:
+        if row.name in OFF:
+            continue
+        beside = [counted[f"without {row.name}"]] if row.name in neighbours else []
+        others = [counted[name] for name in neighbours if not _alike(name, row.name)]
+        own = set(counted[row.name].own) - set(plain.own)
+        for other in others:
+            own -= set(other.own)
+        own = {name for name in own if counted[row.name].own[name]}
+        runs = [counted[row.name], plain, *beside]
+        numbers = [str(sum(run.own[name] for name in own)) for run in runs] + ["-"]
+        lines.append(
+            f"{row.name:<32}{len(own):>10}{numbers[0]:>12}{numbers[1]:>10}{numbers[2]:>16}"
+        )
+    return lines
+
+
+def _alike(one: str, other: str) -> bool:
+    """Whether two effects come by the same keys."""
+    return ON[one] == ON[other]
+
+
+def _against(before: Mapping[str, Counted], counted: Mapping[str, Counted]) -> list[str]:
+    """This core against another one."""
+    lines = [f"{'this core / the other':<32}" + "".join(f"{s:>10}" for s in (*STAGES, "whole"))]
+    for name, old in before.items():
+        new = counted[name]
+        parts = zip(_by_stages(new), _by_stages(old), strict=True)
+        ratios = [*(now / max(1, then) for now, then in parts), new.whole / old.whole]
+        lines.append(f"{name:<32}" + "".join(f"{ratio:10.5f}" for ratio in ratios))
+    lines.append(f"wanted: whole <= {1 + ALLOWED}")
+    return lines
