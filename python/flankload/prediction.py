@@ -8,16 +8,19 @@ solved, so that every run can have it.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from flankload.bodies.body import WholeMesh
+from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
+from flankload.errors import InputError
 from flankload.estimate import N_SWEEPS, N_SWEEPS_LUMPED
 from flankload.stages import modes_of
 from flankload.tangent import SIDES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flankload.assembly import BodyPair
     from flankload.bodies import Body
     from flankload.effects import Work
@@ -53,12 +56,51 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if not elastic:  # its elements are there to grow
                 work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.resolution)
-            found = _elements(body, work, modes, pair.fillets[z], growth)
-            if pair.effects.single_tooth and "cut_columns" in found:
-                found["fe_solutions"] -= found["cut_columns"]
-                found["cut_columns"] = 0
-            stages[stage] = found
+            places = _places(pair.fillets[z])
+            stages[stage] = (
+                _whole(body, work, modes, growth)
+                if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh)
+                else _sector(body.mesh, work, modes, growth, places)
+            )
     return stages | _sweeps(scene, pair)
+
+
+def predicted_costs(
+    scene: Scene, pair: BodyPair, guessed: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, dict[str, Any]]:
+    """What stands in the costs of a run beside what it spends.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+        Its bodies, before the run has added positions.
+    guessed : mapping of str to mapping, optional
+        By stages, what a plan of the scene says of seconds, bytes and all counters.
+
+    Returns
+    -------
+    dict of str to dict
+        By stages: "counters", and what else is guessed.
+
+    Raises
+    ------
+    InputError
+        If the plan is one of another scene: it counts what is known otherwise.
+    """
+    counted = predicted_work(scene, pair)
+    found: dict[str, dict[str, Any]] = {}
+    for stage, known in counted.items():
+        plan = (guessed or {}).get(stage, {})
+        counters = plan.get("counters", {})
+        for name, number in known.items():
+            if guessed is not None and counters.get(name, 0) != number:
+                raise InputError(
+                    f"plan: expected a plan of this scene, {number} {name} in the stage {stage}, "
+                    f"found {counters.get(name, 0)}"
+                )
+        found[stage] = {**plan, "counters": {**counters, **known}}
+    return found
 
 
 def _standing_states(pair: BodyPair) -> int:
@@ -66,30 +108,63 @@ def _standing_states(pair: BodyPair) -> int:
     return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
 
 
-def _elements(
-    body: Body, work: Work, modes: int, fillets: RootFillets | None, growth: int
-) -> dict[str, int]:
-    """Work of the elements of a body; none where it brings its compliance along."""
-    mesh = body.mesh
-    flanks, cuts, places = 0, 0, 0
-    if isinstance(mesh, WholeMesh):  # read where its loads are solved for: no recoveries
-        flanks = len(mesh.flanks)
-    elif mesh is not None:
-        flanks, cuts = 1, 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
-        places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
+def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
+    """Work of elements without cuts, or with held ones: stress is read from the loads' solutions.
+
+    None where a body brings its compliance along.
+    """
+    if body.mesh is None:
+        return _solved(0, 0, 0, growth=0)
+    flanks = len(body.mesh.flanks) if isinstance(body.mesh, WholeMesh) else 1
+    normal, tangential = (round(part) * modes * flanks for part in _loads(work))
+    return _solved(round(work.factorisations), normal, tangential, growth=growth)
+
+
+def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) -> dict[str, int]:
+    """Work of a sector: a solution for each unknown of its cuts, or one factorisation for many."""
+    cuts = 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
     many = cuts > MANY_KEPT
-    solved_for = {
-        "unit_loads_normal": round(work.normal_loads) * modes * flanks,
-        "unit_loads_tangential": min(1, round(work.tangential_loads)) * modes * flanks,
-        "coast_readings": round(work.coast_readings) * modes * flanks,
-        "cut_columns": 0 if many else cuts,
-        "stress_recoveries": round(work.recoveries) * places,
-        "fe_load_cases_growth": 0 if mesh is None else growth,
-    }
+    normal, tangential = (round(part) * modes for part in _loads(work))
+    return _solved(
+        round(work.factorisations) + many,
+        normal,
+        tangential,
+        growth=growth,
+        cuts=0 if many else cuts,
+        recoveries=round(work.recoveries) * places,
+        coast=round(work.coast_readings) * modes,
+    )
+
+
+def _loads(work: Work) -> tuple[float, float]:
+    # friction and finite forces want the same loads along the flank
+    return work.normal_loads, min(1.0, work.tangential_loads)
+
+
+def _places(fillets: RootFillets | None) -> int:
+    return 0 if fillets is None else int(fillets.points.arc_length_mm.size)
+
+
+def _solved(
+    factorisations: int,
+    normal: int,
+    tangential: int,
+    *,
+    growth: int,
+    cuts: int = 0,
+    recoveries: int = 0,
+    coast: int = 0,
+) -> dict[str, int]:
+    """Counters of elements."""
     return {
-        "fe_factorisations": 0 if mesh is None else round(work.factorisations) + many,
-        "fe_solutions": sum(solved_for.values()),
-        **solved_for,
+        "fe_factorisations": factorisations,
+        "fe_solutions": normal + tangential + growth + cuts + recoveries + coast,
+        "unit_loads_normal": normal,
+        "unit_loads_tangential": tangential,
+        "fe_load_cases_growth": growth,
+        "cut_columns": cuts,
+        "stress_recoveries": recoveries,
+        "coast_readings": coast,
     }
 
 

@@ -12,8 +12,7 @@ from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import N_SWEEPS, Estimate, estimate_errors
-from flankload.plan.choice import asks_for_choice, choose_effects, said_of
-from flankload.prediction import predicted_work
+from flankload.prediction import predicted_costs
 from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from flankload.plan import Plan
     from flankload.scene import Scene
     from flankload.sweep import Sweep
 
@@ -80,7 +80,9 @@ class _Clock:
         self.tell("done", self._total)
 
 
-def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Result, ...]:
+def solve(
+    scene: Scene, progress: Progress | None = None, *, plan: Plan | None = None
+) -> Result | tuple[Result, ...]:
     """Load distribution of a scene at all its positions.
 
     Parameters
@@ -90,6 +92,9 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     progress : callable, optional
         Called as progress(stage, done, total) when a stage begins, on the way through its
         positions, and at the end; done grows up to total. What it raises ends the solution.
+    plan : Plan, optional
+        Of this scene: its predictions stand in `result.cost` beside what is spent. What can be
+        counted before stands there in any case.
 
     Returns
     -------
@@ -100,7 +105,7 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     SceneError
         If the scene asks for something impossible.
     FlankloadError
-        If a position has no answer.
+        If a position has no answer, or the plan is one of another scene.
     """
     if scene.body_2.kind == "chain":
         from flankload.chain_drive import solve_chain
@@ -111,17 +116,18 @@ def solve(scene: Scene, progress: Progress | None = None) -> Result | tuple[Resu
     sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
     chosen: tuple[str, ...] = ()
-    if asks_for_choice(scene):
+    if scene.effects.choose is not None:
         with clock.stage("plan", 0):
+            from flankload.plan.choice import choose_effects, said_of
+
             scene, choice = choose_effects(scene)
         chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene)
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
-    predicted = {
-        stage: {"counters": counters} for stage, counters in predicted_work(scene, pair).items()
-    }
+    guessed = None if plan is None else plan.predicted["stages"]
+    predicted = predicted_costs(scene, pair, guessed)
     compliances = _compliances(scene, pair, clock)
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)

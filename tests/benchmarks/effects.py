@@ -182,17 +182,16 @@ def _absent(rows: list[Effect], neighbours: list[str], counted: Mapping[str, Cou
     for row in rows:
         if row.name in OFF:
             continue
-        beside = [counted[f"without {row.name}"]] if row.name in neighbours else []
-        others = [counted[name] for name in neighbours if not _alike(name, row.name)]
-        own = set(counted[row.name].own) - set(plain.own)
-        for other in others:
-            own -= set(other.own)
-        own = {name for name in own if counted[row.name].own[name]}
-        runs = [counted[row.name], plain, *beside]
-        numbers = [str(sum(run.own[name] for name in own)) for run in runs] + ["-"]
-        lines.append(
-            f"{row.name:<32}{len(own):>10}{numbers[0]:>12}{numbers[1]:>10}{numbers[2]:>16}"
-        )
+        on = counted[row.name].own
+        own = {name for name in on if on[name] and not plain.own[name]}
+        beside = "-"
+        if row.name in neighbours:
+            theirs = [counted[name].own for name in neighbours if not _alike(name, row.name)]
+            alone = {name for name in own if not any(other[name] for other in theirs)}
+            found = counted[f"without {row.name}"].own
+            beside = f"{sum(found[name] for name in alone)} of {len(alone)}"
+        numbers = [sum(run[name] for name in own) for run in (on, plain.own)]
+        lines.append(f"{row.name:<32}{len(own):>10}{numbers[0]:>12}{numbers[1]:>10}{beside:>16}")
     return lines
 
 

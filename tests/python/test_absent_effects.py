@@ -6,6 +6,8 @@ seen of it in a run. A row without its case fails.
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -256,6 +258,15 @@ def test_what_is_called_for_is_seen(name: str) -> None:
     assert switches_of(run.scene)[name].on
     assert case.seen(run) > 0
     assert all(number > 0 for number in run.counted(effect).values())
+
+
+def test_rooms_that_nothing_calls_for_stay_closed() -> None:
+    code = "import sys, flankload.solve; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    ).stdout.split()
+    assert "flankload.sweep" in loaded
+    assert not {"flankload.plan", "flankload.plot", "flankload.verify", "skfem"} & set(loaded)
 
 
 @pytest.mark.parametrize("name", ROWS)

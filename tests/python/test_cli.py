@@ -420,7 +420,7 @@ def test_progress_shows_after_patience_on_a_terminal_only(
     monkeypatch.setattr(room, "PATIENCE_S", 0.05)
     found = solved[0]
 
-    def slow(_: object, progress: Any) -> Any:
+    def slow(_: object, progress: Any, **__: object) -> Any:
         progress("compliance body 1", 1, 5)
         time.sleep(0.6)
         progress("sweep", 3, 5)

@@ -20,7 +20,13 @@ from flankload.cost import COUNTERS, Account, held_bytes, totals
 from flankload.packed_pairs import PackedPairs
 
 #: Of every solution with a factor it is known what for.
-SOLUTIONS = ("unit_loads_normal", "unit_loads_tangential", "cut_columns", "stress_recoveries")
+SOLUTIONS = (
+    "unit_loads_normal",
+    "unit_loads_tangential",
+    "fe_load_cases_growth",
+    "cut_columns",
+    "stress_recoveries",
+)
 FEW = {"positions__count": 4}
 ALL = {"effects__friction_coefficient": 0.1, "effects__root_stress": True, **FEW}
 
@@ -95,8 +101,8 @@ def test_packed_pairs_count_what_is_used_of_their_room() -> None:
     ("changes", "kinds"),
     [
         (FEW, {"unit_loads_normal", "cut_columns"}),
-        (ALL, set(SOLUTIONS)),
-        ({"body_1__rigid": True, **ALL}, set(SOLUTIONS)),
+        (ALL, set(SOLUTIONS) - {"fe_load_cases_growth"}),
+        ({"body_1__rigid": True, "effects__speed_rpm": 100, **ALL}, set(SOLUTIONS)),
         ({"load__torque_Nm": 0, **ALL}, set()),
     ],
     ids=["plain", "friction and stress", "rigid", "no torque"],
@@ -214,6 +220,17 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
         {"accuracy__modes": 3, "accuracy__estimate": False, **FEW},
         {"positions__adaptive": True, "positions__count": 8},
         {"effects__contact": "lumped", "effects__friction_coefficient": 0.1, **FEW},
+        {"effects__body": "tooth", **ALL},
+        {"effects__body": "segment", "effects__segment_teeth": 3, **ALL},
+        {"effects__temperature_rise_K": 30, "effects__speed_rpm": 3000, **FEW},
+        {
+            "effects__temperature_rise_K": [0, 30],
+            "effects__support_expansion_per_K": 0,
+            "effects__speed_rpm": 3000,
+            "effects__friction_coefficient": 0.1,
+            "load__torque_Nm": 0,
+            **FEW,
+        },
     ],
     ids=lambda changes: ", ".join(f"{key}={value}" for key, value in changes.items()),
 )
@@ -253,6 +270,29 @@ def test_a_prediction_that_is_wrong_shows(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(prediction, "modes_of", lambda *_: 4)
     differing = differences(fresh(**FEW).cost)
     assert differing["compliance body 1", "unit_loads_normal"] == (4, 5)
+
+
+def test_a_plan_stands_beside_what_is_spent() -> None:
+    scene = fl.Scene.from_dict(changed(**ALL))
+    plain, planned = solved(**ALL), fl.solve(scene, plan=fl.plan(scene))
+    assert isinstance(planned, fl.Result)
+    assert np.array_equal(planned.rotation_rad, plain.rotation_rad)
+    assert planned.cost["stages"]["sweep"]["predicted"]["counters"]["pivots"] > 0
+    assert "pivots" not in plain.cost["stages"]["sweep"]["predicted"]["counters"]
+    for name, stage in planned.cost["stages"].items():
+        exact = plain.cost["stages"][name]["predicted"].get("counters", {})
+        assert exact.items() <= stage["predicted"].get("counters", {}).items()
+        assert stage["counters"] == plain.cost["stages"][name]["counters"]
+        if name != "result":
+            assert stage["predicted"]["cpu_s"] > 0
+            assert "bytes" in stage["predicted"]
+
+
+def test_a_plan_of_another_scene_is_refused() -> None:
+    plan = fl.plan(fl.Scene.from_dict(changed(**FEW)))
+    scene = fl.Scene.from_dict(changed(effects__friction_coefficient=0.1, **FEW))
+    with pytest.raises(fl.errors.InputError, match="plan: expected a plan of this scene"):
+        fl.solve(scene, plan=plan)
 
 
 # --- as text and JSON -----------------------------------------------------------------------------

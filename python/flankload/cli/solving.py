@@ -14,7 +14,9 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from argparse import Namespace
 
+    from flankload.plan import Plan
     from flankload.result import Result
+    from flankload.scene import Scene
 
 #: Seconds after which a run shows that it is alive.
 PATIENCE_S = 1.0
@@ -31,7 +33,8 @@ def run(arguments: Namespace) -> None:
     from flankload.solve import solve
 
     with _Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
-        found = solve(scene, progress=progress.tell)
+        plan = _plan(scene, progress) if arguments.cost else None
+        found = solve(scene, progress=progress.tell, plan=plan)
     results = found if isinstance(found, tuple) else (found,)
     if arguments.plot is not None:
         _plot(results, arguments.plot)
@@ -49,6 +52,14 @@ def run(arguments: Namespace) -> None:
         texts.append(results[0].cost_table())
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
+
+
+def _plan(scene: Scene, progress: _Progress) -> Plan:
+    """What the run is predicted to take."""
+    from flankload.plan import plan
+
+    progress.tell("plan", 0, 1)
+    return plan(scene)
 
 
 def _files(arguments: Namespace) -> dict[str, str]:
