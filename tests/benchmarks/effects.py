@@ -51,6 +51,8 @@ OFF: dict[str, dict[str, Any]] = {
     "tooth_coupling": {"effects": {"tooth_coupling": False}},
     "tip_contact": {"effects": {"tip_contact": False}},
 }
+#: Effects that other kinds of bodies have.
+ELSEWHERE = frozenset({"large_displacement"})
 #: What goes together: all the neighbours of an effect that change what the core does.
 TOGETHER = (
     "flank_modifications",
@@ -110,12 +112,13 @@ def run() -> str:
 
 
 def readable() -> list[Effect]:
-    """Effects that a scene can call for."""
+    """Effects that a scene of two gears can call for."""
     keys = {f"effects.{key}" for key in EffectsAsked.__struct_fields__}
     return [
         row
         for row in EFFECTS
-        if any(key in keys or not key.startswith("effects.") for key in row.keys)
+        if row.name not in ELSEWHERE
+        and any(key in keys or not key.startswith("effects.") for key in row.keys)
     ]
 
 

@@ -254,8 +254,12 @@ def test_quiet_prints_nothing(
 
 
 def test_costs_follow_the_tables_once(
-    scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+    scene: Path,
+    solved: list[Any],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(importlib.import_module("flankload.plan"), "plan", lambda _: None)
     solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
     tables, cost = [found.table() for found in solved[0]], solved[0][0].cost_table()
     expected = "\n\n".join([*tables, cost]) + "\n"

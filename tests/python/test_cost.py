@@ -16,6 +16,7 @@ from test_scene import changed
 import flankload as fl
 from flankload import elasticity, prediction
 from flankload import sweep as sweep_room
+from flankload.cli import main
 from flankload.cost import COUNTERS, Account, held_bytes, totals
 from flankload.packed_pairs import PackedPairs
 
@@ -313,6 +314,15 @@ def test_the_page_on_costs_names_all_counters_and_stages() -> None:
     page = (Path(__file__).parents[2] / "docs/cost.md").read_text(encoding="utf-8")
     names = {*COUNTERS, *solved(**ALL).cost["stages"]}
     assert {name for name in names if f"`{name}`" not in page} == set()
+
+
+@pytest.mark.parametrize("kind", ["chain", "cam"])
+def test_costs_of_other_kinds_are_printed_too(
+    kind: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = next(path for path in SCENES if path.stem == kind)
+    assert main(["run", str(path), "--cost", "--quiet"]) == 0
+    assert capsys.readouterr().out.startswith("stage ")
 
 
 def test_costs_are_plain_json() -> None:
