@@ -323,6 +323,7 @@ def flank_compliance(
     fillets: RootFillets | None = None,
     sectors: int | None = None,
     growth: Growth | None = None,
+    matrix: csc_matrix | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
@@ -348,6 +349,8 @@ def flank_compliance(
         tooth. A body meshed as a whole has none.
     growth : Growth, optional
         By what the body grows; of a single tooth only as a whole.
+    matrix : csc_matrix, optional
+        Stiffness of its mesh, where it is there already.
 
     Returns
     -------
@@ -369,7 +372,8 @@ def flank_compliance(
     if nodal:
         nodes = nodes_of(mesh)
         n_modes = nodes.size
-    matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+    if matrix is None:
+        matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     flanks: tuple[int, ...] = ()
     account = Account(workspace_bytes=_sparse_bytes(matrix))
     coast_tooth = 0

@@ -17,6 +17,8 @@ from flankload.sweep import sweep
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from scipy.sparse import csc_matrix
+
     from flankload.assembly import BodyPair
     from flankload.bodies import Body
     from flankload.growth import Growth
@@ -39,6 +41,7 @@ def compliance_of(
     *,
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
+    matrix: csc_matrix | None = None,
 ) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
 
@@ -54,6 +57,8 @@ def compliance_of(
         Where stress is wanted, too.
     growth : Growth, optional
         By what the body grows.
+    matrix : csc_matrix, optional
+        Stiffness of its mesh, where it is there already.
 
     Returns
     -------
@@ -85,6 +90,7 @@ def compliance_of(
             fillets=fillets,
             sectors=scene.sectors,
             growth=growth,
+            matrix=matrix,
         )
     return found if scene.effects.tooth_coupling else found.without_coupling()
 

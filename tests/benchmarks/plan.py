@@ -1,7 +1,8 @@
 """What the plan predicts beside what runs measure: sizes of effects, seconds, on every example.
 
 A size is measured by two runs at the example's own resolution, seconds by the shortest of three in
-a process that has loaded its packages. Ratios are predicted over measured.
+a process that has loaded its packages, extra seconds by the difference of two such. Ratios are
+predicted over measured.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 FACTOR, PLAN_S = 2.0, 1.5
 #: Sizes below this part of the tolerance are said to be nothing, whatever their factor.
 NOTHING = 0.05
+#: Extra seconds below this are lost in the noise of two runs.
+SHORT_S = 0.05
 RUNS = 3
 
 
@@ -61,6 +64,8 @@ def _of(scene: fl.Scene, plan: Plan, off: list[str], name: str) -> list[str]:
     unloaded, _ = _solved(replace(plain, load=Load(torque_Nm=0.0)), once=True)
     for effect in plan.effects:
         if effect.size is None:
+            if effect.unknown is not None:
+                lines.append(f"{effect.title:<28} {effect.unknown}"[:150])
             continue
         variant = other_way(plain, effect.name, on=effect.on)
         assert variant is not None
@@ -98,9 +103,19 @@ def _row(
         f"{100 * (measured.rotation_largest or 0):9.3f}%",
         f"{100 * predicted.load_share:11.3f}%{100 * measured.load_share:9.3f}%",
         f"{'nothing' if small else f'{factor:.2f}':>8}",
-        f"{effect.extra_s:10.3f}{extra:10.3f}",
+        f"{effect.extra_s:10.3f}{extra:10.3f}{_factor_of_seconds(effect, extra, off, name)}",
     ]
     return "".join(parts)
+
+
+def _factor_of_seconds(effect: PlannedEffect, extra: float, off: list[str], name: str) -> str:
+    """Predicted over measured extra seconds; nothing where both are short."""
+    if max(abs(effect.extra_s), abs(extra)) < SHORT_S:
+        return f"{'short':>8}"
+    factor = effect.extra_s / extra
+    if not 1 / FACTOR <= factor <= FACTOR:
+        off.append(f"off: {name}, {effect.title}, extra seconds: {factor:.2f}")
+    return f"{factor:8.2f}"
 
 
 def _solved(scene: fl.Scene, *, once: bool = False) -> tuple[tuple[fl.Result, ...], float]:

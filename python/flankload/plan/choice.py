@@ -11,6 +11,7 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from flankload.effects import Effect, switches_of
+from flankload.errors import SceneError
 from flankload.plan.coarse import Coarse
 from flankload.plan.measuring import Sizes, rows
 from flankload.plan.planned import QUARTER, Chosen
@@ -69,7 +70,12 @@ def chosen_scene(
             continue
         matters = size.largest > QUARTER * scene.accuracy.tolerance
         wanted = not matters if effect.coarser else matters
-        scene, key, value = _switched(scene, effect, on=wanted)
+        switched, key, value = _switched(scene, effect, on=wanted)
+        try:
+            switched.check()
+        except SceneError:  # it does not go with what was chosen before
+            continue
+        scene = switched
         reason = why(size, scene.accuracy.tolerance)
         choice.append(Chosen(effect.name, key, value, wanted, reason))
     return scene, tuple(choice)

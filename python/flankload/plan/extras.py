@@ -1,28 +1,39 @@
-"""What each effect adds to the price of a run, by its work as the table of effects has it."""
+"""What each effect adds to the price of a run: the price with it less that without.
+
+Compliances are priced anew by what is counted in them; the sweeps by how much longer one state
+takes. What changes no state is priced by its work, as the table of effects has it.
+"""
 
 from __future__ import annotations
 
-from math import prod
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.bodies import WholeMesh
-from flankload.effects import EFFECTS, switches_of
-from flankload.plan.price import SOLUTION_S, unknowns_of
+from flankload.effects import effects_of
+from flankload.errors import FlankloadError
+from flankload.growth import growth_of
+from flankload.plan.price import SOLUTION_S, price_compliances, unknowns_of
+from flankload.plan.variants import other_way
+from flankload.prediction import predicted_work
 
 if TYPE_CHECKING:
     from flankload.assembly import BodyPair
     from flankload.cost import Account
     from flankload.effects import Effect
+    from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
 
 #: Of the time of a sweep what goes with influence columns, and with contact problems.
 COLUMNS_PART, SOLVES_PART = 0.35, 0.55
-#: Pairs at which columns that make K unsymmetric cost twice as much.
-UNSYMMETRIC_PAIRS = 350
 #: Places in the root fillets of a tooth; a whole body is read where its loads are solved for.
 PLACES = 40
 #: Bytes of a solution with the elements of a body, for each unknown: load and answer.
 SOLUTION_BYTES = 16
+#: A state that takes longer on coarse cells already tells on these how much longer it gets.
+LARGE_S = 3e-3
+#: Positions that smaller ones are timed at; no call of the core is over sooner.
+TRIED, TINY_S = 8, 1e-5
 SWEEPS = ("sweep", "tangent", "estimate")
 
 
@@ -36,23 +47,20 @@ class Extras:
         Its bodies, as the run builds them.
     stages : dict of str to Account
         Price of the run.
+    coarse : Coarse
     """
 
-    def __init__(self, scene: Scene, pair: BodyPair, stages: dict[str, Account]) -> None:
-        self._pairs = _pairs_of(stages)
+    def __init__(
+        self, scene: Scene, pair: BodyPair, stages: dict[str, Account], coarse: Coarse
+    ) -> None:
+        self._scene, self._pair, self._stages, self._coarse = scene, pair, stages, coarse
         self._torques = max(1, len(scene.torques_Nm))
-        self._stages = stages
-        self._bodies = {
-            f"compliance body {z + 1}": body
-            for z, body in enumerate((pair.body_1, pair.body_2))
-            if body.mesh is not None
-        }
-        on = [effect for effect in EFFECTS if switches_of(scene)[effect.name].on]
+        self._large = coarse.state_seconds(scene) > LARGE_S
+        self._call_s = 0.0 if self._large else self._seconds_of_call()
+        self._state_s = self._seconds_of_state(scene)
+        self._states = self._states_of(scene)
         sweeps = [stages[name] for name in SWEEPS if name in stages]
-        part = prod(
-            1.0 + self._sweeps_part(effect) for effect in on if effect.name != "several_torques"
-        )
-        self._plain_s = sum(account.cpu_s for account in sweeps) / part
+        self._sweeps_s = sum(account.cpu_s for account in sweeps)
         self._sweep_bytes = sum(account.bytes + account.workspace_bytes for account in sweeps)
 
     def of(self, effect: Effect, *, on: bool) -> tuple[float, int]:
@@ -69,40 +77,90 @@ class Extras:
         seconds : float
         bytes : int
         """
-        if effect.name in ("elastic_body_1", "elastic_body_2"):
-            account = self._stages.get(f"compliance body {effect.name[-1]}")
-            if account is None:
-                return 0.0, 0
-            return account.cpu_s, account.bytes + account.workspace_bytes
         if effect.name == "several_torques":
-            count = self._torques - 1 if on else 1
-            part = count / self._torques
-            return self._plain_s * part, int(self._sweep_bytes * part)
-        seconds = self._plain_s * self._sweeps_part(effect)
+            part = (self._torques - 1 if on else 1) / self._torques
+            return self._sweeps_s * part, int(self._sweep_bytes * part)
+        if effect.size_by == "nothing":
+            return self._by_work(effect)
+        try:
+            variant = other_way(self._scene, effect.name, on=on)
+            if variant is None:
+                return 0.0, 0
+            seconds, size = self._of_scene(variant.scene)
+        except FlankloadError:  # no such scene to compare with
+            return 0.0, 0
+        return (-seconds, -size) if on else (seconds, size)
+
+    def _of_scene(self, scene: Scene) -> tuple[float, int]:
+        """What another scene takes more than this one."""
+        part = self._seconds_of_state(scene) / self._state_s
+        seconds = sum(
+            self._sweep_seconds(name, number) for name, number in self._states_of(scene).items()
+        )
+        pair = self._as(scene)
+        small = self._coarse.pair(scene)
+        other = price_compliances(
+            predicted_work(scene, pair), pair, self._coarse.compliances(scene, small), small
+        )
+        mine = {name: self._stages[name] for name in self._stages if name.startswith("compliance")}
+        elements_s, size = (
+            sum(of(account) for account in other.values())
+            - sum(of(account) for account in mine.values())
+            for of in (_seconds, _bytes)
+        )
+        return part * seconds - self._sweeps_s + elements_s, int(size)
+
+    def _as(self, scene: Scene) -> BodyPair:
+        """The bodies as another scene sees them, as far as work is counted."""
+        growth = growth_of(scene, self._pair.pairing)
+        return replace(self._pair, effects=effects_of(scene), growth=growth)
+
+    def _sweep_seconds(self, stage: str, states: int) -> float:
+        """So many states in a stage, if they were those of this scene."""
+        like = stage if stage in self._stages else "sweep"
+        return self._stages[like].cpu_s * states / max(1, self._states.get(like, 1))
+
+    def _states_of(self, scene: Scene) -> dict[str, int]:
+        """States of the sweeps; of adaptive positions those to begin with."""
+        counted = predicted_work(scene, replace(self._as(scene), adaptive=False))
+        return {name: counted[name]["states"] for name in SWEEPS if name in counted}
+
+    def _seconds_of_call(self) -> float:
+        """What a call takes beside its states, whatever they are."""
+        grid = self._pair.resolution.grid
+        one, few = (self._coarse.fine_seconds(self._scene, grid, few=n) for n in (1, TRIED))
+        return max(0.0, one - (few - one) / (TRIED - 1))
+
+    def _seconds_of_state(self, scene: Scene) -> float:
+        if self._large:
+            return self._coarse.state_seconds(scene)
+        grid = self._pair.resolution.grid
+        return max(TINY_S, self._coarse.fine_seconds(scene, grid, few=TRIED) - self._call_s)
+
+    def _by_work(self, effect: Effect) -> tuple[float, int]:
+        """By the work that stands in the table."""
+        work = effect.work
+        seconds = self._sweeps_s * (COLUMNS_PART * work.columns + SOLVES_PART * work.solves)
         size = 0.0
-        for stage, body in self._bodies.items():
-            if stage not in self._stages:
+        for z, body in enumerate((self._pair.body_1, self._pair.body_2)):
+            account = self._stages.get(f"compliance body {z + 1}")
+            if account is None or body.mesh is None:
                 continue
-            loads = self._stages[stage].counters.get("unit_loads_normal", 0)
-            work, unknowns = effect.work, unknowns_of(body)
+            loads = account.counters.get("unit_loads_normal", 0)
             columns = (
                 work.growth_loads
                 + (work.normal_loads + work.tangential_loads + work.coast_readings) * loads
                 + work.recoveries * (0 if isinstance(body.mesh, WholeMesh) else PLACES)
             )
+            unknowns = unknowns_of(body)
             seconds += columns * SOLUTION_S * unknowns
             size += columns * SOLUTION_BYTES * unknowns
         return seconds, int(size)
 
-    def _sweeps_part(self, effect: Effect) -> float:
-        """What an effect adds to the sweeps, over what they take without it."""
-        columns = COLUMNS_PART * effect.work.columns
-        if effect.work.unsymmetric:
-            columns *= 1.0 + self._pairs / UNSYMMETRIC_PAIRS
-        return columns + SOLVES_PART * effect.work.solves
+
+def _seconds(account: Account) -> float:
+    return account.cpu_s
 
 
-def _pairs_of(stages: dict[str, Account]) -> float:
-    """Contact pairs of a state."""
-    counters = stages["sweep"].counters
-    return counters.get("influence_columns", 0) / max(1, counters.get("contact_passes", 0))
+def _bytes(account: Account) -> int:
+    return account.bytes + account.workspace_bytes

@@ -87,7 +87,7 @@ def _price(scene: Scene, coarse: Coarse) -> tuple[dict[str, Account], Extras]:
     start = process_time()
     pair = build_bodies(scene)
     stages = price_run(scene, pair, compliances, small, process_time() - start)
-    return stages, Extras(scene, pair, stages)
+    return stages, Extras(scene, pair, stages, coarse)
 
 
 def _predicted(stages: Mapping[str, Account]) -> dict[str, object]:
@@ -139,14 +139,18 @@ def _remarked(row: PlannedEffect, effect: Effect) -> PlannedEffect:
     """A row that leaves out what is likely to matter."""
     size = row.size
     assert size is not None
-    most = "" if size.rotation_largest is None else f"{100 * size.rotation_largest:.2g} % of the "
-    change = (
-        f"{most}rotation at a position and {100 * size.load_share:.2g} points of the load share"
-    )
+    share = f"{_hundredths(size.load_share)} points of the load share"
+    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position and {share}"
+    if size.rotation_largest is None:
+        change = f"{size.rotation_um:.2g} um of the transmission error and {share}"
     if effect.coarser:
         return replace(row, remark=f"{row.title} is on ({row.because}): that changes {change}")
-    by = f" ({row.assumed} taken)" if row.assumed is not None else ""
-    return replace(
-        row,
-        remark=f"{row.title} is off ({row.because}) and likely to matter: {change}{by}",
-    )
+    off = f"{row.title} is off ({row.because})"
+    if row.assumed is not None:
+        return replace(row, remark=f"{off}: with {row.assumed} it would change {change}")
+    return replace(row, remark=f"{off} and likely to matter: it changes {change}")
+
+
+def _hundredths(part: float | None) -> str:
+    """Two digits, no exponent."""
+    return f"{float(f'{100 * (part or 0.0):.2g}'):g}"

@@ -52,10 +52,12 @@ class Sizes:
 
     def of(self, effect: Effect, switch: Switch) -> Measured:
         """Size of a row of the table, as the scene switches it."""
-        variant = other_way(self._scene, effect.name, on=switch.on)
-        if effect.size_by == "nothing" or variant is None:
+        if effect.size_by == "nothing":
             return Measured()
         try:
+            variant = other_way(self._scene, effect.name, on=switch.on)
+            if variant is None:
+                return Measured()
             other, base = self._both(variant.scene, fine=effect.name == "lumped_contact")
         except FlankloadError as error:
             return Measured(unknown=" ".join(str(error).split()))

@@ -16,7 +16,7 @@ from flankload.bodies.body import WholeMesh
 from flankload.cost import Account, held_bytes
 from flankload.estimate import estimate_errors
 from flankload.prediction import predicted_work
-from flankload.stages import sweep_of
+from flankload.stages import grown_pair, sweep_of
 from flankload.tangent import with_tangents
 
 if TYPE_CHECKING:
@@ -74,6 +74,34 @@ def price_run(
     """
     counted = predicted_work(scene, pair)
     stages = {"bodies": Account(cpu_s=bodies_s, bytes=held_bytes(pair))}
+    stages |= price_compliances(counted, pair, coarse, coarse_pair)
+    stages |= _price_sweeps(scene, pair, coarse)
+    for stage, account in stages.items():
+        account.counters |= counted.get(stage, {})
+    return stages
+
+
+def price_compliances(
+    counted: Mapping[str, dict[str, int]],
+    pair: BodyPair,
+    coarse: Compliances,
+    coarse_pair: BodyPair,
+) -> dict[str, Account]:
+    """What the compliances of a run will cost.
+
+    Parameters
+    ----------
+    counted : mapping of str to dict
+        From `predicted_work`.
+    pair, coarse, coarse_pair
+        As of `price_run`.
+
+    Returns
+    -------
+    dict of str to Account
+        A stage for each body that yields.
+    """
+    stages = {}
     for z, body in enumerate((pair.body_1, pair.body_2)):
         stage = f"compliance body {z + 1}"
         if stage not in counted:
@@ -83,9 +111,6 @@ def price_run(
             continue
         small = (coarse_pair.body_1, coarse_pair.body_2)[z]
         stages[stage] = _price_elements(body, counted[stage], pair.fillets[z], small, coarse[z])
-    stages |= _price_sweeps(scene, pair, coarse)
-    for stage, account in stages.items():
-        account.counters |= counted.get(stage, {})
     return stages
 
 
@@ -153,6 +178,7 @@ def _price_sweeps(scene: Scene, pair: BodyPair, compliances: Compliances) -> dic
     """Sweep, tangent and estimate from a few of their states, at the run's own resolution."""
     torques = [1000.0 * torque for torque in scene.torques_Nm]
     loaded = [torque for torque in torques if torque > 0]
+    pair, compliances = grown_pair(pair, compliances)
     some = (loaded or torques)[:: max(1, -(-len(loaded) // PROBE_TORQUES))]
     probe = _Probe(scene, pair, compliances, some)
     stages = {"sweep": probe.tried(probe.states)}

@@ -19,11 +19,15 @@ ASSUMED: dict[str, dict[str, Any]] = {
     "friction": {"friction_coefficient": 0.1},
     "thermal_growth": {"temperature_rise_K": 50.0},
     "centrifugal_growth": {"speed_rpm": 3000.0},
+    "segment": {"segment_teeth": 5},
 }
 #: Values of [effects] by which an effect is on and off, where a level is chosen by one key.
 LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
-    "segment": ({"body": "segment"}, {"body": "whole"}),
-    "single_tooth": ({"body": "tooth"}, {"body": "whole"}),
+    "segment": ({"body": "segment"}, {"body": "whole", "segment_teeth": None}),
+    "single_tooth": (
+        {"body": "tooth", "segment_teeth": None},
+        {"body": "whole", "segment_teeth": None},
+    ),
     "tooth_coupling": ({"tooth_coupling": True}, {"tooth_coupling": False}),
     "nodal_near_field": ({"near_field": "nodes"}, {"near_field": "analytic"}),
     "finite_influence": ({"influence": "finite"}, {"influence": "small"}),
@@ -34,7 +38,11 @@ LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 #: Keys of a quantity of [effects]: without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "friction": ("friction_coefficient",),
-    "thermal_growth": ("temperature_rise_K", "thermal_expansion_per_K"),
+    "thermal_growth": (
+        "temperature_rise_K",
+        "thermal_expansion_per_K",
+        "support_expansion_per_K",
+    ),
     "centrifugal_growth": ("speed_rpm", "density_kg_m3"),
 }
 
@@ -75,20 +83,32 @@ def other_way(scene: Scene, name: str, *, on: bool) -> Variant | None:
     -------
     Variant or None
         None where the effect changes no state, or where nothing says what it would be.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene.
     """
+    taken = {} if on else ASSUMED.get(name, {})
+    assumed = next((f"effects.{key} = {value:g}" for key, value in taken.items()), None)
     if name in LEVELS:
-        return Variant(with_keys(scene, **LEVELS[name][1 if on else 0]))
+        return _allowed(with_keys(scene, **LEVELS[name][1 if on else 0], **taken), assumed)
     if name in QUANTITIES:
         if on:
             return Variant(without_keys(scene, *QUANTITIES[name]))
-        ((key, value),) = ASSUMED[name].items()
-        return Variant(with_keys(scene, **{key: value}), f"effects.{key} = {value:g}")
+        return _allowed(with_keys(scene, **taken), assumed)
     if name in ("elastic_body_1", "elastic_body_2"):
         return _other_rigid(scene, name[-6:], on=on)
     if name in REMOVED and on:
         remove = REMOVED[name]
         return Variant(replace(scene, body_1=remove(scene.body_1), body_2=remove(scene.body_2)))
     return None
+
+
+def _allowed(scene: Scene, assumed: str | None = None) -> Variant:
+    """A scene that a file could have, too."""
+    scene.check()
+    return Variant(scene, assumed)
 
 
 def with_keys(scene: Scene, **keys: Any) -> Scene:
@@ -115,7 +135,7 @@ def _other_rigid(scene: Scene, key: str, *, on: bool) -> Variant | None:
     other = scene.body_2 if key == "body_1" else scene.body_1
     if not any(scene.torques_Nm) or (on and other.rigid):
         return None
-    return Variant(with_rigid(scene, key, rigid=on))
+    return _allowed(with_rigid(scene, key, rigid=on))
 
 
 def _placed(body: Any) -> Any:

@@ -152,6 +152,27 @@ class Scene:
             return bool(asked)
         return any(row[1] if isinstance(row, tuple) else row for row in asked)
 
+    def check(self) -> None:
+        """Refuse what no scene file may have, of a scene whose keys were changed.
+
+        Raises
+        ------
+        SceneError
+            At the first key that contradicts another one; names key, expected and found.
+        """
+        asked = SceneFile(
+            name=self.name,
+            body_1=self.body_1,
+            body_2=self.body_2,
+            pair=self.pair,
+            load=self.load,
+            positions=self.positions,
+            effects=self.effects,
+            accuracy=self.accuracy,
+        )
+        named = {key: getattr(self.effects, key) for key in self.named_effects}
+        _check_whole(asked, {"effects": named})
+
     @classmethod
     def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:
         """Make a scene from a dictionary with the keys of a scene file.
