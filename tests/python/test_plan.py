@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 from test_scene import changed
 from tolerances import ROUND_OFF
 
@@ -218,6 +219,37 @@ def test_a_size_that_cannot_be_told_says_why() -> None:
     assert friction.size is None
     assert friction.unknown is not None
     assert "loads along the flank" in friction.unknown
+
+
+def test_an_effect_that_the_scene_cannot_have_has_no_numbers() -> None:
+    """Keys that a file of this scene would be refused for: friction and a speed on a cam."""
+    _, plan = planned("cam")
+    names = {effect.name: effect.possible for effect in plan.effects}
+    assert [name for name, possible in names.items() if not possible] == [
+        "centrifugal_growth",
+        "friction",
+    ]
+    assert plan.effect("friction").size is None
+    assert plan.effect("friction").extra_s == 0.0
+    assert "tooth_coupling" not in names  # neither has teeth
+    line = next(line for line in str(plan).splitlines() if line.startswith("friction"))
+    assert line.endswith("not with this scene")
+
+
+def test_a_chain_has_a_plan_of_its_own() -> None:
+    """Its largest displacement, beside two runs at the same positions."""
+    scene, plan = planned("chain")
+    assert [effect.name for effect in plan.effects] == ["several_torques", "large_displacement"]
+    size = plan.effect("large_displacement").size
+    assert size is not None
+    one, other = (
+        solved(replace(scene, effects=structs.replace(scene.effects, large_displacement=large)))
+        for large in (False, True)
+    )
+    share = np.abs(one.load_share - other.load_share).max()
+    np.testing.assert_allclose(size.load_share, share, rtol=1.0, atol=0)
+    assert plan.predicted["counters"]["states"] == len(one.position_rad)
+    assert "of the rotation at a position" in plan.remarks[0]
 
 
 def test_an_impossible_scene_is_refused_like_a_run() -> None:

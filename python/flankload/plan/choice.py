@@ -55,7 +55,7 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
         return plain, ()
     sizes = Sizes(plain, Coarse(plain))
     switches = switches_of(plain)
-    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows()}
+    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows(scene)}
     return chosen_scene(plain, switches, measured)
 
 
@@ -64,7 +64,7 @@ def chosen_scene(
 ) -> tuple[Scene, tuple[Chosen, ...]]:
     """What sizes say of a scene without `choose`; see `choose_effects`."""
     choice: list[Chosen] = []
-    for effect in rows():
+    for effect in rows(scene):
         size = measured[effect.name].size
         if size is None or not is_open(scene, effect, switches):
             continue

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.assembly import build_bodies
 from flankload.cost import totals
 from flankload.effects import switches_of
+from flankload.plan.chain import plan_chain
 from flankload.plan.choice import asks_for_choice, chosen_scene, without_choice
 from flankload.plan.coarse import Coarse
 from flankload.plan.extras import Extras
 from flankload.plan.measuring import Measured, Sizes, rows
 from flankload.plan.planned import QUARTER, Chosen, Plan, PlannedEffect
 from flankload.plan.price import price_run
+from flankload.plan.remarks import remarked
+from flankload.scene import Chain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -45,11 +47,13 @@ def plan(scene: Scene) -> Plan:
     FlankloadError
         If a position has no answer.
     """
+    if isinstance(scene.body_2, Chain):
+        return plan_chain(scene)
     start = process_time()
     plain = without_choice(scene)
     coarse = Coarse(plain)
     sizes, switches = Sizes(plain, coarse), switches_of(plain)
-    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows()}
+    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows(scene)}
     chosen, left_out = plain, None
     choice: tuple[Chosen, ...] = ()
     if asks_for_choice(scene) and any(scene.torques_Nm):
@@ -67,7 +71,7 @@ def plan(scene: Scene) -> Plan:
             decided.get(effect.name),
             scene.accuracy.tolerance,
         )
-        for effect in rows()
+        for effect in rows(scene)
     )
     return Plan(
         name=scene.name,
@@ -132,25 +136,4 @@ def _planned(
         matters=matters,
         remark=None,
     )
-    return row if not matters or switch.on != effect.coarser else _remarked(row, effect)
-
-
-def _remarked(row: PlannedEffect, effect: Effect) -> PlannedEffect:
-    """A row that leaves out what is likely to matter."""
-    size = row.size
-    assert size is not None
-    share = f"{_hundredths(size.load_share)} points of the load share"
-    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position and {share}"
-    if size.rotation_largest is None:
-        change = f"{size.rotation_um:.2g} um of the transmission error and {share}"
-    if effect.coarser:
-        return replace(row, remark=f"{row.title} is on ({row.because}): that changes {change}")
-    off = f"{row.title} is off ({row.because})"
-    if row.assumed is not None:
-        return replace(row, remark=f"{off}: with {row.assumed} it would change {change}")
-    return replace(row, remark=f"{off} and likely to matter: it changes {change}")
-
-
-def _hundredths(part: float | None) -> str:
-    """Two digits, no exponent."""
-    return f"{float(f'{100 * (part or 0.0):.2g}'):g}"
+    return row if not matters or switch.on != effect.coarser else remarked(row, effect)

@@ -6,15 +6,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flankload.effects import EFFECTS, Effect
-from flankload.errors import FlankloadError
+from flankload.errors import FlankloadError, SceneError
+from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, size_of
 from flankload.plan.variants import is_readable, other_way
 from flankload.resolution import choose_resolution
+from flankload.scene import Cam
 
 if TYPE_CHECKING:
     from flankload.effects import Switch
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
+
+#: Effects that flanks do not know.
+OF_CHAINS = ("large_displacement",)
 
 
 @dataclass(frozen=True)
@@ -56,8 +61,11 @@ class Sizes:
             return Measured()
         try:
             variant = other_way(self._scene, effect.name, on=switch.on)
-            if variant is None:
-                return Measured()
+        except SceneError as error:
+            return Measured(unknown=f"{IMPOSSIBLE}: {error}")
+        if variant is None:
+            return Measured()
+        try:
             other, base = self._both(variant.scene, fine=effect.name == "lumped_contact")
         except FlankloadError as error:
             return Measured(unknown=" ".join(str(error).split()))
@@ -87,6 +95,11 @@ class Sizes:
         )
 
 
-def rows() -> tuple[Effect, ...]:
-    """Rows of the table that scenes have the keys of."""
-    return tuple(effect for effect in EFFECTS if is_readable(effect))
+def rows(scene: Scene) -> tuple[Effect, ...]:
+    """Rows of the table that a scene may have, with flanks of teeth or without teeth."""
+    teeth = not isinstance(scene.body_2, Cam)
+    return tuple(
+        effect
+        for effect in EFFECTS
+        if effect.name not in OF_CHAINS and (teeth or not effect.of_teeth) and is_readable(effect)
+    )

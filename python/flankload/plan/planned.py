@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: An effect matters where it changes more than this part of the tolerance.
 QUARTER = 0.25
+#: How the reason begins why an effect has no size, where a scene cannot have it.
+IMPOSSIBLE = "not with this scene"
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,11 @@ class PlannedEffect:
     unknown: str | None = None
     matters: bool = False
     remark: str | None = None
+
+    @property
+    def possible(self) -> bool:
+        """Whether the scene can have it."""
+        return self.unknown is None or not self.unknown.startswith(IMPOSSIBLE)
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,13 @@ def plan_text(plan: Plan) -> str:
                 f"{_points(plan.left_out.load_share)} of the load share"
             )
         parts.append(lines)
+    unknown = [
+        f"size of {effect.title} not known: {effect.unknown}"
+        for effect in plan.effects
+        if effect.unknown is not None and effect.possible
+    ]
+    if unknown:
+        parts.append(unknown)
     if plan.remarks:
         parts.append(list(plan.remarks))
     return "\n\n".join("\n".join(lines) for lines in parts)
@@ -68,6 +75,10 @@ def _row(effect: PlannedEffect, width: int) -> str:
     because = effect.because
     if effect.assumed is not None:
         because += f" ({effect.assumed.rpartition(' = ')[2]} taken)"
+    if not effect.possible:
+        return f"{effect.title:<{width}}{'no':<5}{'':47}  not with this scene"
+    if effect.unknown is not None:
+        because += " (size not known)"
     line = (
         f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{effect.extra_s:8.3f}"
         f"{effect.extra_bytes / MEGABYTE:8.2f}{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}"
