@@ -43,7 +43,7 @@ AGREE, MOST_TIMES = 0.1, 6
 FROM_FILES = ("mesh", "compliance")
 #: Effects that say how much of a body its compliance is of; friction, growth and what moves with a
 #: tooth are looked after apart, all others change no compliance.
-OF_ELEMENTS = ("body", "segment_teeth")
+OF_ELEMENTS = ("body", "segment_teeth", "coast_flank", "influence")
 
 
 class Coarse:
