@@ -241,10 +241,11 @@ def sweep(
 
 def _first_room(pairing: Pairing, grid: Grid) -> int:
     """Room for the pairs of a state that is enough for nearly all."""
+    sides = 1 if pairing.coast is None else 2
     if not pairing.whole_circle:
-        return FIRST_ROOM
+        return sides * FIRST_ROOM
     cells = grid.zone_half_widths * grid.strips_per_half_width
-    return max(FIRST_ROOM, int(ROOM_OF_CELL * cells * pairing.sites.size))
+    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * pairing.sites.size))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
