@@ -24,7 +24,7 @@ from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
 from flankload.resolution import Resolution, choose_resolution
 from flankload.root_fillet import RootFillets, root_fillets
-from flankload.scene import Chain
+from flankload.scene import Belt, Chain
 from flankload.scene.effect_rules import check_coast_kinds
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
@@ -121,12 +121,15 @@ def bodies_of(
     SceneError
         If a body cannot be made; names file, key, expected and found.
     """
-    if isinstance(scene.body_2, Chain):
+    if isinstance(scene.body_2, Chain | Belt):
+        chain = isinstance(scene.body_2, Chain)
         raise SceneError(
             file=scene.file,
             key="body_2.kind",
             expected="bodies with flanks and elements for that",
-            found="'chain', whose sprocket has pockets and which is a truss",
+            found="'chain', whose sprocket has pockets and which is a truss"
+            if chain
+            else "'belt', whose pulley is rigid and which lies on it as a strip",
         )
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:

@@ -12,12 +12,14 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from flankload.scene import (
+    Belt,
     BodySpec,
     Cam,
     Chain,
     ComplianceBody,
     Follower,
     MeshBody,
+    Pulley,
     Scene,
     Sprocket,
 )
@@ -157,6 +159,8 @@ class Effects:
         One result per torque.
     large_displacement : bool
         The rollers of a chain are followed to where they stand.
+    land_friction, land_lift : bool
+        The lands of a belt rub; they may lift off the pulley.
     """
 
     elastic_body_1: bool
@@ -178,6 +182,8 @@ class Effects:
     root_stress: bool
     several_torques: bool
     large_displacement: bool
+    land_friction: bool
+    land_lift: bool
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -297,7 +303,7 @@ def _modified(scene: Scene) -> Switch:
 
 
 def _modification(body: BodySpec) -> str | None:
-    if isinstance(body, ComplianceBody | Cam | Follower | Sprocket | Chain):
+    if isinstance(body, ComplianceBody | Cam | Follower | Sprocket | Chain | Pulley | Belt):
         return None
     inside = "profile." if isinstance(body, MeshBody) else ""
     profile = body.profile if isinstance(body, MeshBody) else body
@@ -526,5 +532,26 @@ EFFECTS: tuple[Effect, ...] = (
         stages=("sweep",),
         work=Work(columns=10, solves=10),
         size_by="places",
+    ),
+    Effect(
+        name="land_friction",
+        title="friction on the lands of a belt",
+        keys=("effects.land_friction",),
+        switch=_quantity("land_friction"),
+        stages=("compliance body 2", "sweep"),
+        work=Work(tangential_loads=1, unsymmetric=True),
+        counters=("unit_loads_tangential",),
+        size_by="levers",
+        excludes=("land_lift",),
+    ),
+    Effect(
+        name="land_lift",
+        title="lands of a belt that lift off",
+        keys=("effects.land_lift",),
+        switch=_level("land_lift", True, False),
+        stages=("compliance body 2", "sweep"),
+        work=Work(normal_loads=1, columns=1, unsymmetric=True),
+        size_by="places",
+        excludes=("land_friction",),
     ),
 )

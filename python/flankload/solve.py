@@ -112,6 +112,11 @@ def solve(
 
         drives = solve_chain(scene, progress)
         return drives if scene.has_torque_list else drives[0]
+    if scene.body_2.kind == "belt":
+        from flankload.belt_drive import solve_belts
+
+        drives = solve_belts(scene, progress)
+        return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)

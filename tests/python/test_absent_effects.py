@@ -22,6 +22,7 @@ import flankload as fl
 from flankload import _core
 from flankload.assembly import build_bodies
 from flankload.effects import EFFECTS, Effect, switches_of
+from flankload.result.belt import BeltDrive
 from flankload.scene.tables import EffectsAsked
 
 #: A pair that is soon solved; what it says of gears means nothing.
@@ -113,6 +114,20 @@ def further_passes(run: Run) -> int:
     return int(sweep["contact_passes"]) - 2 * int(sweep["states"])
 
 
+def land_rub(run: Run) -> float:
+    """What the lands of a belt take off its teeth."""
+    drive = run.result.drive
+    assert isinstance(drive, BeltDrive)
+    return float(np.abs(drive.land_friction_N).sum())
+
+
+def land_lift(run: Run) -> float:
+    """How far the lands of a belt stand off the pulley."""
+    drive = run.result.drive
+    assert isinstance(drive, BeltDrive)
+    return float(drive.land_lift_um.sum() + drive.last_land_lift_um.sum())
+
+
 @dataclass(frozen=True)
 class Case:
     """How an effect is called for, how it is not, and what is seen of it.
@@ -189,6 +204,18 @@ CASES = {
         further_passes,
         more={"example": "chain"},
     ),
+    "land_friction": Case(
+        {"example": "belt", "effects__land_friction": 0.1},
+        {"example": "belt", "effects__land_friction": 0.0},
+        land_rub,
+        more={"example": "belt"},
+    ),
+    "land_lift": Case(
+        {"example": "belt", "load__slack_tension_N": 2.0, "effects__land_lift": True},
+        {"example": "belt", "load__slack_tension_N": 2.0, "effects__land_lift": False},
+        land_lift,
+        more={"example": "belt", "load__slack_tension_N": 2.0},
+    ),
     "several_torques": Case(
         {"load__torque_Nm": [100, 302]}, {"load__torque_Nm": 302}, further_torques
     ),
@@ -212,7 +239,8 @@ def scene_with(*, example: str = "", **changes: Any) -> dict[str, Any]:
         keys = {**SMALL, **changes}  # None: the key is absent
         return changed(**{key: value for key, value in keys.items() if value is not None})
     tree = tomllib.loads((EXAMPLES / f"{example}.toml").read_text(encoding="utf-8"))
-    for key, value in {"positions__count": 2, **changes}.items():
+    few = {} if example == "belt" else {"positions__count": 2}  # a belt has one position
+    for key, value in {**few, **changes}.items():
         table, _, name = key.partition("__")
         tree.setdefault(table, {})[name] = value
     return tree

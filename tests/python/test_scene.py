@@ -36,6 +36,10 @@ RING = {
 }
 
 ABSENT = object()
+#: Kinds of body 1, as a message names them.
+KINDS_1 = (
+    "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'pulley' or 'mesh' or 'compliance'"
+)
 
 #: Keys of [effects], in their order.
 EFFECT_KEYS = ("friction_coefficient", "root_stress", "contact", "coast_flank", "tip_contact")
@@ -258,7 +262,7 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": ABSENT},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
+            KINDS_1,
             "nothing",
         ),
         (
@@ -289,13 +293,13 @@ def test_effect_is_called_for(changes: dict[str, Any], effect: str, value: bool)
         (
             {"body_1__kind": "ring"},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
+            KINDS_1,
             "'ring'",
         ),
         (
             {"body_1__kind": ["gear"]},
             "body_1.kind",
-            "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'mesh' or 'compliance'",
+            KINDS_1,
             "['gear']",
         ),
         (

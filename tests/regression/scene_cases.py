@@ -100,7 +100,8 @@ def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
 def _case(tree: dict[str, Any], provenance: str) -> Case:
     tree = deepcopy(tree)
     driver = {k: v for k, v in tree.get("positions", {}).items() if k == "driver"}
-    tree["positions"] = {"count": POSITIONS} | driver
+    if tree["body_2"]["kind"] != "belt":  # which has one
+        tree["positions"] = {"count": POSITIONS} | driver
     tree.setdefault("accuracy", {})["estimate"] = False
     return Case(
         inputs={"scene": tree},
@@ -110,13 +111,17 @@ def _case(tree: dict[str, Any], provenance: str) -> Case:
     )
 
 
+def _positions(tree: dict[str, Any]) -> str:
+    return "as it stands" if tree["body_2"]["kind"] == "belt" else f"{POSITIONS} positions"
+
+
 def scene_cases() -> dict[str, Case]:
     """All of them by name."""
     cases = {}
     for path in sorted(SCENES.glob("*.toml")):
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
         cases[f"scene_{path.stem}"] = _case(
-            tree, f"examples/scenes/{path.name}, {POSITIONS} positions"
+            tree, f"examples/scenes/{path.name}, {_positions(tree)}"
         )
     gears = {name: ("external_gear", changes) for name, changes in VARIANTS.items()}
     for name, (stem, changes) in (gears | OTHERS).items():

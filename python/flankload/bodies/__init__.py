@@ -57,18 +57,20 @@ def build_body(
         file is at fault.
     """
     from flankload.scene import (
+        Belt,
         Cam,
         Chain,
         ComplianceBody,
         Follower,
         Gear,
         MeshBody,
+        Pulley,
         Ring,
         SplineShaft,
         Sprocket,
     )
 
-    assert not isinstance(spec, Sprocket | Chain)  # no flanks, no elements
+    assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
     if isinstance(spec, ComplianceBody):
         from flankload.bodies.compliance_body import build_compliance_body
 

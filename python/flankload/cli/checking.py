@@ -27,8 +27,8 @@ def _check_scene(path: Path) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(path)
-    if scene.body_2.kind == "chain":
-        _check_chain(scene)
+    if scene.body_2.kind in ("chain", "belt"):
+        _check_drive(scene)
         return
     from flankload.assembly import build_bodies
     from flankload.effects import EFFECTS, switches_of
@@ -63,10 +63,11 @@ def _check_scene(path: Path) -> None:
         print(f"warning: {note}")
 
 
-def _check_chain(scene: Scene) -> None:
+def _check_drive(scene: Scene) -> None:
+    from flankload.belt_drive import describe_belt
     from flankload.chain_drive import describe_drive
 
-    rows = describe_drive(scene)
+    rows = describe_drive(scene) if scene.body_2.kind == "chain" else describe_belt(scene)
     print(f"{scene.name}: a valid scene")
     for title, found in rows.items():
         _print_rows(title, found)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.plot.belt import plot_belt_on_pulley, plot_load_around_wrap
 from flankload.plot.curves import (
     plot_follower_motion,
     plot_load_sharing,
@@ -24,6 +25,7 @@ from flankload.plot.stiffness import plot_stiffness
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
 from flankload.result import write_atomically
+from flankload.result.belt import BeltDrive
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,10 +36,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "plot_all",
+    "plot_belt_on_pulley",
     "plot_chain_on_sprocket",
     "plot_flank_forces",
     "plot_flank_pressure",
     "plot_follower_motion",
+    "plot_load_around_wrap",
     "plot_load_per_tooth",
     "plot_load_sharing",
     "plot_loaded_pair",
@@ -99,7 +103,12 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         }
         if result.position_rad.size > 1:
             pictures["transmission_error.png"] = plot_transmission_error
-    if result.drive is not None:
+    if isinstance(result.drive, BeltDrive):
+        pictures = {
+            "belt_on_pulley.png": plot_belt_on_pulley,
+            "load_around_wrap.png": plot_load_around_wrap,
+        }
+    elif result.drive is not None:
         pictures = {
             "transmission_error.png": plot_transmission_error,
             "chain_on_sprocket.png": plot_chain_on_sprocket,

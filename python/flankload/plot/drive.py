@@ -9,20 +9,20 @@ import numpy as np
 from matplotlib import rc_context
 
 from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, new_figure, subtitle
+from flankload.result.drive import ChainDrive
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import Result
-    from flankload.result.drive import ChainDrive
 
 #: Positions whose tensions are drawn.
 N_CURVES = 5
 
 
 def _drive(result: Result) -> ChainDrive:
-    assert result.drive is not None
+    assert isinstance(result.drive, ChainDrive)
     return result.drive
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -69,6 +69,11 @@ class ChainDrive:
     roller_height_um: Floats
     force_angle_deg: Floats
 
+    #: What the thing is called in a report.
+    name: ClassVar[str] = "chain"
+    along: ClassVar[dict[str, str]] = ALONG_POSITIONS
+    over_sites: ClassVar[dict[str, str]] = OVER_SITES
+
     def as_dict(self) -> dict[str, Any]:
         """As the JSON of a result has it."""
         single = {key: getattr(self, key) for key in ("mode", "wrap_angle_rad", "tension_ratio")}
@@ -79,20 +84,31 @@ class ChainDrive:
         """Of all positions."""
         return float(self.jump_margin_N.min())
 
+    def rows(self, result: Result) -> Iterator[str]:
+        """A row per position, then one per roller where the chain pulls most.
 
-def rows_of_drive(result: Result, drive: ChainDrive) -> Iterator[str]:
-    """A row per position, then one per roller where the chain pulls most.
+        Parameters
+        ----------
+        result : Result
+            Of this drive.
 
-    Parameters
-    ----------
-    result : Result
-    drive : ChainDrive
-        Of it.
+        Yields
+        ------
+        str
+        """
+        yield from _rows_of_chain(result, self)
 
-    Yields
-    ------
-    str
-    """
+    def words(self) -> str:
+        """What a report quotes."""
+        tight = self.tight_tension_N
+        return (
+            f"{self.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "
+            f"{self.least_margin_N:.4g} N above T1 q^n (q = {self.tension_ratio:.4f}), up to "
+            f"{self.passes.max()} contact problems a position"
+        )
+
+
+def _rows_of_chain(result: Result, drive: ChainDrive) -> Iterator[str]:
     heads = ("position", "transm. error", "tight strand", "slack strand", "rollers", "most on one")
     units = ("deg", "um", "N", "N", "loaded", "N")
     for texts in (heads, units):
@@ -127,13 +143,3 @@ def rows_of_drive(result: Result, drive: ChainDrive) -> Iterator[str]:
             f"{angle:.1f}" if isfinite(angle) else "-",
         )
         yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(values, heads, strict=True))
-
-
-def words_of_drive(drive: ChainDrive) -> str:
-    """What a report quotes of a chain."""
-    tight = drive.tight_tension_N
-    return (
-        f"{drive.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "
-        f"{drive.least_margin_N:.4g} N above T1 q^n (q = {drive.tension_ratio:.4f}), up to "
-        f"{drive.passes.max()} contact problems a position"
-    )

@@ -15,8 +15,6 @@ import numpy as np
 
 from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
-from flankload.result.drive import ALONG_POSITIONS as DRIVE
-from flankload.result.drive import OVER_SITES as DRIVE_SITES
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 from flankload.result.root_stress import root_arrays
 
@@ -175,7 +173,9 @@ def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
     """Arrays (P, S) that only some results have, with their units."""
     found = _arrays_asked_for(result)
     if result.drive is not None:
-        found |= {key: (getattr(result.drive, key), unit) for key, unit in DRIVE_SITES.items()}
+        found |= {
+            key: (getattr(result.drive, key), unit) for key, unit in result.drive.over_sites.items()
+        }
     return found
 
 
@@ -220,7 +220,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     """
     several = results if isinstance(results, Sequence) else (results,)
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
-    drives = list(DRIVE) if any(result.drive is not None for result in several) else []
+    drives = list(several[0].drive.along) if several[0].drive is not None else []
     sites = sorted({int(site) for result in several for site in result.sites})
     keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _more_arrays(r))]))
     along = along_positions(*several)
@@ -310,7 +310,7 @@ def to_xarray(result: Result) -> Any:
             values = getattr(result.friction, key)
             along[f"friction_{key}"] = (("position",), values, {"units": unit})
     if result.drive is not None:
-        for key, unit in DRIVE.items():
+        for key, unit in result.drive.along.items():
             along[key] = (("position",), getattr(result.drive, key), {"units": unit})
     over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
     for key, (values, unit) in _more_arrays(result).items():

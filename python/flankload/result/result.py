@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.result.belt import BeltDrive
 from flankload.result.coast_contact import CoastContact, coast_summary
 from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.cost_table import cost_table
@@ -78,8 +79,9 @@ class Result(ContactQuantities):
         Friction forces, losses, torque on body 2; None without friction.
     geometry : PairGeometry or None
         How the bodies stand and move; without it nothing is known of sliding and coast flanks.
-    drive : ChainDrive or None
-        Tensions, places and margins of a chain; its sites are rollers, and pressures are 0.
+    drive : ChainDrive, BeltDrive or None
+        Tensions, places and margins of a chain or a belt; its sites are rollers, or teeth of the
+        belt, whose forces are those along the turn; pressures are 0.
     root_readings : two RootReading or None
         What turns forces into stress in the tooth roots, where it is asked for.
     coast : CoastContact or None
@@ -111,7 +113,7 @@ class Result(ContactQuantities):
     geometry: PairGeometry | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
     follower_angle_rad: Floats | None = None
-    drive: ChainDrive | None = None
+    drive: ChainDrive | BeltDrive | None = None
     coast: CoastContact | None = None
 
     @property

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.result.drive import rows_of_drive, words_of_drive
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -45,7 +43,7 @@ def text_of(result: Result) -> str:
     """
     rows = _rows(result)
     if result.drive is not None:
-        rows = rows_of_drive(result, result.drive)
+        rows = result.drive.rows(result)
     elif result.whole_circle:
         rows = _rows_of_circle(result)
     elif result.sites.size > MOST_COLUMNS:
@@ -206,7 +204,7 @@ def _footer(result: Result) -> Iterator[str]:
     if summary["peak_pressure_pair"] is not None:
         yield _labelled("largest pressure", _largest_pressure(summary))
     if result.drive is not None:
-        yield _labelled("chain", words_of_drive(result.drive))
+        yield _labelled(result.drive.name, result.drive.words())
     yield from _contact_lines(result)
     for z in (1, 2):
         if f"root_stress_{z}" in summary and result.torque_Nm > 0:

@@ -17,6 +17,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from flankload.errors import SceneError
+from flankload.scene.belt_rules import check_belt
 from flankload.scene.cam_rules import check_cam, check_cam_pair, check_follower
 from flankload.scene.drive_rules import check_drive
 from flankload.scene.effect_rules import check_effects
@@ -25,6 +26,7 @@ from flankload.scene.mesh_rules import check_sets
 from flankload.scene.tables import (
     LARGEST_COEFFICIENT,
     Accuracy,
+    Belt,
     Cam,
     Chain,
     ComplianceBody,
@@ -37,6 +39,7 @@ from flankload.scene.tables import (
     Pair,
     Positions,
     Profile,
+    Pulley,
     Ring,
     RingKeys,
     SceneFile,
@@ -46,6 +49,7 @@ from flankload.scene.tables import (
 )
 
 __all__ = [
+    "Belt",
     "BodySpec",
     "Cam",
     "Chain",
@@ -55,6 +59,7 @@ __all__ = [
     "Load",
     "MeshBody",
     "Profile",
+    "Pulley",
     "Ring",
     "Scene",
     "SplineHub",
@@ -73,11 +78,13 @@ BodySpec = (
     | Follower
     | Sprocket
     | Chain
+    | Pulley
+    | Belt
     | MeshBody
     | ComplianceBody
 )
 
-#: What stands for [pair] where there is none: a chain on its sprocket.
+#: What stands for [pair] where there is none: a chain or a belt.
 NO_PAIR = Pair(face_width_mm=1.0)
 #: Bore over tip diameter: a body that is held in a point turns about it without resistance.
 LEAST_BORE = 1e-3
@@ -94,9 +101,9 @@ class Scene:
     Attributes
     ----------
     name : str
-    body_1 : Gear, SplineShaft, Follower, Sprocket, MeshBody or ComplianceBody
+    body_1 : Gear, SplineShaft, Follower, Sprocket, Pulley, MeshBody or ComplianceBody
         Free to turn; carries the torque.
-    body_2 : Gear, Ring, SplineHub, Cam, Chain, MeshBody or ComplianceBody
+    body_2 : Gear, Ring, SplineHub, Cam, Chain, Belt, MeshBody or ComplianceBody
     pair : Pair
         Centre distance, or offset of a spline, and face width, mm.
     load : Load
@@ -111,8 +118,8 @@ class Scene:
     """
 
     name: str
-    body_1: Gear | SplineShaft | Follower | Sprocket | MeshBody | ComplianceBody
-    body_2: Gear | Ring | SplineHub | Cam | Chain | MeshBody | ComplianceBody
+    body_1: Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody
+    body_2: Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody
     pair: Pair
     load: Load
     positions: Positions
@@ -296,7 +303,7 @@ def _refuse(key: str, expected: str, found: object) -> None:
 
 
 def _check_body(body: BodySpec, given: Mapping[str, Any], key: str) -> None:
-    if isinstance(body, ComplianceBody | Sprocket | Chain):
+    if isinstance(body, ComplianceBody | Sprocket | Chain | Pulley | Belt):
         return  # teeth and all else stand in its file, or is for the rules of drives to say
     if isinstance(body, Cam):
         check_cam(body, key)
@@ -419,6 +426,7 @@ def _check_geometry(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> N
 
 def _check_whole(asked: SceneFile, given: Mapping[str, Any]) -> None:
     check_drive(asked, given)
+    check_belt(asked, given)
     if asked.pair is not None:
         _check_kinds(asked, asked.pair)
     _check_friction(asked)

@@ -7,6 +7,7 @@ from math import degrees, pi
 from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
+from flankload.scene.belt_tables import Belt
 from flankload.scene.drive_tables import Chain, Sprocket
 from flankload.scene.form import shown
 
@@ -85,7 +86,7 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 def _refuse_drive_keys(asked: SceneFile) -> None:
     """Only drives have a slack strand and rollers that move far."""
-    if asked.load.slack_tension_N is not None:
+    if asked.load.slack_tension_N is not None and not isinstance(asked.body_2, Belt):
         raise SceneError(
             key="load.slack_tension_N",
             expected=f"nothing: a {asked.body_2.kind} has no slack strand",
@@ -97,5 +98,5 @@ def _refuse_drive_keys(asked: SceneFile) -> None:
             expected="nothing, unless body_2.kind is 'chain'",
             found="true",
         )
-    if asked.pair is None:
+    if asked.pair is None and not isinstance(asked.body_2, Belt):
         raise SceneError(key="pair", expected="a table", found="nothing")

@@ -10,7 +10,7 @@ Pitch = Annotated[Length, about("mm", "pitch")]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers")]
 SlackTension = Annotated[
     Annotated[float, Meta(gt=0, le=1e9)],
-    about("N", "tension of the slack strand of a chain"),
+    about("N", "tension of the slack strand of a chain or a belt"),
 ]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from flankload.errors import SceneError
+from flankload.scene.belt_tables import Belt, Pulley
 from flankload.scene.drive_tables import Chain, Sprocket
 from flankload.scene.form import shown
 from flankload.scene.tables import Cam, ComplianceBody, Follower, MeshBody, SceneFile
@@ -88,7 +89,7 @@ def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
     for key, spec in (("body_1", asked.body_1), ("body_2", asked.body_2)):
         if spec.rigid:
             continue
-        if isinstance(spec, Sprocket | Chain):
+        if isinstance(spec, Sprocket | Chain | Pulley | Belt):
             continue  # these know no effects of elastic flanks at all
         if isinstance(spec, ComplianceBody):
             why = f"{key}.kind is 'compliance': its file says how much of the body it is"

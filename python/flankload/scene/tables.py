@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta
 
+from flankload.scene.belt_tables import Belt, LandFriction, LandLift, Pulley
 from flankload.scene.drive_tables import Chain, SlackTension, Sprocket
 from flankload.scene.table import (
     Angles,
@@ -644,6 +645,8 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "active flanks alone carry",
         ),
     ] = True
+    land_friction: LandFriction = 0.0
+    land_lift: LandLift = False
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
@@ -679,14 +682,16 @@ class SceneFile(Table, frozen=True, kw_only=True):
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
     body_1: Annotated[
-        Gear | SplineShaft | Follower | Sprocket | MeshBody | ComplianceBody,
+        Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody,
         about("", "free to turn, carries the torque"),
     ]
     body_2: Annotated[
-        Gear | Ring | SplineHub | Cam | Chain | MeshBody | ComplianceBody,
+        Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody,
         about("", "stands at its kinematic angle"),
     ]
-    pair: Annotated[Pair | None, about("", "needed, but for chains, which know none of it")] = None
+    pair: Annotated[
+        Pair | None, about("", "needed, but for chains and belts, which know none of it")
+    ] = None
     load: Load
     positions: Positions = Positions()
     effects: EffectsAsked = EffectsAsked()

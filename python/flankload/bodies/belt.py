@@ -1,0 +1,281 @@
+"""The kinds "pulley" and "belt": teeth of a timing belt, grooves of its pulley.
+
+Everything about a tooth is said in its own frame: the origin on its centre line, in line with the
+ends of both lands beside it, x outwards (away from the pulley), y along the turn, from the tight
+strand to the slack one. The working flank of the belt is that at negative y: the pulley pushes it
+towards the slack strand. The pitch line, on which the cord lies, runs on a circle of radius
+teeth*pitch/(2 pi), the land on one that is smaller by `land_distance_mm`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import acos, cos, pi, radians, sin, sqrt, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import Material
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import Belt as BeltKeys
+    from flankload.scene import Pulley as PulleyKeys
+
+    Floats = NDArray[np.float64]
+
+#: Where the side of a round tooth ends and its tip begins, from along the turn.
+SIDE_ANGLE = 0.25 * pi
+
+
+@dataclass(frozen=True)
+class Trapezoid:
+    """A tooth, or a groove, with straight sides.
+
+    Attributes
+    ----------
+    width_mm : float
+        At the land.
+    height_mm : float
+    angle_rad : float
+        Of the sides against the centre line.
+    """
+
+    width_mm: float
+    height_mm: float
+    angle_rad: float
+
+    @property
+    def tip_width_mm(self) -> float:
+        """Between the sides at the tip."""
+        return self.width_mm - 2 * self.height_mm * tan(self.angle_rad)
+
+    def side(self, parts: Floats) -> tuple[Floats, Floats]:
+        """Working side at parts of its length, from the land to the tip.
+
+        Parameters
+        ----------
+        parts : (n,) array
+            From 0 to 1.
+
+        Returns
+        -------
+        places : (n, 2) array
+            mm.
+        normals : (n, 2) array
+            Out of the tooth.
+        """
+        depth = self.height_mm * parts
+        places = np.column_stack([-depth, -0.5 * self.width_mm + depth * tan(self.angle_rad)])
+        normal = [-sin(self.angle_rad), -cos(self.angle_rad)]
+        return places, np.tile(normal, (parts.size, 1))
+
+    def tip(self, parts: Floats) -> Floats:
+        """(n, 2) Tip at parts of its length, from the working side to the other one."""
+        across = 0.5 * self.tip_width_mm * (2 * parts - 1)
+        return np.column_stack([np.full(parts.size, -self.height_mm), across])
+
+    def distance(self, places: Floats) -> Floats:
+        """(n,) How far inside the working side places are, negative outside, mm."""
+        foot = np.array([0.0, -0.5 * self.width_mm])
+        normal = np.array([-sin(self.angle_rad), -cos(self.angle_rad)])
+        return -(places - foot) @ normal
+
+
+@dataclass(frozen=True)
+class Round:
+    """A tooth, or a groove, with a round tip: its sides follow the arc, or begin straight.
+
+    Attributes
+    ----------
+    radius_mm : float
+        Of the arc.
+    height_mm : float
+        Where it is larger than the radius, the sides are straight from the land to the arc's
+        centre.
+    """
+
+    radius_mm: float
+    height_mm: float
+
+    @property
+    def width_mm(self) -> float:
+        """At the land."""
+        rest = self.radius_mm - self.height_mm
+        return 2 * (sqrt(self.radius_mm**2 - rest**2) if rest > 0 else self.radius_mm)
+
+    @property
+    def center(self) -> Floats:
+        """Of the arc, mm."""
+        return np.array([self.radius_mm - self.height_mm, 0.0])
+
+    @property
+    def _first_angle(self) -> float:
+        """Of the arc's end at the land, from along the turn towards the tip."""
+        rest = (self.radius_mm - self.height_mm) / self.radius_mm
+        return 0.5 * pi - acos(rest) if rest > 0 else 0.0
+
+    def side(self, parts: Floats) -> tuple[Floats, Floats]:
+        """As `Trapezoid.side`; the tip begins at 45 degrees."""
+        straight = max(self.height_mm - self.radius_mm, 0.0)
+        first = self._first_angle
+        arc = self.radius_mm * (max(SIDE_ANGLE, first + 0.1) - first)
+        path = parts * (straight + arc)
+        turn = first + np.maximum(path - straight, 0.0) / self.radius_mm
+        normals = np.column_stack([-np.sin(turn), -np.cos(turn)])
+        places = self.center + self.radius_mm * normals
+        places[:, 0] += np.maximum(straight - path, 0.0)
+        return places, normals
+
+    def tip(self, parts: Floats) -> Floats:
+        """As `Trapezoid.tip`."""
+        first = max(SIDE_ANGLE, self._first_angle + 0.1)
+        turn = first + (pi - 2 * first) * parts
+        return np.asarray(
+            self.center + self.radius_mm * np.column_stack([-np.sin(turn), -np.cos(turn)])
+        )
+
+    def distance(self, places: Floats) -> Floats:
+        """As `Trapezoid.distance`."""
+        away = places - self.center
+        # beside the straight part only what is along the turn counts
+        away[:, 0] = np.where(
+            self.height_mm > self.radius_mm, np.minimum(away[:, 0], 0.0), away[:, 0]
+        )
+        return np.asarray(self.radius_mm - np.hypot(*away.T))
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A timing belt on its pulley: w wrapped teeth.
+
+    Attributes
+    ----------
+    pulley_teeth : int
+    pitch_mm : float
+        Of the pulley, on which the belt lies.
+    wrapped_teeth : int
+    width_mm : float
+    tooth : Trapezoid, Round or None
+        None for a belt without teeth.
+    groove : Trapezoid, Round or None
+        None where the groove is the tooth.
+    land_distance_mm : float
+        From the land to the pitch line.
+    back_mm : float
+        Thickness from the land to the back.
+    cord_N_per_mm : float
+        Tension of the cord over its strain, per mm of width.
+    material : Material
+    clearance_rad : float
+        By which the pulley turns before any flank is met, beside the gaps to the groove.
+    pitch_difference_mm : float
+        Pitch of the belt minus that of the pulley.
+    prestress_N_per_mm : float
+        Mean tension that holds the cord straight, per mm of width.
+    """
+
+    pulley_teeth: int
+    pitch_mm: float
+    wrapped_teeth: int
+    width_mm: float
+    tooth: Trapezoid | Round | None
+    groove: Trapezoid | Round | None
+    land_distance_mm: float
+    back_mm: float
+    cord_N_per_mm: float
+    material: Material
+    clearance_rad: float = 0.0
+    pitch_difference_mm: float = 0.0
+    prestress_N_per_mm: float = 0.0
+
+    @property
+    def pitch_radius_mm(self) -> float:
+        """Of the circle on which the cord lies."""
+        return self.pulley_teeth * self.pitch_mm / (2 * pi)
+
+    @property
+    def land_radius_mm(self) -> float:
+        """Of the pulley's outer circle."""
+        return self.pitch_radius_mm - self.land_distance_mm
+
+    @property
+    def pitch_rad(self) -> float:
+        """Angle from tooth to tooth."""
+        return 2 * pi / self.pulley_teeth
+
+    @property
+    def foot_radius_mm(self) -> float:
+        """Where the frames of the teeth have their origins."""
+        half_width = 0.5 * self.tooth.width_mm if self.tooth is not None else 0.0
+        return sqrt(self.land_radius_mm**2 - half_width**2)
+
+    @property
+    def tooth_angles_rad(self) -> Floats:
+        """(w,) Centre lines of the teeth, from the tight end of the strip."""
+        return np.asarray(self.pitch_rad * (np.arange(self.wrapped_teeth) + 0.5), dtype=np.float64)
+
+    def placed(self, places: Floats, tooth_angle_rad: float) -> Floats:
+        """Places (…, 2) in the frame of a tooth as places about the axis."""
+        cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
+        out = places + np.array([self.foot_radius_mm, 0.0])
+        return np.asarray(out @ np.array([[cosine, sine], [-sine, cosine]]))
+
+    def in_tooth(self, places: Floats, tooth_angle_rad: float) -> Floats:
+        """Places (…, 2) about the axis in the frame of a tooth."""
+        cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
+        turned = places @ np.array([[cosine, -sine], [sine, cosine]])
+        return np.asarray(turned - np.array([self.foot_radius_mm, 0.0]))
+
+    def gaps(self, places: Floats) -> Floats:
+        """(n,) From places on the working flank, in the frame of its tooth, to the groove, mm."""
+        if self.groove is None:
+            return np.zeros(len(places))
+        return self.groove.distance(places)
+
+
+def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
+    """Belt and pulley from their keys, which the scene has checked.
+
+    Parameters
+    ----------
+    pulley : scene.Pulley
+    belt : scene.Belt
+
+    Returns
+    -------
+    Strip
+    """
+    groove_width = pulley.groove_width_mm or belt.tooth_width_mm
+    wider = 0.5 * (groove_width - belt.tooth_width_mm)
+    tooth: Trapezoid | Round
+    groove: Trapezoid | Round
+    if pulley.profile == "T":
+        assert belt.flank_angle_deg is not None
+        angle = radians(belt.flank_angle_deg)
+        tooth = Trapezoid(belt.tooth_width_mm, belt.tooth_height_mm, angle)
+        given = pulley.groove_angle_deg
+        # flanks meet at the land: what a groove is wider lets the pulley turn that far
+        groove = replace(tooth, angle_rad=radians(given) if given is not None else angle)
+    else:
+        tooth = Round(0.5 * belt.tooth_width_mm, belt.tooth_height_mm)
+        # about the same centre: what a groove is wider is the gap all along the flank
+        groove = Round(tooth.radius_mm + wider, tooth.height_mm + wider)
+    strip = Strip(
+        pulley_teeth=pulley.teeth,
+        pitch_mm=pulley.pitch_mm,
+        wrapped_teeth=belt.wrapped_teeth,
+        width_mm=belt.width_mm,
+        tooth=tooth,
+        groove=groove if groove != tooth else None,
+        land_distance_mm=belt.land_distance_mm,
+        back_mm=belt.back_mm,
+        cord_N_per_mm=belt.cord_stiffness_N_per_mm,
+        material=Material(belt.young_modulus_MPa, belt.poisson_ratio),
+        pitch_difference_mm=belt.pitch_mm - pulley.pitch_mm + belt.pitch_difference_um / 1000.0,
+        prestress_N_per_mm=belt.prestress_N / belt.width_mm,
+    )
+    if pulley.profile == "T" and wider:
+        return replace(strip, clearance_rad=wider / strip.foot_radius_mm)
+    return strip

@@ -1,0 +1,149 @@
+"""Pictures of a timing belt on its pulley: teeth, tension and lands around the wrap."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import rc_context
+
+from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, new_figure, subtitle
+from flankload.result.belt import BeltDrive
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+    Floats = NDArray[np.float64]
+
+#: Length of the free strands that are drawn, in pitches.
+STRAND_PITCHES = 3.0
+
+
+def _drive(result: Result) -> BeltDrive:
+    assert isinstance(result.drive, BeltDrive)
+    return result.drive
+
+
+def plot_belt_on_pulley(result: Result, position: int = 0) -> Figure:
+    """Pulley, belt and the circumferential forces of its teeth.
+
+    Parameters
+    ----------
+    result : Result
+        Of a belt.
+    position : int
+        Index of the position.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    drive, drawing, p = _drive(result), result.drawing, position
+    radius, wrap = result.reference_radius_mm, drive.wrap_angle_rad
+    angles = drawing.angle_1[p] + result.pitch_rad * np.arange(drawing.teeth_1)
+    with rc_context(STYLE):
+        figure = new_figure((6.4, 6.0))
+        axes = figure.add_subplot()
+        pulley = np.vstack([drawing.outline_1 @ _turn(angle).T for angle in angles])
+        axes.fill(*pulley.T, color=STEEL[0], ec="#7a8791", lw=0.8)
+        for angle in angles[: drawing.teeth_2]:
+            axes.fill(*(drawing.outline_2 @ _turn(angle).T).T, color=STEEL[1], ec="#7a6f57", lw=0.6)
+        turn = np.linspace(0.0, wrap, 200)
+        reach = STRAND_PITCHES * result.pitch_rad * radius
+        cord = np.vstack(
+            [
+                [radius, -reach],
+                radius * np.column_stack([np.cos(turn), np.sin(turn)]),
+                radius * np.array([np.cos(wrap), np.sin(wrap)])
+                + reach * np.array([-np.sin(wrap), np.cos(wrap)]),
+            ]
+        )
+        axes.plot(*cord.T, color="#404040", lw=1.4)
+        _forces(axes, result, angles[: drawing.teeth_2], p)
+        for (x, y), tension in zip(
+            cord[[0, -1]], (drive.tight_tension_N[p], drive.slack_tension_N[p]), strict=True
+        ):
+            axes.text(x, y, f" {tension:.4g} N", va="top", fontsize=9)
+        axes.set_aspect("equal")
+        axes.margins(0.08)
+        axes.autoscale_view()
+        axes.set_xlabel("mm")
+        axes.grid(visible=False)
+        _title(figure, result, "Forces on the teeth of the belt")
+        return figure
+
+
+def plot_load_around_wrap(result: Result, position: int = 0) -> Figure:
+    """Forces of the teeth, tension of the cord and forces of the lands around the wrap.
+
+    Parameters
+    ----------
+    result : Result
+        Of a belt.
+    position : int
+        Index of the position.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    drive, p = _drive(result), position
+    with rc_context(STYLE):
+        figure = new_figure((SIZE[0], 1.35 * SIZE[1]))
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        upper.bar(result.sites, result.site_force_N[p], width=0.55, color=COLOURS[0])
+        for site, force, share in zip(
+            result.sites, result.site_force_N[p], result.load_share[p], strict=True
+        ):
+            if force > 0:
+                upper.text(site, force, f"{100 * share:.1f}", ha="center", va="bottom", fontsize=8)
+        upper.set_ylabel("force of the tooth in N\n(above the bar: share in %)")
+        edges = np.append(result.sites, result.sites[-1] + 1) - 0.5
+        tension = np.append(drive.tension_behind_N[p], drive.slack_tension_N[p])
+        lower.plot(edges, tension, marker="o", ms=3.5, color=COLOURS[1], label="tension")
+        lands, lifting = drive.lands_N[p], drive.lifting[p]
+        lower.plot(edges, lands, marker="s", ms=3.5, color=COLOURS[2], label="force of the land")
+        if lifting.any():
+            lower.plot(edges[lifting], lands[lifting], "x", ms=9, color=COLOURS[3], label="lifts")
+        lower.axhline(0.0, color=GREY, lw=0.6)
+        lower.set_ylabel("N")
+        lower.set_xlabel("tooth, from the tight strand")
+        lower.set_xticks(result.sites)
+        lower.legend(ncols=3)
+        _title(figure, result, f"Around {degrees(drive.wrap_angle_rad):.4g}° of wrap")
+        return figure
+
+
+def _forces(axes: object, result: Result, angles: Floats, p: int) -> None:
+    """An arrow for each tooth that carries, along the turn."""
+    force, radius = result.site_force_N[p], result.reference_radius_mm
+    most = float(force.max())
+    if most <= 0.0:
+        return
+    at = (radius + 0.35 * result.pitch_rad * radius) * np.column_stack(
+        [np.cos(angles), np.sin(angles)]
+    )
+    way = np.column_stack([-np.sin(angles), np.cos(angles)])
+    tips = at + 2.0 * result.pitch_rad * radius * (force / most)[:, None] * way
+    axes.update_datalim(tips)  # type: ignore[attr-defined]
+    for site, start, tip, size in zip(result.sites, at, tips, force, strict=True):
+        label = 1.12 * start if size > 0 else 1.06 * start
+        axes.text(*label, f"{site}", ha="center", va="center", fontsize=8, color=GREY)  # type: ignore[attr-defined]
+        if size > 0:
+            arrow = {"arrowstyle": "-|>", "color": COLOURS[1], "lw": 1.6, "mutation_scale": 9}
+            arrow |= {"shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", tip, start, arrowprops=arrow)  # type: ignore[attr-defined]
+
+
+def _turn(angle: float) -> Floats:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, -sine], [sine, cosine]])
+
+
+def _title(figure: Figure, result: Result, title: str) -> None:
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)

@@ -1,0 +1,266 @@
+"""A timing belt on its pulley as a scene: what it refuses, what its result has, what is written."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tolerances import SOLVER
+
+import flankload as fl
+from flankload.cli import main
+from flankload.result.belt import BeltDrive
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "belt.toml"
+#: Large elements on few teeth: soon solved.
+SMALL: dict[str, Any] = {
+    "body_2": {"wrapped_teeth": 5},
+    "accuracy": {"flank_element_mm": 1.25, "estimate": False},
+}
+
+
+def tables(**changes: dict[str, Any]) -> dict[str, Any]:
+    scene = tomllib.loads(EXAMPLE.read_text())
+    for table, keys in changes.items():
+        kept = {**scene.get(table, {}), **keys}
+        scene[table] = {key: value for key, value in kept.items() if value is not None}
+    return scene
+
+
+def solved(**changes: dict[str, Any]) -> fl.Result:
+    merged = {
+        table: {**SMALL.get(table, {}), **changes.get(table, {})} for table in {**SMALL, **changes}
+    }
+    found = fl.solve(fl.Scene.from_dict(tables(**merged)))
+    assert isinstance(found, fl.Result)
+    return found
+
+
+def drive_of(result: fl.Result) -> BeltDrive:
+    assert isinstance(result.drive, BeltDrive)
+    return result.drive
+
+
+REFUSED = [
+    (
+        {"body_2": {"wrapped_teeth": 24}},
+        "body_2.wrapped_teeth: expected less than body_1.teeth (24)",
+    ),
+    ({"body_2": {"pitch_mm": 10.3}}, "body_2.pitch_mm: expected body_1.pitch_mm (10) to 2 %"),
+    (
+        {"body_2": {"pitch_mm": 9.9, "pitch_difference_um": -150}},
+        "body_2.pitch_difference_um: expected at most 2 % of body_1.pitch_mm (10), found -150",
+    ),
+    (
+        {"body_2": {"land_distance_mm": 2}},
+        "body_2.land_distance_mm: expected less than body_2.back",
+    ),
+    ({"body_2": {"tooth_height_mm": 20}}, "body_2.tooth_height_mm: expected less than half of the"),
+    ({"body_2": {"tooth_width_mm": 9.5}}, "body_2.tooth_width_mm: expected at most 8.764: lands"),
+    (
+        {"body_2": {"flank_angle_deg": None}},
+        "body_2.flank_angle_deg: expected a number with body_1",
+    ),
+    ({"body_2": {"flank_angle_deg": 45}}, "body_2.flank_angle_deg: expected so small that a tooth"),
+    (
+        {"body_1": {"profile": "HTD"}},
+        "body_2.flank_angle_deg: expected nothing with body_1.profile",
+    ),
+    (
+        {"body_1": {"profile": "HTD"}, "body_2": {"flank_angle_deg": None, "tooth_height_mm": 2}},
+        "body_2.tooth_height_mm: expected at least 0.4 of body_2.tooth_width_mm (5.3)",
+    ),
+    (
+        {"body_1": {"groove_width_mm": 5}},
+        "body_1.groove_width_mm: expected at least body_2.tooth_width_mm (5.3), found 5",
+    ),
+    (
+        {"body_1": {"groove_depth_mm": 2}},
+        "body_1.groove_depth_mm: expected at least body_2.tooth_height_mm (2.5), found 2",
+    ),
+    ({"body_2": {"poisson_ratio": 0.5}}, "body_2.poisson_ratio: expected a number"),
+    ({"load": {"slack_tension_N": 0}}, "load.slack_tension_N: expected a number > 0"),
+    ({"load": {"slack_tension_N": None}}, "load.slack_tension_N: expected a number > 0: what the"),
+    ({"pair": {"face_width_mm": 5}}, "pair: expected nothing: a belt has body_2.width_mm"),
+    ({"positions": {"count": 4}}, "positions.count: expected nothing: a belt is computed where"),
+    ({"accuracy": {"modes": 5}}, "accuracy.modes: expected nothing: a belt and its pulley do not"),
+    ({"effects": {"friction_coefficient": 0.1}}, "effects.friction_coefficient: expected nothing"),
+    (
+        {"effects": {"land_friction": 0.1, "land_lift": True}},
+        "effects.land_lift: expected false with effects.land_friction",
+    ),
+    (
+        {"effects": {"land_lift": True}, "body_2": {"prestress_N": 0}},
+        "body_2.prestress_N: expected a number > 0 with effects.land_lift",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "line"), REFUSED, ids=[line[:60] for _, line in REFUSED])
+def test_scene_is_refused(changes: dict[str, Any], line: str) -> None:
+    with pytest.raises(fl.SceneError) as found:
+        fl.Scene.from_dict(tables(**changes))
+    assert str(found.value).startswith(line)
+
+
+def test_pulley_and_belt_go_together() -> None:
+    scene = tables()
+    scene["body_2"] = {"kind": "compliance", "file": "x.npz"}
+    del scene["load"]["slack_tension_N"]
+    scene["pair"] = {"center_distance_mm": 50, "face_width_mm": 5}
+    with pytest.raises(fl.SceneError, match=r"body_2.kind: expected 'belt' with body_1.kind"):
+        fl.Scene.from_dict(scene)
+
+
+@pytest.mark.parametrize("effect", [{"land_friction": 0.1}, {"land_lift": True}])
+def test_other_pairs_know_no_lands(effect: dict[str, Any]) -> None:
+    gear = tomllib.loads((EXAMPLE.parent / "external_gear.toml").read_text())
+    gear["effects"] = effect
+    with pytest.raises(fl.SceneError, match=r"expected nothing, unless body_2.kind is 'belt'"):
+        fl.Scene.from_dict(gear)
+
+
+def test_result_has_teeth_strands_and_lands() -> None:
+    result = solved()
+    drive = drive_of(result)
+    force = 1000.0 * result.torque_Nm / result.reference_radius_mm
+    assert result.sites.tolist() == list(range(5))
+    assert result.warnings == ()
+    np.testing.assert_allclose(result.site_force_N.sum(), force, rtol=SOLVER, atol=0.0)
+    np.testing.assert_allclose(drive.tight_tension_N, 320.0 + force, rtol=SOLVER, atol=0.0)
+    np.testing.assert_allclose(drive.tension_behind_N[:, 0], 320.0 + force, rtol=SOLVER, atol=0)
+    np.testing.assert_allclose(
+        -np.diff(np.append(drive.tension_behind_N, 320.0)),
+        result.site_force_N[0],
+        rtol=SOLVER,
+        atol=SOLVER * force,
+    )
+    assert (np.diff(result.load_share[0]) < 0).all()
+    assert not drive.lifting.any()
+    pairs = result.pairs(0)
+    pushed = (pairs.force_N * np.hypot(pairs.normal_x, pairs.normal_y)).sum()
+    assert pushed > force
+    # the forces of the pairs turn the pulley back
+    moment = pairs.force_N @ (pairs.x_mm * pairs.normal_y - pairs.y_mm * pairs.normal_x)
+    np.testing.assert_allclose(moment, 1000.0 * result.torque_Nm, rtol=2e-3, atol=0.0)
+
+
+def test_width_makes_no_difference_to_what_a_millimetre_carries() -> None:
+    wide, narrow = (
+        solved(),
+        solved(
+            body_2={"wrapped_teeth": 5, "width_mm": 8, "prestress_N": 320},
+            load={"torque_Nm": 12.223, "slack_tension_N": 160},
+        ),
+    )
+    np.testing.assert_allclose(narrow.rotation_rad, wide.rotation_rad, rtol=SOLVER, atol=0.0)
+    np.testing.assert_allclose(2 * narrow.site_force_N, wide.site_force_N, rtol=SOLVER, atol=1e-6)
+    ratio = drive_of(wide).tooth_stiffness_N_per_mm / drive_of(narrow).tooth_stiffness_N_per_mm
+    np.testing.assert_allclose(ratio, 2.0, rtol=SOLVER, atol=0.0)
+
+
+def test_stiffness_is_the_growth_of_the_rotation() -> None:
+    least, middle, most = (
+        solved(load={"torque_Nm": torque}) for torque in (24.4459, 24.446, 24.4461)
+    )
+    growth = 2e-4 / (most.rotation_rad - least.rotation_rad)
+    np.testing.assert_allclose(middle.stiffness_tangent_Nm_per_rad, growth, rtol=1e-6, atol=0.0)
+
+
+def test_torques_share_the_elements_and_one_may_be_none() -> None:
+    found = fl.solve(fl.Scene.from_dict(tables(**{**SMALL, "load": {"torque_Nm": [0, 10]}})))
+    assert isinstance(found, tuple)
+    free, loaded = found
+    assert free.site_force_N.max() == 0.0
+    np.testing.assert_allclose(drive_of(free).tight_tension_N, 320.0, rtol=SOLVER, atol=0.0)
+    assert loaded.rotation_rad[0] > free.rotation_rad[0]
+    assert loaded.cost["fe_factorisations"] == 1
+    assert loaded.cost["stages"]["sweep"]["counters"]["states"] == 2
+
+
+def test_estimate_is_what_finer_elements_change() -> None:
+    """Of the order of what elements half as long as those of the scene change."""
+    changes = {"accuracy": {"flank_element_mm": 0.625, "estimate": True}}
+    result = solved(**changes)
+    finer = solved(accuracy={"flank_element_mm": 0.3125, "estimate": False})
+    off = np.abs(finer.load_share - result.load_share).max()
+    assert result.estimate is not None
+    assert 0.5 * off < result.estimate["load_share"] < 10 * off
+    assert "estimate" not in solved().cost["stages"]
+
+
+def test_wider_groove_turns_the_pulley_further() -> None:
+    plain, wide = solved(), solved(body_1={"groove_width_mm": 5.7})
+    clearance = 0.2 / np.sqrt((120 / np.pi - 1) ** 2 - 2.65**2)
+    np.testing.assert_allclose(
+        wide.rotation_rad - plain.rotation_rad, clearance, rtol=SOLVER, atol=0.0
+    )
+    np.testing.assert_allclose(wide.site_force_N, plain.site_force_N, rtol=SOLVER, atol=1e-6)
+
+
+def test_friction_of_the_lands_helps_or_opposes() -> None:
+    for coefficient in (0.1, -0.1):
+        result = solved(effects={"land_friction": coefficient})
+        drive = drive_of(result)
+        assert drive.land_friction_N[0] * coefficient > 0
+        whole = result.site_force_N.sum() + drive.land_friction_N[0]
+        np.testing.assert_allclose(whole, drive.tight_tension_N[0] - 320.0, rtol=SOLVER, atol=0)
+        assert "friction of the lands takes" in result.table()
+
+
+def test_land_that_would_lift_is_named_and_may_lift() -> None:
+    held = solved(load={"slack_tension_N": 2})
+    assert "the land lifts here: before tooth" in held.warnings[0]
+    assert "the land lifts here" in held.table()
+    assert drive_of(held).last_land_N[0] < 0
+    free = solved(load={"slack_tension_N": 2}, effects={"land_lift": True})
+    assert free.warnings == ()
+    assert drive_of(free).last_land_lift_um[0] > 0
+    assert drive_of(free).lands_N.min() > -1e-6
+
+
+def test_round_teeth() -> None:
+    result = solved(
+        body_1={"profile": "HTD", "pitch_mm": 8, "groove_width_mm": 5.3},
+        body_2={
+            "wrapped_teeth": 5,
+            "pitch_mm": 8,
+            "tooth_height_mm": 3.38,
+            "tooth_width_mm": 5.15,
+            "flank_angle_deg": None,
+            "back_mm": 2.2,
+            "land_distance_mm": 0.686,
+        },
+    )
+    assert (result.site_force_N[0] > 0).any()
+    # arcs of a wider groove meet those of the teeth where they run along the radius
+    assert result.rotation_rad[0] * result.reference_radius_mm > 0.075
+
+
+def test_exports_have_lands(tmp_path: Path) -> None:
+    result = solved()
+    drive = drive_of(result)
+    tree = json.loads(result.to_json())
+    assert len(tree["drive"]["land_before_N"][0]) == 5
+    assert tree["drive"]["cord_stiffness_N"] == drive.cord_stiffness_N
+    (row,) = csv.DictReader(io.StringIO(result.to_csv()))
+    assert float(row["tight_tension_N"]) == drive.tight_tension_N[0]
+    assert float(row["land_before_N_pair_3"]) == drive.land_before_N[0, 3]
+
+
+def test_run_draws_and_check_describes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(EXAMPLE), "--plot", str(tmp_path), "--quiet"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "belt_on_pulley.png",
+        "load_around_wrap.png",
+    }
+    assert main(["check", str(EXAMPLE)]) == 0
+    assert "half of both tensions: 640 N" in capsys.readouterr().out
+    assert main(["mesh", str(EXAMPLE), "-o", str(tmp_path)]) == 2
+    assert "body_2.kind: expected bodies with flanks" in capsys.readouterr().err
