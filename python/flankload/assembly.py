@@ -121,16 +121,7 @@ def bodies_of(
     SceneError
         If a body cannot be made; names file, key, expected and found.
     """
-    if isinstance(scene.body_2, Chain | Belt):
-        chain = isinstance(scene.body_2, Chain)
-        raise SceneError(
-            file=scene.file,
-            key="body_2.kind",
-            expected="bodies with flanks and elements for that",
-            found="'chain', whose sprocket has pockets and which is a truss"
-            if chain
-            else "'belt', whose pulley is rigid and which lies on it as a strip",
-        )
+    refuse_drives(scene)
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
@@ -142,6 +133,29 @@ def bodies_of(
         return bodies
     except SceneError as error:
         raise _with_file(error, scene) from None
+
+
+def refuse_drives(scene: Scene) -> None:
+    """Refuse chains and belts, of which a run knows more than two bodies with flanks.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Raises
+    ------
+    SceneError
+    """
+    if isinstance(scene.body_2, Chain | Belt):
+        chain = isinstance(scene.body_2, Chain)
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with flanks and elements for that",
+            found="'chain', whose sprocket has pockets and which is a truss"
+            if chain
+            else "'belt', which lies on its pulley as a strip",
+        )
 
 
 def build_bodies(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import process_time
 from typing import TYPE_CHECKING
 
-from flankload.assembly import build_bodies
+from flankload.assembly import build_bodies, refuse_drives
 from flankload.cost import totals
 from flankload.effects import switches_of
 from flankload.plan.chain import plan_chain
@@ -50,6 +50,7 @@ def plan(scene: Scene) -> Plan:
     if isinstance(scene.body_2, Chain):
         return plan_chain(scene)
     start = process_time()
+    refuse_drives(scene)
     plain = without_choice(scene)
     coarse = Coarse(plain)
     sizes, switches = Sizes(plain, coarse), switches_of(plain)
