@@ -8,19 +8,17 @@ is symmetric. What the lands push back with is read from the same solutions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, hstack
 
+from flankload.belt_columns import Flanks, flank_columns, land_columns
 from flankload.bodies.belt_mesh import BeltMesh, mesh_strip
 from flankload.elasticity import factored, stiffness
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from flankload.bodies.belt import Strip
@@ -29,34 +27,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Of the edges.
-GAUSS_POINTS = 4
-
-
-@dataclass(frozen=True)
-class Flanks:
-    """Contact pairs on the working flanks; n pairs.
-
-    Attributes
-    ----------
-    tooth : (n,) array
-        On which each stands, from the tight end.
-    places, normals : (n, 2) arrays
-        About the axis of the pulley, mm; normals out of the belt.
-    levers_mm : (n,) array
-        Moment about the axis of a unit force of the pulley on the belt.
-    gaps_mm : (n,) array
-        To the groove, along the normals.
-    lengths_mm : (n,) array
-        Of flank that each stands for.
-    """
-
-    tooth: Numbers
-    places: Floats
-    normals: Floats
-    levers_mm: Floats
-    gaps_mm: Floats
-    lengths_mm: Floats
+#: Columns solved at once: with many teeth all of them would not fit into memory.
+BLOCK = 64
 
 
 @dataclass(frozen=True)
@@ -141,68 +113,81 @@ def solve_strip(
     polar = _polar_frames(mesh.nodes)
     matrix = polar.T @ _stiffness(strip, mesh) @ polar
     matrix = matrix.tocsc()
-    flanks, columns = _flank_columns(strip, mesh)
-    n_loads = flanks.tooth.size
-    pull = np.zeros(matrix.shape[0])
-    pull[2 * mesh.cord[-1] + 1] = 1.0
-    loads = np.column_stack([polar.T @ columns, pull])
-    land, hats, spread = _land_hats(mesh)
-    if rubbing:
-        loads = np.hstack([loads, spread])
-    outwards = np.unique(np.concatenate(mesh.lands)) * 2
-    along = mesh.tight_end * 2 + 1
-    held = np.concatenate([outwards, along])
-    free = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    solve = factored(matrix[free][:, free].tocsc(), account)
+    flanks, columns = flank_columns(strip, mesh)
+    n = flanks.tooth.size
+    land, hats, spread = land_columns(mesh)
+    pull = csc_matrix(([1.0], ([2 * mesh.cord[-1] + 1], [0])), shape=(matrix.shape[0], 1))
+    loads = hstack([polar.T @ columns, pull, *([spread] if rubbing else [])], format="csc")
+    solved = _Solved(strip, mesh, matrix, loads[:, :n], hats, account)
     if account is not None:
-        account.count(unit_loads_normal=n_loads, unit_loads_tangential=spread.shape[1] * rubbing)
-    moved = np.zeros((matrix.shape[0], loads.shape[1]))
-    moved[free] = solve(loads[free])
-    # what holds: the land pushes outwards, the tight strand pulls against the turn
-    holds = matrix[held] @ moved - loads[held]
-    reaction = hats[outwards].T @ holds[: outwards.size]
-    # by its moment, since the strand lies on the pitch line
-    arms = np.linalg.norm(mesh.nodes[mesh.tight_end], axis=1) / strip.pitch_radius_mm
-    tight = -arms @ holds[outwards.size :]
-    seen = loads[:, :n_loads].T @ moved
-    lifts = (
-        _lifting(matrix, free, solve, hats, (along, arms), loads[:, :n_loads]) if lifting else None
-    )
-    rubs = slice(n_loads + 1, None)
+        account.count(unit_loads_normal=n, unit_loads_tangential=spread.shape[1] * rubbing)
+    forced = solved.under(loads)
+    lifted = solved.giving_way(hats) if lifting else None
+    seen = forced.recession
     return StripResponse(
         flanks=flanks,
-        compliance=0.5 * (seen[:, :n_loads] + seen[:, :n_loads].T),
-        by_slack=seen[:, n_loads],
+        compliance=0.5 * (seen[:, :n] + seen[:, :n].T),
+        by_slack=seen[:, n],
         land=land,
-        reaction=reaction[:, :n_loads],
-        reaction_by_slack=reaction[:, n_loads],
-        tight=tight[:n_loads],
-        tight_by_slack=float(tight[n_loads]),
-        rubbing=LandColumns(seen[:, rubs], reaction[:, rubs], tight[rubs]) if rubbing else None,
-        lifting=lifts,
-        degrees_of_freedom=free.size,
+        reaction=forced.reaction[:, :n],
+        reaction_by_slack=forced.reaction[:, n],
+        tight=forced.tight[:n],
+        tight_by_slack=float(forced.tight[n]),
+        rubbing=LandColumns(seen[:, n + 1 :], forced.reaction[:, n + 1 :], forced.tight[n + 1 :])
+        if rubbing
+        else None,
+        lifting=lifted,
+        degrees_of_freedom=solved.free.size,
     )
 
 
-def _lifting(
-    matrix: csc_matrix,
-    free: Numbers,
-    solve: Callable[[Floats], Floats],
-    hats: Floats,
-    tight_end: tuple[Numbers, Floats],
-    loads: Floats,
-) -> LandColumns:
-    """What lands do that give way outwards, a hat at a time."""
-    along, arms = tight_end
-    moved = hats.copy()
-    moved[free] = solve(-(matrix[free] @ hats))
-    holds = matrix @ moved
-    stiff = hats.T @ holds
-    return LandColumns(
-        recession=loads.T @ moved,
-        reaction=0.5 * (stiff + stiff.T),
-        tight=-arms @ holds[along],
-    )
+class _Solved:
+    """The factorised strip; columns are solved in blocks, and only what is read of them is kept."""
+
+    def __init__(
+        self,
+        strip: Strip,
+        mesh: BeltMesh,
+        matrix: csc_matrix,
+        flanks: csc_matrix,
+        hats: csc_matrix,
+        account: Account | None,
+    ) -> None:
+        self._matrix, self._flanks, self._hats = matrix, flanks, hats
+        # lands are held outwards, the tight end along the turn
+        along = mesh.tight_end * 2 + 1
+        lands = np.unique(np.concatenate(mesh.lands)) * 2
+        self._held = np.concatenate([lands, along])
+        self.free = np.setdiff1d(np.arange(matrix.shape[0]), self._held)
+        self._solve = factored(matrix[self.free][:, self.free].tocsc(), account)
+        # by its moment, since the strand lies on the pitch line
+        arms = np.linalg.norm(mesh.nodes[mesh.tight_end], axis=1) / strip.pitch_radius_mm
+        self._arms = np.concatenate([np.zeros(lands.size), arms])
+
+    def under(self, loads: csc_matrix) -> LandColumns:
+        """What flanks, lands and the tight strand do under nodal loads."""
+        return self._read(loads, given=False)
+
+    def giving_way(self, ways: csc_matrix) -> LandColumns:
+        """The same where lands give way outwards."""
+        found = self._read(ways, given=True)
+        return replace(found, reaction=0.5 * (found.reaction + found.reaction.T))
+
+    def _read(self, columns: csc_matrix, *, given: bool) -> LandColumns:
+        parts = []
+        for first in range(0, columns.shape[1], BLOCK):
+            block = columns[:, first : first + BLOCK].toarray()
+            moved = block if given else np.zeros_like(block)
+            load = -(self._matrix @ block) if given else block
+            moved[self.free] = self._solve(load[self.free])
+            # what holds: the land pushes outwards, the tight strand pulls against the turn
+            holds = self._matrix[self._held] @ moved
+            if not given:
+                holds -= block[self._held]
+            parts.append(
+                (self._flanks.T @ moved, self._hats[self._held].T @ holds, -self._arms @ holds)
+            )
+        return LandColumns(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
 
 
 def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
@@ -257,92 +242,3 @@ def _polar_frames(nodes: Floats) -> csc_matrix:
     values = np.concatenate([cosine, sine, -sine, cosine])
     size = 2 * len(nodes)
     return coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
-
-
-def _hats(places: Floats) -> tuple[Floats, Floats, Floats]:
-    """Linear hats on the ends of quadratic edges, and the edges' own functions.
-
-    Parameters
-    ----------
-    places : (m, 2) array
-        Of nodes in order, every second one a middle.
-
-    Returns
-    -------
-    shapes : (g, m) array
-        Of the nodes at the Gauss points of all edges.
-    hats : (g, (m + 1)/2) array
-    along : (g, 2) array
-        Tangents there, times the weight of the point and the length of the edge, mm.
-    """
-    points, weights = leggauss(GAUSS_POINTS)
-    local = np.column_stack([points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2])
-    slopes = np.column_stack([points - 0.5, -2 * points, points + 0.5])
-    edges = (len(places) - 1) // 2
-    shapes = np.zeros((edges, GAUSS_POINTS, len(places)))
-    hats = np.zeros((edges, GAUSS_POINTS, edges + 1))
-    along = np.zeros((edges, GAUSS_POINTS, 2))
-    for e in range(edges):
-        nodes = slice(2 * e, 2 * e + 3)
-        shapes[e, :, nodes] = local
-        hats[e, :, e] = 0.5 * (1 - points)
-        hats[e, :, e + 1] = 0.5 * (1 + points)
-        along[e] = weights[:, None] * (slopes @ places[nodes])
-    return (
-        shapes.reshape(-1, len(places)),
-        hats.reshape(-1, edges + 1),
-        along.reshape(-1, 2),
-    )
-
-
-def _flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, Floats]:
-    """Pairs on all flanks, and the nodal loads (2N, n) in x and y of a unit force on each."""
-    parts: list[tuple[Floats, ...]] = []
-    columns = []
-    for k, nodes in enumerate(mesh.flanks):
-        assert strip.tooth is not None
-        angle = float(strip.tooth_angles_rad[k])
-        places = mesh.nodes[nodes]
-        shapes, hats, along = _hats(places)
-        out = np.column_stack([-along[:, 1], along[:, 0]])
-        at = shapes @ places
-        length = hats.T @ np.linalg.norm(along, axis=1)
-        lever = -(hats.T @ (at[:, 0] * out[:, 1] - at[:, 1] * out[:, 0])) / length
-        inside = strip.gaps(strip.in_tooth(at, angle))
-        gap = (hats.T @ (np.linalg.norm(along, axis=1) * inside)) / length
-        middle = (hats.T @ (np.linalg.norm(along, axis=1)[:, None] * at)) / length[:, None]
-        normal = hats.T @ out
-        normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-        parts.append((np.full(length.size, k), middle, normal, lever, gap, length))
-        own = np.zeros((len(mesh.nodes), 2, length.size))
-        own[nodes] = -np.einsum("gq,gh,gd->qdh", shapes, hats, out) / length
-        columns.append(own.reshape(-1, length.size))
-    if not parts:
-        nothing = np.zeros(0)
-        none = Flanks(
-            nothing.astype(int),
-            nothing.reshape(0, 2),
-            nothing.reshape(0, 2),
-            nothing,
-            nothing,
-            nothing,
-        )
-        return none, np.zeros((2 * len(mesh.nodes), 0))
-    return Flanks(*(np.concatenate(part) for part in zip(*parts, strict=True))), np.hstack(columns)
-
-
-def _land_hats(mesh: BeltMesh) -> tuple[Numbers, Floats, Floats]:
-    """Lands of the hats (h,), the hats outwards at the nodes and unit forces along the turn."""
-    numbers, hats, spread = [], [], []
-    for k, nodes in enumerate(mesh.lands):
-        shapes, values, along = _hats(mesh.nodes[nodes])
-        length = np.linalg.norm(along, axis=1)
-        count = values.shape[1]
-        own, force = (np.zeros((len(mesh.nodes), 2, count)) for _ in range(2))
-        own[nodes[::2], 0] = np.eye(count)
-        own[nodes[1::2], 0] = 0.5 * (np.eye(count)[:-1] + np.eye(count)[1:])
-        force[nodes, 1] = shapes.T @ (length[:, None] * values) / (length @ values)
-        numbers.append(np.full(count, k))
-        hats.append(own.reshape(-1, count))
-        spread.append(force.reshape(-1, count))
-    return np.concatenate(numbers), np.hstack(hats), np.hstack(spread)
