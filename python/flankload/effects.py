@@ -538,7 +538,7 @@ EFFECTS: tuple[Effect, ...] = (
         title="friction on the lands of a belt",
         keys=("effects.land_friction",),
         switch=_quantity("land_friction"),
-        stages=("compliance body 2", "sweep"),
+        stages=("compliance body 2", "sweep", "estimate"),
         work=Work(tangential_loads=1, unsymmetric=True),
         counters=("unit_loads_tangential",),
         size_by="levers",
