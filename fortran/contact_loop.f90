@@ -6,9 +6,9 @@ module flankload_contact_loop
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
         & no_contact_state, pivot_limit
     use flankload_contact_result, only: contact_result, blank
-    use flankload_contact_problem, only: contact_problem, new_contact_problem, row_tolerance, &
-        & is_finite_matrix, general_matrix, symmetric_matrix, definite_matrix, &
-        & definite_part
+    use flankload_contact_problem, only: contact_problem, new_contact_problem, &
+        & measure_from_zero, row_tolerance, is_finite_matrix, general_matrix, symmetric_matrix, &
+        & definite_matrix, definite_part
     use flankload_loop_start, only: loop_state
     use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
@@ -142,7 +142,8 @@ contains
         end do
     end subroutine check_choice
 
-    !> The ladder from the given rung down.
+    !> The ladder from the given rung down. What a rung has found is no answer where it does not
+    !> meet its equations: a more careful rung then begins afresh.
     pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
         !> The problem
         type(contact_problem), intent(inout) :: problem
@@ -159,23 +160,59 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
+        logical :: symmetric
+        integer :: pivots, next
+        integer, allocatable :: afresh(:)
         real(wp) :: part
 
+        symmetric = problem%symmetric
         call climb(problem, compliance, method, warm_pairs, state, result%rung, part, &
             & result%none_proven, error)
-        result%pivots = state%pivots
-        if (.not. allocated(error)) then
+        next = 0
+        do while (.not. allocated(error))
             call report_state(problem, compliance, state, result)
-            if (.not. result%backward_error <= unmet) then
-                call blank(result, problem%n, problem%n_motions)
-                result%pivots = state%pivots
+            if (result%backward_error <= unmet) return
+            next = next + 1
+            pivots = state%pivots
+            afresh = rungs_afresh(method)
+            ! No rung mends what is no number.
+            if (.not. result%backward_error <= huge(1.0_wp)) next = size(afresh) + 1
+            call blank(result, problem%n, problem%n_motions)
+            result%pivots = pivots
+            if (next > size(afresh)) then
                 call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
+                return
             end if
-        else if (error%code == no_contact_state) then
+            problem%symmetric = symmetric
+            call measure_from_zero(problem)
+            call climb(problem, compliance, afresh(next), [integer ::], state, result%rung, part, &
+                & result%none_proven, error)
+            state%pivots = state%pivots + pivots
+        end do
+        result%pivots = state%pivots
+        if (error%code == no_contact_state) then
             result%motion = problem%load_row_scale*state%motion
             result%largest_part = part
         end if
     end subroutine run_ladder
+
+    !> The rungs that begin afresh, one after the other, where what was found misses its equations.
+    pure function rungs_afresh(method) result(rungs)
+        !> The method that was asked for
+        integer, intent(in) :: method
+        integer, allocatable :: rungs(:)
+
+        select case (method)
+        case (method_single, method_primal)
+            rungs = [method_pivoted, method_load_path]
+        case (method_pivoted)
+            rungs = [method_load_path]
+        case (method_load_path)
+            rungs = [method_pivoted]
+        case default
+            rungs = [method_single, method_pivoted, method_load_path]
+        end select
+    end function rungs_afresh
 
     !> The state of a loop with its certificate, in the caller's units.
     pure subroutine report_state(problem, compliance, state, result)

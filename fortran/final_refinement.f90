@@ -3,6 +3,7 @@ module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & least_row_sizes, row_tolerance
+    use flankload_zero_force, only: pulls, is_noticed
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
@@ -29,7 +30,11 @@ module flankload_final_refinement
 contains
 
     !> Which force first becomes zero on the way to the target.
-    pure subroutine first_to_vanish(forces, target, pinned, leaving, way)
+    pure subroutine first_to_vanish(problem, pairs, forces, target, pinned, leaving, way)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The pairs in contact
+        integer, intent(in) :: pairs(:)
         !> Forces now and at the end of the way
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: target(:)
@@ -41,13 +46,14 @@ contains
         real(wp), intent(out) :: way
 
         integer :: k
-        real(wp) :: part, zero
+        real(wp) :: part
+        logical, allocatable :: negative(:)
 
-        zero = row_tolerance*maxval(abs(target))
+        negative = pulls(problem, pairs, target)
         leaving = 0
         way = 1.0_wp
         do k = 1, size(forces)
-            if (target(k) >= -zero .or. pinned(k)) cycle
+            if (.not. negative(k) .or. pinned(k)) cycle
             part = forces(k)/(forces(k) - target(k))
             if (leaving > 0) then
                 if (part > way) cycle
@@ -158,8 +164,8 @@ contains
                     & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
                     & forces, motion, solved)
                 forces = state%forces(pairs) + forces
-                call first_to_vanish(state%forces(pairs), forces, state%pinned(pairs), leaving, &
-                    & way)
+                call first_to_vanish(problem, pairs, state%forces(pairs), forces, &
+                    & state%pinned(pairs), leaving, way)
                 done = leaving == 0
                 if (.not. done) exit
                 state%forces(pairs) = max(forces, 0.0_wp)
@@ -178,12 +184,12 @@ contains
             if (.not. met) cycle
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
             if (state%condition > ill_conditioned) call refine_extended(problem, compliance, state)
-            call clear_remains(problem, state%condition, state%forces)
+            call clear_remains(problem, state)
             return
         end do
         if (done) then
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
-            call clear_remains(problem, state%condition, state%forces)
+            call clear_remains(problem, state)
             return
         end if
         ! A force that was positive before the refinement is negative after it.
@@ -194,21 +200,26 @@ contains
     end subroutine finish
 
     !> Pairs that only hold a motion in place, with no load on it, carry nothing.
-    pure subroutine clear_remains(problem, condition, forces)
+    pure subroutine clear_remains(problem, state)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Condition of the final equations
-        real(wp), intent(in) :: condition
-        !> Scaled forces, shape (n)
-        real(wp), intent(inout) :: forces(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
 
         real(wp) :: largest
+        logical, allocatable :: remains(:)
 
-        largest = maxval(forces)
+        largest = maxval(state%forces)
         if (all(abs(problem%loads) <= 0.0_wp)) then
             largest = max(largest, maxval(abs(problem%normal_gaps)))
         end if
-        where (forces <= min(no_force*condition, no_force_limit)*largest) forces = 0.0_wp
+        associate (pairs => state%system%pairs)
+            remains = state%forces(pairs) <= min(no_force*state%condition, no_force_limit)*largest
+            if (.not. any(remains)) return
+            remains = remains .and. .not. &
+                & is_noticed(problem, pairs, state%forces(pairs), remains)
+            state%forces(pack(pairs, remains)) = 0.0_wp
+        end associate
     end subroutine clear_remains
 
     !> Refine on in twice the working precision: forces that no equation within rounding of these

@@ -147,7 +147,8 @@ contains
         settled = .not. allocated(error)
     end subroutine settle_factored
 
-    !> Loops and paths from other starts.
+    !> Loops and paths from other starts, first of all from none: the rungs before have begun with
+    !> what others left.
     pure subroutine try_other_starts(touching, compliance, problem, state, pivots, settled)
         !> The problem to start from
         type(contact_problem), intent(in) :: touching
@@ -164,9 +165,15 @@ contains
 
         type(path_end) :: path
         type(error_type), allocatable :: error
+        integer, allocatable :: nothing(:)
         integer :: start, limit
 
-        settled = .false.
+        problem = touching
+        allocate (nothing(0))
+        call single_loop(problem, compliance, nothing, .true., state, error)
+        settled = .not. allocated(error)
+        if (settled) return
+        pivots = pivots + state%pivots
         limit = pivots + pivots_at_least + int(most_work/real(problem%n, wp)**2)
         do start = 1, other_starts
             if (pivots > limit) return

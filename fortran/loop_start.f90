@@ -3,6 +3,7 @@ module flankload_loop_start
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, no_contact_state, singular_contact
     use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
+    use flankload_zero_force, only: pulls
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & append_block, drop_pairs
     use flankload_bordered_solution, only: solve_bordered
@@ -140,7 +141,7 @@ contains
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return
-            negative = forces < -row_tolerance*maxval(abs(forces))
+            negative = pulls(problem, state%system%pairs, forces)
             if (.not. any(negative)) exit
             call drop_pairs(state%system, problem, compliance, negative, ready)
             if (.not. ready) return

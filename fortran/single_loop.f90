@@ -147,7 +147,8 @@ contains
             end if
             if (.not. solved) exit
             forces = state%forces(state%system%pairs)
-            call first_to_vanish(forces, target, state%pinned(state%system%pairs), leaving, way)
+            call first_to_vanish(problem, state%system%pairs, forces, target, &
+                & state%pinned(state%system%pairs), leaving, way)
             if (leaving == 0) then
                 state%left_last = 0
                 if (.not. bounced) state%waiting = .false.

@@ -8,12 +8,16 @@ import oracle
 import pytest
 from general_like import general_like
 from oracle import EPS, Problem, judge_general
-from tolerances import ROUND_OFF
+from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload import errors
 
 METHODS = ("auto", "single", "block", "load_path")
+#: Of a truss of links [N/mm], along the chain and across it: between rollers, to the ground.
+STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
+#: Rollers in pockets with a second motion on which one rung or another misses its equations.
+SECOND_MOTION = (19, 29, 39, 44, 54)
 
 
 def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.ContactState:
@@ -117,6 +121,54 @@ def test_levers_that_are_rounding(method: str) -> None:
             loads,
         )
         assert faults_of_state(problem, solve(problem, method)) == []
+
+
+def rollers_in_pockets(rng: np.random.Generator, *, second_motion: bool) -> Problem:
+    """Rollers of a chain under pretension, pressed on planes of their pockets, on a wheel without
+    torque: the planes that carry have levers of rounding, and what is left of their moment stands
+    on a plane with a lever."""
+    n, p = int(rng.integers(2, 13)), int(rng.choice([3, 5, 9, 17]))
+    angles = np.tile(np.linspace(-0.6, 0.6, p), n)
+    angles[p // 2 :: p] = 0.0
+    roller = np.repeat(np.arange(n), p)
+    normals = np.zeros((n * p, n, 2))
+    normals[np.arange(n * p), roller] = np.column_stack([np.sin(angles), np.cos(angles)])
+    link = np.eye(n) - np.eye(n, k=-1)
+    along, across = (np.linalg.inv(k * link.T @ link + own * np.eye(n)) for k, own in STIFFNESS)
+    matrix = normals[..., 0] @ along @ normals[..., 0].T
+    matrix += normals[..., 1] @ across @ normals[..., 1].T
+    same = roller[:, None] == roller[None, :]
+    matrix += same * (np.cos(angles[:, None] - angles) + 1e-4 * np.eye(n * p)) / 1e3
+    levers = 34 * np.sin(angles)
+    levers[angles == 0] = 4e-15 * rng.choice([0, 1, -1, 2], n)
+    gaps = 3 * (1 - np.cos(angles)) - 0.05 + 0.01 * np.sin(angles) * roller
+    columns, loads = levers[:, None], np.zeros(1)
+    if second_motion:
+        more = np.cos(np.arange(n * p)) * np.where(rng.random(n * p) < 0.6, 1e-17, 1.0)
+        columns = np.column_stack([levers, more])
+        loads = np.array([0.0, more @ np.abs(rng.standard_normal(n * p))])
+    return Problem(0.5 * (matrix + matrix.T), gaps, columns, columns, loads)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("second_motion", [False, True])
+def test_a_little_force_that_alone_holds_a_load(method: str, *, second_motion: bool) -> None:
+    """Set to zero as rounding of the largest it left its load unmet, and the rung that had found
+    this state ended the ladder."""
+    for seed in SECOND_MOTION if second_motion else range(30):
+        problem = rollers_in_pockets(np.random.default_rng(seed), second_motion=second_motion)
+        state = solve(problem, method)
+        verdict = judge_general(
+            problem.compliance,
+            problem.gaps,
+            problem.motions,
+            problem.loads,
+            state,
+            load_rows=problem.load_rows,
+        )
+        assert verdict.exact_violation <= 10 * EPS
+        assert verdict.backward_error <= SOLVER
+
 
 
 def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
