@@ -36,6 +36,8 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
         "effects": {"friction_coefficient": 0.3},
         "positions": {"driver": "body_2"},
     },
+    "lumped": {"effects": {"contact": "lumped"}},
+    "lumped_friction": {"effects": {"contact": "lumped", "friction_coefficient": 0.1}},
     "rigid_wheel": {"body_2": {"rigid": True}},
     "segment": {"effects": {"body": "segment", "segment_teeth": 3}},
     "single_tooth": {"effects": {"body": "tooth"}},
