@@ -55,8 +55,8 @@ def run(arguments: Namespace) -> None:
 
 
 def _plan(scene: Scene, progress: _Progress) -> Plan | None:
-    """What the run is predicted to take; of a chain no more than what every run knows before."""
-    if scene.body_2.kind == "chain":
+    """What the run is predicted to take; of a drive no more than what every run knows before."""
+    if scene.body_2.kind in ("chain", "belt"):
         return None
     from flankload.plan import plan
 

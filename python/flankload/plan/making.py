@@ -49,8 +49,8 @@ def plan(scene: Scene) -> Plan:
     """
     if isinstance(scene.body_2, Chain):
         return plan_chain(scene)
-    start = process_time()
     refuse_drives(scene)
+    start = process_time()
     plain = without_choice(scene)
     coarse = Coarse(plain)
     sizes, switches = Sizes(plain, coarse), switches_of(plain)

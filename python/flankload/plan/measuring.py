@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Effects that flanks do not know.
-OF_CHAINS = ("large_displacement",)
+OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 
 
 @dataclass(frozen=True)
@@ -101,5 +101,5 @@ def rows(scene: Scene) -> tuple[Effect, ...]:
     return tuple(
         effect
         for effect in EFFECTS
-        if effect.name not in OF_CHAINS and (teeth or not effect.of_teeth) and is_readable(effect)
+        if effect.name not in OF_DRIVES and (teeth or not effect.of_teeth) and is_readable(effect)
     )
