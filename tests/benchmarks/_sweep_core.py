@@ -19,7 +19,7 @@ from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance
 from flankload.resolution import Grid
 from flankload.stages import compliance_of
-from flankload.sweep import Sweep, _core_arguments, sweep
+from flankload.sweep import Level, Sweep, _core_arguments, sweep
 
 TARGET = "tests/fortran/bench_sweep"
 
@@ -45,7 +45,9 @@ class Job:
         """Evenly over a period, rad."""
         return np.linspace(0.0, self.bodies.pairing.period_rad, count, endpoint=False)
 
-    def sweep(self, count: int, torques_Nmm: Sequence[float]) -> tuple[Sweep, ...]:
+    def sweep(
+        self, count: int, torques_Nmm: Sequence[float], *, level: Level = "pairs"
+    ) -> tuple[Sweep, ...]:
         """Positions of a period under torques."""
         pair = self.bodies
         return sweep(
@@ -56,6 +58,7 @@ class Job:
             torques_Nmm=torques_Nmm,
             face_width_mm=self.scene.pair.face_width_mm,
             grid=pair.resolution.grid,
+            level=level,
         )
 
 

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from flankload.sweep import LEVELS
 from tests.benchmarks._sweep_core import Job, stage_times
 
 import flankload as fl
@@ -31,7 +32,7 @@ WANTED = {"position": 0.2, "seconds": 2.0, "memory": 300.0, "threads": 1.7}
 def run() -> str:
     """Measure and return the tables."""
     job = Job(fl.read_scene(SCENE))
-    return "\n".join([*_stages(job), "", *_growth(job), "", *_large_run()])
+    return "\n".join([*_stages(job), "", *_growth(job), "", _levels(job), "", *_large_run()])
 
 
 def _stages(job: Job) -> list[str]:
@@ -77,6 +78,21 @@ def _growth(job: Job) -> list[str]:
         each = 1000 * shortest / count / n_torques
         lines.append(f"{count:5d} positions x {n_torques:2d} torques: {each:.4f} ms CPU each")
     return lines
+
+
+def _levels(job: Job) -> str:
+    """Lumped contact against contact pairs, both in turn so that both meet the same machine."""
+    count, shortest = 256, {"pairs": np.inf, "lumped": np.inf}
+    for _ in range(7):
+        for level in LEVELS:
+            start = time.process_time()
+            job.sweep(count, [TORQUE], level=level)
+            shortest[level] = min(shortest[level], time.process_time() - start)
+    pairs, lumped = (1000 * shortest[level] / count for level in LEVELS)
+    return (
+        f"lumped contact {lumped:.4f} ms CPU a position, {lumped / pairs:.2f} of that of contact"
+        f" pairs ({pairs:.4f})"
+    )
 
 
 def _large_run() -> list[str]:

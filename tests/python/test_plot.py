@@ -1,6 +1,7 @@
 """Pictures: that they are made, all or none, and that they show what the result says."""
 
 import os
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -197,6 +198,28 @@ def test_loaded_pair_chooses_a_position_with_both_pairs_off_the_corners(result: 
 def test_loaded_pair_says_when_a_pressure_means_nothing(result: Result) -> None:
     p = int(np.flatnonzero(result.corner_contact.any(axis=1))[0])
     assert any("on a sharp corner" in words(axes) for axes in plot_loaded_pair(result, p).axes[1:])
+
+
+@pytest.mark.filterwarnings("error")
+def test_lumped_contact_is_drawn_as_the_pressure_of_hertz() -> None:
+    """A contact of one row drew nothing: its pressure over the face width is its force."""
+    tree = tomllib.loads((EXAMPLES / "external_gear.toml").read_text())
+    tree |= {"effects": {"contact": "lumped"}, "positions": {"count": 4}}
+    found = fl.solve(fl.Scene.from_dict(tree | {"accuracy": {"estimate": False}}))
+    assert isinstance(found, Result)
+    p = 2
+    overview, *panels = plot_loaded_pair(found, p).axes
+    forces = [
+        14.0 * np.trapezoid(*np.asarray(panel.lines[0].get_data())[::-1]) for panel in panels
+    ]
+    wanted = found.site_force_N[p][found.site_force_N[p] > 0]
+    np.testing.assert_allclose(np.sort(forces), np.sort(wanted), rtol=0.01)
+    # on the flank the profile is as wide
+    table = found.pairs(p)
+    assert table.half_width_mm is not None
+    widths = [np.hypot(*(shape.get_xy()[40] - shape.get_xy()[0])) for shape in overview.patches[-2:]]
+    loaded = table.half_width_mm[table.force_N > 0]
+    np.testing.assert_allclose(np.sort(widths), np.sort(2 * loaded), rtol=1e-9)
 
 
 def test_angles_in_any_order_make_an_ascending_open_curve() -> None:

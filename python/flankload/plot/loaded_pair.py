@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
     from flankload.result import PairTable, Result
 
+#: Points along the pressure of a lumped contact.
+HERTZ_POINTS = 41
+
 
 def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     """Teeth in mesh at one position with the pressure on their flanks, and each pressure by itself.
@@ -233,15 +236,13 @@ def _draw_pressure_on_flank(
     axes: Axes, result: Result, p: int, table: PairTable, site: int, force: str
 ) -> None:
     """The pressure as a filled profile on the flank along the normals, and the force by name."""
-    rows = _rows_of_pair(table, site)
-    place = np.column_stack([table.x_mm, table.y_mm])[rows]
-    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    _, place, normal, pressure = _profile(table, site)
     low, high = axes.get_ylim()
     largest = float(np.max(result.pairs(p).pressure_MPa, initial=0.0))
     if result.coast is not None:
-        pressure = result.coast.pair_tables[p].pressure_MPa
-        largest = max(largest, float(np.max(pressure, initial=0.0)))
-    height = 0.2 * (high - low) * table.pressure_MPa[rows] / largest
+        on_coast = result.coast.pair_tables[p].pressure_MPa
+        largest = max(largest, float(np.max(on_coast, initial=0.0)))
+    height = 0.2 * (high - low) * pressure / largest
     profile = np.vstack([place, (place + normal * height[:, None])[::-1]])
     colour = colour_of(result, site)
     axes.add_patch(
@@ -263,13 +264,34 @@ def _draw_pressure_on_flank(
     )
 
 
+def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
+    """Arc length on flank 1, place, normal and pressure along one pair.
+
+    Of a lumped contact the pressure is that of Hertz over its width.
+    """
+    rows = _rows_of_pair(table, site)
+    along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
+    place = np.column_stack([table.x_mm, table.y_mm])[rows]
+    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    if table.half_width_mm is None:
+        return along, place, normal, pressure
+    angle = np.linspace(0.0, np.pi, HERTZ_POINTS)
+    aside = -np.outer(table.half_width_mm[rows], np.cos(angle))
+    # from root to tip, as arc length grows
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    return (
+        (along[:, None] + aside).ravel(),
+        (place[:, None, :] + aside[..., None] * tangent[:, None, :]).reshape(-1, 2),
+        np.repeat(normal, HERTZ_POINTS, axis=0),
+        np.outer(pressure, np.sin(angle)).ravel(),
+    )
+
+
 def _pressure_along(
     result: Result, p: int, site: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Arc length on flank 1 from the middle of the force, mm, and pressure of one pair."""
-    table = result.pairs(p)
-    rows = _rows_of_pair(table, site)
-    along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
+    along, _, _, pressure = _profile(result.pairs(p), site)
     return along - float((along * pressure).sum() / pressure.sum()), pressure
 
 
