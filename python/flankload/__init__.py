@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
+    from flankload.accuracy import Study, accuracy
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -50,8 +51,10 @@ __all__ = [
     "Scene",
     "SceneError",
     "SingularContact",
+    "Study",
     "Verification",
     "__version__",
+    "accuracy",
     "errors",
     "plan",
     "read_scene",
@@ -86,6 +89,8 @@ _ROOM_OF_NAME = {
     "plan": "plan",
     "Result": "result",
     "solve": "solve",
+    "Study": "accuracy",
+    "accuracy": "accuracy",
     "Verification": "verify",
     "verify": "verify",
 }

@@ -23,7 +23,7 @@ from flankload.sweep import sweep
 from flankload.tangent import with_tangents
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, MutableMapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from flankload.sweep import Sweep
 
     Progress = Callable[[str, int, int], None]
+    Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
 
 #: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
 #: further apart is another tooth, or another centre distance.
@@ -107,6 +108,26 @@ def solve(
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
+    return solve_with(scene, {}, progress, plan=plan)
+
+
+def solve_with(
+    scene: Scene, kept: Kept, progress: Progress | None = None, *, plan: Plan | None = None
+) -> Result | tuple[Result, ...]:
+    """The same with compliances that another scene of the same bodies and knobs has left.
+
+    Parameters
+    ----------
+    scene, progress, plan
+        As of `solve`.
+    kept : mapping of 0 and 1 to BodyCompliance and Account
+        Of body 1 and 2, with what they took, which is counted as if it were spent here. What is
+        missing is computed and put in.
+
+    Returns
+    -------
+    Result, or a tuple of Results
+    """
     if scene.body_2.kind == "chain":
         from flankload.chain_drive import solve_chain
 
@@ -133,7 +154,7 @@ def solve(
         account.bytes += held_bytes(pair)
     guessed = None if plan is None else plan.predicted["stages"]
     predicted = predicted_costs(scene, pair, guessed)
-    compliances = _compliances(scene, pair, clock)
+    compliances = _compliances(scene, pair, clock, kept)
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
     with clock.stage("sweep", fixed) as account:
@@ -267,7 +288,7 @@ def _not_enough(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> t
 
 
 def _compliances(
-    scene: Scene, pair: BodyPair, clock: _Clock
+    scene: Scene, pair: BodyPair, clock: _Clock, kept: Kept
 ) -> tuple[BodyCompliance, BodyCompliance]:
     """One finite-element job for each body that yields and does not bring its compliance along."""
     found = []
@@ -278,6 +299,10 @@ def _compliances(
             found.append(no_compliance(body, growth))
             continue
         stage = f"compliance body {z + 1}"
+        if z in kept:
+            compliance, clock.stages[stage] = kept[z]
+            found.append(compliance)
+            continue
         with clock.stage(stage, BODY_STEPS + z * COMPLIANCE_STEPS) as account:
             compliance = compliance_of(
                 body, scene, pair.resolution, fillets=pair.fillets[z], growth=growth
@@ -286,6 +311,7 @@ def _compliances(
             account.bytes += held_bytes(compliance)
             account.workspace_bytes += compliance.workspace_bytes
             found.append(compliance)
+        kept[z] = (compliance, account)
     return found[0], found[1]
 
 

@@ -170,7 +170,6 @@ def test_a_little_force_that_alone_holds_a_load(method: str, *, second_motion: b
         assert verdict.backward_error <= SOLVER
 
 
-
 def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
     """Refined from double precision or eliminated as a whole: the same 40 digits."""
     rng = np.random.default_rng(17)

@@ -13,6 +13,7 @@ from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.planning import plan
 from flankload.cli.solving import mesh, run, schema
+from flankload.cli.studying import accuracy
 from flankload.cli.verifying import verify
 from flankload.errors import FlankloadError, SceneError
 
@@ -144,6 +145,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     compliance_parser.set_defaults(command=compliance)
 
+    _add_accuracy(commands)
     _add_verify(commands)
 
     check_parser = commands.add_parser(
@@ -155,6 +157,34 @@ def _parser() -> argparse.ArgumentParser:
     schema_parser = commands.add_parser("schema", help="print the JSON schema of a scene file")
     schema_parser.set_defaults(command=schema)
     return parser
+
+
+def _add_accuracy(commands: Any) -> None:
+    parser = commands.add_parser(
+        "accuracy",
+        help="errors beside CPU seconds, knob by knob, and the cheapest settings for 1 %%, 0.1 %%, "
+        "0.01 %%",
+    )
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    parser.add_argument(
+        "--budget", metavar="S", type=float, default=60.0,
+        help="CPU seconds after which no further run is begun; default: 60",
+    )  # fmt: skip
+    parser.add_argument(
+        "--quantities", metavar="Q,…", default="transmission_error,peak_pressure",
+        help="what must be exact, of transmission_error, load_share, peak_pressure, stiffness; "
+        "default: transmission_error,peak_pressure",
+    )  # fmt: skip
+    parser.add_argument("--csv", metavar="FILE", help="write a line per run (- for stdout)")
+    parser.add_argument("--json", metavar="FILE", help="write the study as JSON (- for stdout)")
+    parser.add_argument(
+        "--plot", metavar="DIR", type=Path, help="write the work-precision diagram to this folder"
+    )
+    parser.add_argument(
+        "--resume", metavar="FILE", type=Path,
+        help="finished runs: read where the file is there, written after each run",
+    )  # fmt: skip
+    parser.set_defaults(command=accuracy)
 
 
 def _add_verify(commands: Any) -> None:

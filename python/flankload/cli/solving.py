@@ -32,7 +32,7 @@ def run(arguments: Namespace) -> None:
     scene = read_scene(arguments.scene)
     from flankload.solve import solve
 
-    with _Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
+    with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
         found = solve(scene, progress=progress.tell, plan=plan)
     results = found if isinstance(found, tuple) else (found,)
@@ -54,7 +54,7 @@ def run(arguments: Namespace) -> None:
         print("\n\n".join(texts))
 
 
-def _plan(scene: Scene, progress: _Progress) -> Plan | None:
+def _plan(scene: Scene, progress: Progress) -> Plan | None:
     """What the run is predicted to take; of a drive no more than what every run knows before."""
     if scene.body_2.kind in ("chain", "belt"):
         return None
@@ -83,7 +83,7 @@ def _check_outputs(arguments: Namespace) -> None:
         )
     for key, path in _files(arguments).items():
         if path != STDOUT:
-            _check_file(key, Path(path))
+            check_file(key, Path(path))
     if arguments.plot is not None:
         check_folder("--plot", arguments.plot)
 
@@ -99,7 +99,8 @@ def check_folder(key: str, folder: Path) -> None:
         )
 
 
-def _check_file(key: str, path: Path) -> None:
+def check_file(key: str, path: Path) -> None:
+    """It can be written."""
     if path.is_dir():
         raise SceneError(key=key, expected="a file", found=f"the folder {path}")
     if not path.parent.is_dir():
@@ -132,7 +133,7 @@ def _plot(results: tuple[Result, ...], folder: Path) -> None:
         plot_all(result, folder / f"torque_{result.torque_Nm:g}_Nm" if several else folder)
 
 
-class _Progress:
+class Progress:
     """A bar on stderr, for what takes longer than a moment."""
 
     def __init__(self, *, wanted: bool) -> None:

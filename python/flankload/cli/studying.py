@@ -1,0 +1,54 @@
+"""The command accuracy: errors beside seconds, knob by knob, and the cheapest settings."""
+
+from __future__ import annotations
+
+import sys
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.cli.solving import STDOUT, Progress, check_file, check_folder
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+
+def accuracy(arguments: Namespace) -> None:
+    """Make the study, write and print it; interrupted, what there is of it."""
+    if not (isfinite(arguments.budget) and arguments.budget > 0):
+        raise SceneError(key="--budget", expected="CPU seconds > 0", found=f"{arguments.budget:g}")
+    files = {"--csv": arguments.csv, "--json": arguments.json}
+    if STDOUT in files.values() and files["--csv"] == files["--json"]:
+        raise SceneError(key="--json", expected="a file, since --csv takes stdout", found="-")
+    for key, path in (*files.items(), ("--resume", arguments.resume)):
+        if path not in (None, STDOUT):
+            check_file(key, Path(path))
+    if arguments.plot is not None:
+        check_folder("--plot", arguments.plot)
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.accuracy import accuracy as study_of
+
+    with Progress(wanted=sys.stderr.isatty()) as progress:
+        study = study_of(
+            scene,
+            tuple(arguments.quantities.split(",")),
+            arguments.budget,
+            progress=progress.tell,
+            resume=arguments.resume,
+        )
+    for path, text_of in ((arguments.csv, study.to_csv), (arguments.json, study.to_json)):
+        if path == STDOUT:
+            print(text_of(), end="")
+        elif path is not None:
+            text_of(path)
+    if arguments.plot is not None:
+        from flankload.plot.work_precision import write_work_precision
+
+        write_work_precision(study, arguments.plot)
+    if STDOUT not in files.values():
+        print(study)
+    if study.interrupted:
+        raise KeyboardInterrupt

@@ -1,0 +1,172 @@
+"""Error over CPU seconds: what each knob buys, and the cheapest runs of all."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from flankload.accuracy.observed import MEANINGS
+from flankload.accuracy.study_text import GROUPS, KNOBS, NAMED
+from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of
+from flankload.result import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+    from flankload.accuracy import Row, Study
+
+    Points = list[tuple[float, float]]
+
+#: Inches of a panel.
+PANEL = (4.6, 3.5)
+#: Errors below are rounding, or the reference itself, and are not drawn.
+LEAST_ERROR = 1e-7
+LEAST_SHOWN = 1e-6
+MARKS = dict(zip(KNOBS, "osD^v", strict=True))
+LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
+TITLES = {
+    "transmission_error": "Transmission error",
+    "transmission_error_mean": "Its mean",
+    "transmission_error_peak_to_peak": "Its peak to peak",
+    "load_share": "Load share",
+    "peak_pressure": "Peak pressure off corners",
+    "stiffness": "Stiffness",
+}
+
+
+def plot_work_precision(study: Study) -> Figure:
+    """A panel for each error that counts: a curve per knob, the Pareto front, tolerances.
+
+    A knob's curve is its own error over the seconds of a run with the other knobs at their default;
+    all other points are whole errors of runs.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    names = [m for m in study.measures if any(m in row.errors for row in study.rows)]
+    names = names or list(study.measures[:1])
+    columns = min(2, len(names))
+    lines = ceil(len(names) / columns)
+    with rc_context(STYLE):
+        figure = new_figure((PANEL[0] * columns, PANEL[1] * lines + 0.9))
+        panels = figure.subplots(lines, columns, squeeze=False, sharex=True)
+        for axes, name in zip(panels.flat, names, strict=False):
+            _panel(axes, study, name)
+        for axes in panels.flat[len(names) :]:
+            axes.set_visible(False)
+        for axes in panels[-1]:
+            axes.set_xlabel("CPU seconds of a run")
+        figure.suptitle(f"{study.name}: error over CPU seconds", x=0.01, ha="left", fontsize=11)
+        figure.legend(handles=_legend(study), loc="outside lower center", ncols=4)
+        return figure
+
+
+def write_work_precision(study: Study, directory: str | Path) -> Path:
+    """Write the picture.
+
+    Parameters
+    ----------
+    study : Study
+    directory : path
+        Made where it does not exist.
+
+    Returns
+    -------
+    Path
+        work_precision.png.
+    """
+    content = png_of(plot_work_precision(study))
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_atomically(folder / "work_precision.png", content)
+    return folder / "work_precision.png"
+
+
+def _panel(axes: Axes, study: Study, name: str) -> None:
+    axes.set_title(TITLES[name])
+    axes.loglog()
+    axes.set_ylim(LEAST_SHOWN, 1.0)
+    axes.set_ylabel("relative error")
+    axes.text(
+        0.99, 0.98, MEANINGS[name], transform=axes.transAxes, ha="right", va="top", fontsize=7,
+        color=GREY,
+    )  # fmt: skip
+    for tolerance in NAMED:
+        axes.axhline(tolerance, color=GREY, linewidth=0.7, linestyle=":")
+    axes.axhline(study.tolerance, color=GREY, linewidth=1.2, linestyle=(0, (6, 3)))
+    for colour, (knob, mark) in zip(COLOURS, MARKS.items(), strict=False):
+        look = {"color": colour, "marker": mark}
+        even, adaptive = _ladder(study, knob, name)
+        _points(axes, even, linestyle="-", **look)
+        _points(axes, adaptive, markerfacecolor="white", **look)
+    _points(axes, _errors(study.rows, name), color="#bbbbbb", marker=".", zorder=1)
+    front = {"linestyle": "-", "linewidth": 1.2}
+    _points(axes, _errors(study.front(name), name), color="black", marker=".", **front)
+    for level, mark in LEVEL_MARKS.items():
+        rows = [row for row in study.rows if row.group == level]
+        _points(axes, _errors(rows, name), color="black", marker=mark, markersize=8)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _ladder(study: Study, knob: str, name: str) -> tuple[Points, Points]:
+    """Even and adaptive steps: seconds with the others at their default, error of this knob."""
+    parts: tuple[Points, Points] = ([], [])
+    for row in study.steps.get(knob, ()):
+        seconds, error = study.seconds_at_default(row, knob), row.alone.get(name)
+        if seconds is not None and error is not None:
+            parts[row.setting.adaptive is not None].append((seconds, error))
+    return sorted(parts[0]), sorted(parts[1])
+
+
+def _errors(rows: Sequence[Row], name: str) -> Points:
+    return [(row.run.cpu_s, row.errors[name]) for row in rows if name in row.errors]
+
+
+def _points(axes: Axes, points: Points, **style: Any) -> None:
+    """Seconds and errors, without errors that are rounding."""
+    known = [(x, y) for x, y in points if y > LEAST_ERROR]
+    if known:
+        seconds, errors = zip(*known, strict=True)
+        look: dict[str, Any] = {"linestyle": "none", "markersize": 5, "linewidth": 1.4}
+        axes.plot(seconds, errors, **(look | style))
+
+
+def _legend(study: Study) -> list[Line2D]:
+    groups = {row.group for row in study.rows}
+    handles = [
+        Line2D([], [], color=colour, marker=mark, markersize=5, linewidth=1.4, label=KNOBS[knob])
+        for colour, (knob, mark) in zip(COLOURS, MARKS.items(), strict=False)
+        if study.steps.get(knob)
+    ]
+    if any(row.setting.adaptive is not None for row in study.steps.get("count", ())):
+        colour = COLOURS[list(MARKS).index("count")]
+        handles.append(
+            Line2D([], [], color=colour, marker=MARKS["count"], markerfacecolor="white",
+                   linestyle="none", label="adaptive positions")
+        )  # fmt: skip
+    handles += [
+        Line2D([], [], color="black", marker=mark, linestyle="none", label=GROUPS[level])
+        for level, mark in LEVEL_MARKS.items()
+        if level in groups
+    ]
+    handles.append(Line2D([], [], color="black", marker=".", linewidth=1.2, label="Pareto front"))
+    handles.append(
+        Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
+               label=f"tolerance of the scene, {study.tolerance:g}")
+    )  # fmt: skip
+    return handles
