@@ -17,10 +17,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from flankload.sweep import LEVELS
 from tests.benchmarks._sweep_core import Job, stage_times
 
 import flankload as fl
+from flankload.sweep import LEVELS
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 TORQUE = 302e3

@@ -209,15 +209,15 @@ def test_lumped_contact_is_drawn_as_the_pressure_of_hertz() -> None:
     assert isinstance(found, Result)
     p = 2
     overview, *panels = plot_loaded_pair(found, p).axes
-    forces = [
-        14.0 * np.trapezoid(*np.asarray(panel.lines[0].get_data())[::-1]) for panel in panels
-    ]
+    forces = [14.0 * np.trapezoid(*np.asarray(panel.lines[0].get_data())[::-1]) for panel in panels]
     wanted = found.site_force_N[p][found.site_force_N[p] > 0]
     np.testing.assert_allclose(np.sort(forces), np.sort(wanted), rtol=0.01)
     # on the flank the profile is as wide
     table = found.pairs(p)
     assert table.half_width_mm is not None
-    widths = [np.hypot(*(shape.get_xy()[40] - shape.get_xy()[0])) for shape in overview.patches[-2:]]
+    widths = [
+        np.hypot(*(shape.get_xy()[40] - shape.get_xy()[0])) for shape in overview.patches[-2:]
+    ]
     loaded = table.half_width_mm[table.force_N > 0]
     np.testing.assert_allclose(np.sort(widths), np.sort(2 * loaded), rtol=1e-9)
 
