@@ -219,6 +219,15 @@ def test_coast_flanks_of_a_pair_further_apart() -> None:
     np.testing.assert_allclose(further - nearer, expected, rtol=0, atol=CURVES_UM)
 
 
+def test_coast_gap_at_angles_many_turns_apart() -> None:
+    """All coast flanks between the angles were looked at: more than any memory holds."""
+    pitch = 360.0 / EXTERNAL["body_1"]["teeth"]
+    angles = {"angles_deg": [5.0, 5.0 + 4e5 * pitch, 5.0 - 2e4 * pitch]}
+    gap = solved(EXTERNAL, 0.0, rigid=True, positions=angles).coast_flank_gap_um
+    # 1.6e5 rad are rounded to 3e-11 rad, 1e-6 um
+    np.testing.assert_allclose(gap, gap[0], rtol=0, atol=CURVES_UM)
+
+
 def test_coast_flanks_move_apart_by_the_transmission_error(external: Result) -> None:
     unloaded = solved(EXTERNAL, 0.0, rigid=True, count=1).coast_flank_gap_um
     assert unloaded is not None

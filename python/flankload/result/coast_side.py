@@ -121,7 +121,7 @@ def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:
     """The pairing of coast flanks, seen in the mirror."""
     numbers = pairing.sites
     if body_2.outward > 0:
-        numbers = np.arange(int(numbers[0]), int(numbers[-1]) + 2)
+        numbers = np.union1d(numbers, numbers + 1)
     coast = coast_sites(numbers, body_1, body_2)
     turn_1, turn_2 = pairing.turns_at_zero_rad
     none = np.zeros(numbers.size)
