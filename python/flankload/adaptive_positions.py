@@ -69,11 +69,18 @@ class Window:
 
     def curve(self, position_rad: Floats, known: _Known) -> PositionCurve:
         """Rotation over the window."""
-        changes = loaded_pair_changes(
-            known.loaded, self.sites, pitches=self.pitches, whole_circle=self.whole_circle
-        )
+        return self.curve_of(position_rad, known.rotation_rad, known.loaded)
+
+    def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
+        """Values (P,) at positions (P,) over the window; loaded (P, S): which sites carry."""
         period = self.pitches * self.pitch_rad if self.closed else None
-        return curve_through(position_rad, known.rotation_rad, changes, period_rad=period)
+        return curve_through(position_rad, values, self.changes(loaded), period_rad=period)
+
+    def changes(self, loaded: Flags) -> Flags:
+        """Whether the loaded pairs (P, S) change between a position and the next, (P,)."""
+        return loaded_pair_changes(
+            loaded, self.sites, pitches=self.pitches, whole_circle=self.whole_circle
+        )
 
 
 @dataclass(frozen=True)

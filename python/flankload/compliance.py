@@ -16,6 +16,7 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account
 from flankload.elasticity import stiffness
+from flankload.element_error import missed_compliance
 from flankload.growth_loads import growth_loads, growth_of_flanks
 from flankload.near_field import (
     jump_strength,
@@ -118,6 +119,9 @@ class BodyCompliance:
         touch, as mode coefficients, mm: one row for all teeth, or one for each of `flanks`.
     expansion : float
         Strain by which the body grows as a whole before anything touches; shifts come on top.
+    missed : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
+        What the elements miss, by their estimate, of the response of a flank to the modes on
+        itself: of `smooth`, and behind it of `tangential`. None where no estimate is wanted.
     """
 
     smooth: NDArray[np.float64]
@@ -139,6 +143,7 @@ class BodyCompliance:
     root: RootResponse | None = None
     shifts: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     expansion: float = 0.0
+    missed: NDArray[np.float64] | None = None
 
     @property
     def is_rigid(self) -> bool:
@@ -224,20 +229,20 @@ class BodyCompliance:
             tangential = np.concatenate([tangential, self.crossing_tangential])
         return np.concatenate([self.smooth, self.crossing]), tangential
 
-    def fewer_modes(self) -> BodyCompliance:
-        """The same without the highest mode: a block, since the modes are orthogonal.
+    def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
+        """The same without the highest modes: a block, since the modes are orthogonal.
 
         The highest harmonic of a turn is two of them. Of tables: between half as many nodes.
         """
         if self.nodes is not None:
-            fewer, parts = every_second(self.nodes)
+            half, parts = every_second(self.nodes)
             tables = {
                 name: parts.T @ table @ parts
                 for name in ("smooth", "tangential", "along")
                 if (table := getattr(self, name)) is not None
             }
-            return replace(self, nodes=fewer, **tables)
-        kept = self.smooth.shape[1] - (2 if self.closed else 1)
+            return replace(self, nodes=half, **tables)
+        kept = self.smooth.shape[1] - (2 * fewer if self.closed else fewer)
         if kept < 1:
             return self
         tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
@@ -255,7 +260,21 @@ class BodyCompliance:
             shifts=shifts,
             crossing=crossing[0],
             crossing_tangential=crossing[1],
+            missed=None,
         )
+
+    def with_missed(self, times: float) -> BodyCompliance:
+        """The same with so many times what its elements miss by their estimate."""
+        if self.missed is None:
+            return self
+        p, f = self.smooth.shape[1], len(self.flanks)
+        own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
+        smooth, tangential = self.smooth.copy(), self.tangential
+        smooth[own] += times * self.missed[:, :, :p]
+        if tangential is not None:
+            tangential = tangential.copy()
+            tangential[own] += times * self.missed[:, :, p:]
+        return replace(self, smooth=smooth, tangential=tangential, missed=None)
 
     def unyielding(self) -> BodyCompliance:
         """Of the same body where no force moves it; known loads do."""
@@ -267,6 +286,7 @@ class BodyCompliance:
             tangential=None,
             crossing=None,
             crossing_tangential=None,
+            missed=None,
         )
 
     def grown(self) -> BodyCompliance:
@@ -324,6 +344,7 @@ def flank_compliance(
     sectors: int | None = None,
     growth: Growth | None = None,
     matrix: csc_matrix | None = None,
+    estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
 
@@ -351,6 +372,8 @@ def flank_compliance(
         By what the body grows; of a single tooth only as a whole.
     matrix : csc_matrix, optional
         Stiffness of its mesh, where it is there already.
+    estimate : bool
+        What the elements miss is estimated, too; not of nodes.
 
     Returns
     -------
@@ -364,8 +387,15 @@ def flank_compliance(
     def lap(step: str) -> None:
         nonlocal clock
         now = process_time()
-        seconds[step] = now - clock
+        seconds[step] = seconds.get(step, 0.0) + now - clock
         clock = now
+
+    missed: list[NDArray[np.float64]] = []
+    estimate = estimate and not nodal
+
+    def look(moved: NDArray[np.float64]) -> None:
+        missed.append(missed_compliance(mesh.nodes, mesh.cells, body.material, plane, moved))
+        lap("estimate")
 
     mesh, closed = body.mesh, body.curve.closed
     nodes = None
@@ -396,6 +426,7 @@ def flank_compliance(
             forces=forces,
             account=account,
             nodes=nodes,
+            look=look if estimate else None,
         )
         own = np.arange(len(flanks)) * (len(flanks) + 1)
         across = np.arange(len(response)).reshape(len(flanks), -1).T.ravel()
@@ -406,7 +437,7 @@ def flank_compliance(
             assert body.involute is not None
             coast, coast_tooth = mirrored_loads(mesh, loads[:, :n_modes], body.involute.turn_rad)
         lap("assembly")
-        more = stress(0) if stress else None
+        more, shown = stress(0) if stress else None, look if estimate else None
         count_loads(account, loads.shape[1], friction=friction)
         if sectors == 1:
             both = [part for part in (coast, more) if part is not None]
@@ -417,6 +448,7 @@ def flank_compliance(
                 lap,
                 readings=np.hstack(both) if both else None,
                 account=account,
+                look=shown,
             )
         else:
             sector, free = condense(
@@ -428,6 +460,7 @@ def flank_compliance(
                 readings=more,
                 forces=forces,
                 account=account,
+                look=shown,
             )
             if forces is not None:
                 by_growth = alike_response(sector, mesh.teeth)[None, -len(growing) :]
@@ -486,6 +519,7 @@ def flank_compliance(
         root=root,
         shifts=shifts,
         expansion=expansion,
+        missed=_missed_of_coefficients(np.stack(missed), body, n_modes) if missed else None,
     )
 
 
@@ -529,6 +563,15 @@ def _of_coefficients(
     pressures = crossing[..., :count]
     crossing[..., :count] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
     return crossing
+
+
+def _missed_of_coefficients(
+    missed: NDArray[np.float64], body: Body, n_modes: int
+) -> NDArray[np.float64]:
+    """What elements miss of displacements out of the material, between coefficients of modes."""
+    norms = mode_norms(body.mode_range_mm, n_modes, closed=body.curve.closed)
+    loads = np.tile(norms, missed.shape[2] // n_modes)
+    return missed[:, :n_modes] / (norms[:, None] * loads)
 
 
 def _stress_columns(

@@ -59,9 +59,14 @@ class PositionCurve:
     n_intervals: int
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The first and the last end, rad."""
+        return float(self.low[0]), float(self.high[-1])
+
+    @property
     def length(self) -> float:
         """From the first to the last end, rad."""
-        return float(self.high[-1] - self.low[0])
+        return self.ends[1] - self.ends[0]
 
     def values(self, position_rad: Floats) -> Floats:
         """Values at positions between both ends."""

@@ -14,7 +14,7 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
 from flankload.errors import InputError
-from flankload.estimate import N_SWEEPS, N_SWEEPS_LUMPED
+from flankload.estimate import n_sweeps
 from flankload.stages import modes_of
 from flankload.tangent import SIDES
 
@@ -103,6 +103,18 @@ def predicted_costs(
     return found
 
 
+def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
+    """Bodies (0, 1) of which an estimate tells what their elements miss.
+
+    Not where tables stand between nodes: fewer nodes tell it of both.
+    """
+    if pair.effects.nodal_near_field:
+        return ()
+    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
+    bodies = (pair.body_1, pair.body_2)
+    return tuple(z for z in (0, 1) if elastic[z] and bodies[z].mesh is not None)
+
+
 def _standing_states(pair: BodyPair) -> int:
     """Bodies that stand by their files are looked at once without load."""
     return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
@@ -176,7 +188,8 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     if not lumped:
         torques["tangent"] = len(SIDES) * loaded
     if scene.accuracy.estimate:
-        torques["estimate"] = (N_SWEEPS_LUMPED if lumped else N_SWEEPS) * loaded
+        elements = bool(elements_estimated(pair))
+        torques["estimate"] = n_sweeps(lumped=lumped, elements=elements) * loaded
     positions = {} if pair.adaptive else {"states": pair.position_rad.size}
     none: dict[str, int] = {}
     if lumped:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -26,6 +26,14 @@ class Grid:
     strips_per_half_width: float = 10.0
     corner_strips_per_half_width: float = 30.0
     zone_half_widths: float = 2.5
+
+    def coarser(self) -> Grid:
+        """Half as many cells on the half-width."""
+        return replace(
+            self,
+            strips_per_half_width=self.strips_per_half_width / 2,
+            corner_strips_per_half_width=self.corner_strips_per_half_width / 2,
+        )
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,9 @@ RESOLUTIONS: tuple[tuple[float, Resolution], ...] = (
     (0.0, Resolution(0.35 / 4.5, 8, Grid(24.0, 72.0))),
 )
 
+
+#: The knobs of a scene that names neither them nor a tolerance.
+DEFAULT = RESOLUTIONS[0][1]
 
 #: Part of the scene's tolerance that positions may use up: solving a few more costs little.
 POSITIONS_PART = 0.3

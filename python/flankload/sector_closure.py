@@ -56,6 +56,7 @@ def condense(
     readings: NDArray[np.float64] | None = None,
     forces: NDArray[np.float64] | None = None,
     account: Account | None = None,
+    look: Callable[[NDArray[np.float64]], None] | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -76,6 +77,8 @@ def condense(
         Known loads; they read, too, which says what they do themselves (Betti).
     account : Account, optional
         Where factorisations and solutions are counted.
+    look : callable, optional
+        Shown the displacements (2N, p) under the loads, both cuts held.
 
     Returns
     -------
@@ -95,6 +98,11 @@ def condense(
     solve, complement = condensed(matrix, inside, cut, account)
     tell("factorisation")
     columns, solved = loads, solve(loads[inside])
+    if look is not None:
+        moved = np.zeros_like(loads)
+        moved[inside] = solved
+        tell("solution")
+        look(moved)
     for name, more in (
         ("coast_readings", coast),
         ("stress_recoveries", readings),
@@ -263,12 +271,13 @@ def tooth_response(
     *,
     readings: NDArray[np.float64] | None = None,
     account: Account | None = None,
+    look: Callable[[NDArray[np.float64]], None] | None = None,
 ) -> tuple[NDArray[np.float64], int]:
     """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
 
     Parameters
     ----------
-    matrix, loads, mesh, lap, readings, account
+    matrix, loads, mesh, lap, readings, account, look
         As in `condense`; readings take no solutions here.
 
     Returns
@@ -284,8 +293,13 @@ def tooth_response(
     lap("factorisation")
     columns = loads if readings is None else np.hstack([loads, readings])
     response = np.zeros((mesh.teeth, columns.shape[1], loads.shape[1]))
-    response[0] = columns[inside].T @ solve(loads[inside])
+    solved = solve(loads[inside])
+    response[0] = columns[inside].T @ solved
     lap("solution")
+    if look is not None:
+        moved = np.zeros_like(loads)
+        moved[inside] = solved
+        look(moved)
     return response, inside.size
 
 

@@ -11,7 +11,7 @@ from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.errors import SceneError
-from flankload.estimate import N_SWEEPS, Estimate, estimate_errors
+from flankload.estimate import MOST_SWEEPS, Estimate, estimate_errors
 from flankload.prediction import predicted_costs
 from flankload.resolution import position_tolerance
 from flankload.result import Result
@@ -23,12 +23,13 @@ from flankload.sweep import sweep
 from flankload.tangent import with_tangents
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, MutableMapping
+    from collections.abc import Callable, Mapping, MutableMapping
 
     import numpy as np
     from numpy.typing import NDArray
 
     from flankload.plan import Plan
+    from flankload.resolution import Resolution
     from flankload.scene import Scene
     from flankload.sweep import Sweep
 
@@ -77,6 +78,13 @@ class _Clock:
 
         return tell
 
+    def move(self, seconds: Mapping[str, float], name: str, step: str) -> None:
+        """Count a step of a stage to the stage that has its name."""
+        if step in seconds:
+            for account, sign in ((self.stages[name], -1), (self.stages[step], 1)):
+                account.wall_s += sign * seconds[step]
+                account.cpu_s += sign * seconds[step]
+
     def finish(self) -> None:
         self.tell("done", self._total)
 
@@ -112,7 +120,12 @@ def solve(
 
 
 def solve_with(
-    scene: Scene, kept: Kept, progress: Progress | None = None, *, plan: Plan | None = None
+    scene: Scene,
+    kept: Kept,
+    progress: Progress | None = None,
+    *,
+    plan: Plan | None = None,
+    resolution: Resolution | None = None,
 ) -> Result | tuple[Result, ...]:
     """The same with compliances that another scene of the same bodies and knobs has left.
 
@@ -123,6 +136,8 @@ def solve_with(
     kept : mapping of 0 and 1 to BodyCompliance and Account
         Of body 1 and 2, with what they took, which is counted as if it were spent here. What is
         missing is computed and put in.
+    resolution : Resolution, optional
+        Knobs, where the scene itself names none; those of the scene if absent.
 
     Returns
     -------
@@ -139,7 +154,7 @@ def solve_with(
         drives = solve_belts(scene, progress)
         return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
-    sweeps = 2 + (N_SWEEPS if scene.accuracy.estimate else 0)
+    sweeps = 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
     clock = _Clock(progress, fixed + sweeps * SWEEP_STEPS)
     chosen: tuple[str, ...] = ()
     if scene.effects.choose is not None:
@@ -149,7 +164,7 @@ def solve_with(
             scene, choice = choose_effects(scene)
         chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
-        pair = build_bodies(scene)
+        pair = build_bodies(scene, resolution)
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
     guessed = None if plan is None else plan.predicted["stages"]
@@ -190,6 +205,9 @@ def solve_with(
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
             estimates = _estimates(found, partial(run, account=account), pair, compliances, clock)
+        for z, compliance in enumerate(compliances):
+            account.bytes += held_bytes(compliance.missed)
+            clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
         geometry = pair_geometry(pair, compliances)
         results = tuple(
@@ -245,6 +263,8 @@ def _estimates(
         compliances,
         pair.resolution.grid,
         lumped=pair.effects.lumped_contact,
+        position_rad=pair.position_rad,
+        window=window_of(pair) if pair.closed and not pair.adaptive else None,
     )
     return dict(zip(loaded, estimated, strict=True))
 
@@ -255,23 +275,29 @@ def _all_positions(
     """The pair at all its positions, what was found, what they leave in doubt, and the rounds."""
     if not pair.adaptive:
         return pair, run(pair.position_rad, 0), (None,) * len(scene.torques_Nm), 1
-    assert pair.pitches is not None
-    pairing = pair.pairing
+    window = window_of(pair)
     swept = sweep_adaptively(
         run,
         pair.position_rad,
-        Window(
-            pitch_rad=pairing.pitch_rad,
-            pitches=pair.pitches,
-            closed=pair.closed,
-            sites=pairing.sites,
-            whole_circle=pairing.whole_circle,
-        ),
+        window,
         tolerance=position_tolerance(scene),
-        most=scene.positions.most_per_pitch * pair.pitches,
+        most=scene.positions.most_per_pitch * window.pitches,
         least_rad=LEAST_VARIATION_UM / 1000.0 / pair.body_1.reference_radius_mm,
     )
     return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+
+
+def window_of(pair: BodyPair) -> Window:
+    """What the positions run over."""
+    assert pair.pitches is not None
+    pairing = pair.pairing
+    return Window(
+        pitch_rad=pairing.pitch_rad,
+        pitches=pair.pitches,
+        closed=pair.closed,
+        sites=pairing.sites,
+        whole_circle=pairing.whole_circle,
+    )
 
 
 def _not_enough(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
@@ -300,18 +326,25 @@ def _compliances(
             continue
         stage = f"compliance body {z + 1}"
         if z in kept:
-            compliance, clock.stages[stage] = kept[z]
+            compliance, account = kept[z]
+            clock.stages[stage] = replace(account)
             found.append(compliance)
             continue
         with clock.stage(stage, BODY_STEPS + z * COMPLIANCE_STEPS) as account:
             compliance = compliance_of(
-                body, scene, pair.resolution, fillets=pair.fillets[z], growth=growth
+                body,
+                scene,
+                pair.resolution,
+                fillets=pair.fillets[z],
+                growth=growth,
+                estimate=scene.accuracy.estimate and elastic[z],
             )
             account.count(**compliance.counters)
-            account.bytes += held_bytes(compliance)
+            # what the elements miss is the estimate's
+            account.bytes += held_bytes(replace(compliance, missed=None))
             account.workspace_bytes += compliance.workspace_bytes
             found.append(compliance)
-        kept[z] = (compliance, account)
+        kept[z] = (compliance, replace(account))
     return found[0], found[1]
 
 

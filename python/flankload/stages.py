@@ -42,6 +42,7 @@ def compliance_of(
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
     matrix: csc_matrix | None = None,
+    estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
 
@@ -59,6 +60,8 @@ def compliance_of(
         By what the body grows.
     matrix : csc_matrix, optional
         Stiffness of its mesh, where it is there already.
+    estimate : bool
+        What elements miss is estimated, too.
 
     Returns
     -------
@@ -91,6 +94,7 @@ def compliance_of(
             sectors=scene.sectors,
             growth=growth,
             matrix=matrix,
+            estimate=estimate,
         )
     return found if scene.effects.tooth_coupling else found.without_coupling()
 

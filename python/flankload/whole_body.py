@@ -82,6 +82,7 @@ def whole_response(
     closed: bool = False,
     account: Account | None = None,
     nodes: NDArray[np.float64] | None = None,
+    look: Callable[[NDArray[np.float64]], None] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -107,6 +108,8 @@ def whole_response(
         Where load cases and solutions are counted.
     nodes : (n_modes,) array, optional
         Arc lengths on each flank, mm: unit forces at nodes in place of modes.
+    look : callable, optional
+        Shown the displacements (2N, p) under the loads of each flank, one after the other.
 
     Returns
     -------
@@ -143,6 +146,11 @@ def whole_response(
         moved = solve(right)
         for i, (places, weight) in enumerate(seen):
             response[i, j] = weight.T @ moved[places]
+        if look is not None:
+            shown = np.zeros((matrix.shape[0], p))
+            shown[free] = moved
+            tell("solution")
+            look(shown)
     by_forces = np.zeros((f, 0, p))
     if forces is not None:
         account.count(fe_load_cases_growth=forces.shape[1])

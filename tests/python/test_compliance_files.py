@@ -127,7 +127,11 @@ def test_scene_read_back_is_the_original_bit_by_bit(folder: Path, plain: fl.Resu
 def test_estimate_is_that_of_the_original(folder: Path) -> None:
     keys: dict[str, Any] = {"accuracy": {}, "positions": {"count": 4}}
     found = solved(folder, body_1=FROM_FILE_1, body_2=FROM_FILE_2, **keys)
-    assert found.estimate == solved(**keys).estimate
+    here, there = found.estimate["by_source"], solved(**keys).estimate["by_source"]
+    assert here["strips"] == there["strips"]
+    assert here["modes"] == there["modes"]
+    # what elements miss is not known of a compliance from a file
+    assert "elements" not in here
 
 
 def test_one_body_from_a_file_is_one_job_less(folder: Path, plain: fl.Result) -> None:

@@ -6,6 +6,7 @@ the sweep by a few of its own states, at its own resolution. What can be counted
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
@@ -15,7 +16,7 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account, held_bytes
 from flankload.estimate import estimate_errors
-from flankload.prediction import predicted_work
+from flankload.prediction import elements_estimated, predicted_work
 from flankload.stages import grown_pair, sweep_of
 from flankload.tangent import with_tangents
 
@@ -47,6 +48,7 @@ STEPS = ("assembly", "factorisation", "solution", "ring")
 ASSEMBLY_S, ELEMENT_S = 0.011, 6.5e-5
 FACTOR_S, FACTOR_POWER = 3.0e-7, 1.3
 SOLUTION_S = 1.0e-7
+SMOOTHING_S = 6.0e-6
 HARMONIC_S, HARMONIC_CUT_S = 4.0e-5, 2.0e-10
 CUT_PART = 0.3
 BYTES_OF_ROW, FACTOR_BYTES, FACTOR_BYTES_POWER = 390.0, 140.0, 1.15
@@ -76,6 +78,8 @@ def price_run(
     stages = {"bodies": Account(cpu_s=bodies_s, bytes=held_bytes(pair))}
     stages |= price_compliances(counted, pair, coarse, coarse_pair)
     stages |= _price_sweeps(scene, pair, coarse)
+    if scene.accuracy.estimate:
+        stages["estimate"].cpu_s += _price_smoothing(counted, pair, coarse, coarse_pair)
     for stage, account in stages.items():
         account.counters |= counted.get(stage, {})
     return stages
@@ -124,12 +128,35 @@ def _price_elements(
 ) -> Account:
     """Price of the elements of a body, by what the formulas miss on its coarse ones."""
     account, told = _elements(body, counters), _elements(small, coarse.counters)
-    spent = sum(coarse.seconds.get(step, 0.0) for step in STEPS)
-    account.cpu_s *= spent / told.cpu_s if spent > 0 else 1.0
+    account.cpu_s *= _slower(small, coarse)
     account.bytes += held_bytes(fillets.points) if fillets is not None else 0
     part = coarse.workspace_bytes / told.workspace_bytes
     account.workspace_bytes = round(part * account.workspace_bytes)
     return account
+
+
+def _price_smoothing(
+    counted: Mapping[str, dict[str, int]],
+    pair: BodyPair,
+    coarse: Compliances,
+    coarse_pair: BodyPair,
+) -> float:
+    """CPU seconds that the estimate takes for what elements miss."""
+    seconds = 0.0
+    for z in elements_estimated(pair):
+        counters = counted[f"compliance body {z + 1}"]
+        columns = counters["unit_loads_normal"] + counters["unit_loads_tangential"]
+        body, small = ((one.body_1, one.body_2)[z] for one in (pair, coarse_pair))
+        assert body.mesh is not None
+        n_elements = sum(len(cells) for _, cells in body.mesh.cells)
+        seconds += SMOOTHING_S * n_elements * columns * _slower(small, coarse[z])
+    return seconds
+
+
+def _slower(small: Body, coarse: BodyCompliance) -> float:
+    """Seconds on this machine over those by the formulas."""
+    spent = sum(coarse.seconds.get(step, 0.0) for step in STEPS)
+    return spent / _elements(small, coarse.counters).cpu_s if spent > 0 else 1.0
 
 
 def _elements(body: Body, counters: Mapping[str, int]) -> Account:
@@ -204,6 +231,12 @@ class _Probe:
         self._run = partial(sweep_of(scene, pair), compliances=compliances)
         self._again = partial(sweep_of(scene, pair), keep_pairs=False)
         self._pair, self._compliances = pair, compliances
+        # the estimate sweeps with what elements miss, which takes as long where it is nothing
+        one, two = (
+            _nothing_missed(compliance) if z in elements_estimated(pair) else compliance
+            for z, compliance in enumerate(compliances)
+        )
+        self._estimated = one, two
         self._torques = torques_Nmm
         positions = pair.position_rad
         few = np.linspace(0, positions.size - 1, PROBE_POSITIONS).round().astype(int)
@@ -242,9 +275,10 @@ class _Probe:
             estimate_errors(
                 loaded,
                 run,
-                self._compliances,
+                self._estimated,
                 self._pair.resolution.grid,
                 lumped=self._pair.effects.lumped_contact,
+                position_rad=position_rad,
             )
 
     def tried(self, work: Callable[[Floats, Account], None]) -> Account:
@@ -265,6 +299,13 @@ class _Probe:
             + round(max(0, account.workspace_bytes - influence) * many / n),
             counters={name: round(k * many / n) for name, k in account.counters.items()},
         )
+
+
+def _nothing_missed(compliance: BodyCompliance) -> BodyCompliance:
+    along = compliance.tangential
+    p = compliance.smooth.shape[1]
+    nothing = np.zeros((1, p, p + (0 if along is None else along.shape[2])))
+    return replace(compliance, missed=nothing)
 
 
 def _shortest(work: Callable[[Account], None]) -> tuple[float, Account]:

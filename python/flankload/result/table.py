@@ -318,8 +318,11 @@ def _friction(friction: FrictionResult) -> str:
 
 
 def _estimate(estimate: Any) -> str:
+    """Each quantity's error, and the source that adds most to it."""
+    sources = estimate.get("dominant_source", {})
     return ", ".join(
         f"{quantity.replace('_', ' ')} {100 * error:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )

@@ -1,0 +1,196 @@
+"""What finite elements miss of a compliance, by smoothing their stresses.
+
+A compliance from elements is too small by the energy of what they miss. Their stresses jump from
+element to element; taken at the Gauss points where they are best, averaged at the nodes and
+interpolated like displacements, they come nearer to the true ones than they were, so that the
+energy of the difference is that of the error (O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth.
+Eng. 24, 1987). As it is bilinear in the loads, one matrix holds it for all of them; no second mesh
+and no further solution is needed.
+
+Of one sector the stresses are those with both cuts held: what is missed far from the loads, in the
+rim and in the other teeth, is smooth and small beside that under the flank. On gears, rings and
+splines at 7 to 24 elements along the flank the true loss, a unit load anywhere, is 0.6 to 2.2 of
+the estimate, and the nearer to it the finer the mesh; on cams and followers 0.1 to 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from flankload.elasticity import lame_parameters
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Material
+
+    Floats = NDArray[np.float64]
+    Cells = tuple[tuple[str, NDArray[np.int64]], ...]
+
+
+@dataclass(frozen=True)
+class _Element:
+    """An element of n nodes on its reference shape.
+
+    Attributes
+    ----------
+    best : (b, 2, n) array
+        Slopes of the shape functions where stresses are best.
+    outward : (n, b) array
+        Values there to the nodes.
+    slopes : (g, 2, n) array
+        Slopes at the points of a quadrature.
+    shapes : (g, n) array
+    weights : (g,) array
+    """
+
+    best: Floats
+    outward: Floats
+    slopes: Floats
+    shapes: Floats
+    weights: Floats
+
+
+def missed_compliance(
+    nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
+) -> Floats:
+    """Compliance that elements miss.
+
+    Parameters
+    ----------
+    nodes : (N, 2) array
+        mm.
+    cells : ((kind, (E, n) array), ...)
+        "quad9" or "triangle6" in meshio's node order.
+    material : Material
+    plane : {"strain", "stress"}
+    moved : (2N, p) array
+        Displacements under p loads, per mm of width; degree of freedom 2*node + component.
+
+    Returns
+    -------
+    (p, p) array
+        Positive semidefinite, to be added to the response of the loads to each other.
+    """
+    lame_lambda, lame_mu = lame_parameters(material, plane)
+    elastic = np.array(
+        [
+            [lame_lambda + 2 * lame_mu, lame_lambda, 0.0],
+            [lame_lambda, lame_lambda + 2 * lame_mu, 0.0],
+            [0.0, 0.0, lame_mu],
+        ]
+    )
+    # energy of a stress s: |root s|²
+    root = np.linalg.cholesky(np.linalg.inv(elastic)).T
+    p = moved.shape[1]
+    displaced = moved.reshape(len(nodes), 2, p)
+    total, count = np.zeros((len(nodes), 3 * p)), np.zeros(len(nodes))
+    for kind, connectivity in cells:
+        element = _element(kind)
+        own = [
+            _strains(nodes[connectivity], displaced[connectivity], slopes)[0]
+            for slopes in element.best
+        ]
+        there = np.tensordot(element.outward, np.stack(own), axes=(1, 0))  # (n, E, 3, p)
+        spread = csr_matrix(
+            (np.ones(connectivity.size), (connectivity.T.ravel(), np.arange(connectivity.size))),
+            shape=(len(nodes), connectivity.size),
+        )
+        total += spread @ there.reshape(-1, 3 * p)
+        count += np.bincount(connectivity.ravel(), minlength=len(nodes))
+    smoothed = total / np.maximum(count, 1.0)[:, None]
+    missed = np.zeros((p, p))
+    for kind, connectivity in cells:
+        element = _element(kind)
+        for slopes, shapes, weight in zip(
+            element.slopes, element.shapes, element.weights, strict=True
+        ):
+            own_strain, area = _strains(nodes[connectivity], displaced[connectivity], slopes)
+            better = np.tensordot(shapes, smoothed[connectivity.T], axes=(0, 0))
+            change = better.reshape(own_strain.shape) - own_strain
+            change = (root @ elastic) @ change * np.sqrt(weight * area)[:, None, None]
+            flat = change.reshape(-1, p)
+            missed += flat.T @ flat
+    return missed
+
+
+def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+    """Strains (E, 3, p) at a point of each element, and its Jacobian (E,)."""
+    jacobian = slopes @ places  # (E, 2, 2)
+    area = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
+    gradient = np.linalg.solve(jacobian, np.broadcast_to(slopes, (len(places), *slopes.shape)))
+    along_x = gradient @ displaced[:, :, 0]  # (E, 2, p)
+    along_y = gradient @ displaced[:, :, 1]
+    strain = np.stack([along_x[:, 0], along_y[:, 1], along_x[:, 1] + along_y[:, 0]], axis=1)
+    return strain, np.abs(area)
+
+
+@cache
+def _element(kind: str) -> _Element:
+    return _quadrilateral() if kind == "quad9" else _triangle()
+
+
+def _quadrilateral() -> _Element:
+    """Biquadratic; stresses are best at the four Gauss points, the quadrature has nine."""
+    node = np.array(
+        [[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0], [0, 0]], dtype=float
+    )
+
+    def values(points: Floats) -> tuple[Floats, Floats]:
+        def line(x: Floats) -> tuple[Floats, Floats]:
+            value = np.stack([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2])
+            return value, np.stack([x - 0.5, -2 * x, x + 0.5])
+
+        (across, d_across), (up, d_up) = line(points[:, 0]), line(points[:, 1])
+        i, j = (node + 1).astype(int).T
+        shapes = across[i] * up[j]
+        slopes = np.stack([d_across[i] * up[j], across[i] * d_up[j]])
+        return shapes.T, slopes.transpose(2, 0, 1)
+
+    def square(n: int) -> tuple[Floats, Floats]:
+        x, weight = np.polynomial.legendre.leggauss(n)
+        grid = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
+        return grid, np.outer(weight, weight).ravel()
+
+    best, _ = square(2)
+    bilinear = (1 + node[:, None, 0] * best[:, 0] * 3) * (1 + node[:, None, 1] * best[:, 1] * 3)
+    points, weights = square(3)
+    shapes, slopes = values(points)
+    return _Element(values(best)[1], bilinear / 4, slopes, shapes, weights)
+
+
+def _triangle() -> _Element:
+    """Quadratic; stresses are best at three inner points, the quadrature has six."""
+
+    def values(points: Floats) -> tuple[Floats, Floats]:
+        x, y = points.T
+        z = 1 - x - y
+        shapes = [
+            z * (2 * z - 1),
+            x * (2 * x - 1),
+            y * (2 * y - 1),
+            4 * z * x,
+            4 * x * y,
+            4 * y * z,
+        ]
+        nought = np.zeros_like(x)
+        d_x = [1 - 4 * z, 4 * x - 1, nought, 4 * (z - x), 4 * y, -4 * y]
+        d_y = [1 - 4 * z, nought, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)]
+        return np.stack(shapes, axis=1), np.stack([np.stack(d_x), np.stack(d_y)]).transpose(2, 0, 1)
+
+    node = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]])
+    best = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
+    linear = np.linalg.inv(np.column_stack([np.ones(3), best]))
+    outward = np.column_stack([np.ones(6), node]) @ linear
+    # G. R. Cowper, Int. J. Numer. Meth. Eng. 7, 1973: exact to degree 4
+    a, b = 0.445948490915965, 0.091576213509771
+    points = np.array([[c, c] for c in (a, b)] + [[c, 1 - 2 * c] for c in (a, b)])
+    points = np.vstack([points, [[1 - 2 * c, c] for c in (a, b)]])
+    weights = 0.5 * np.tile([0.223381589678011, 0.109951743655322], 3)
+    shapes, slopes = values(points)
+    return _Element(values(best)[1], outward, slopes, shapes, weights)

@@ -1,0 +1,139 @@
+"""How honest the error estimate is: what it says beside what a four times finer solution shows.
+
+FLANKLOAD_ESTIMATE=… sets another number of scenes than 42; what is found stays in
+out/bench_estimate.json, and a run that was stopped goes on from there.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tests.benchmarks._scenes import scenes
+
+import flankload as fl
+from flankload.estimate import OVERALL, POINTWISE
+from flankload.resolution import Grid, Resolution, choose_resolution
+from flankload.solve import solve_with
+
+STORE = Path("out/bench_estimate.json")
+#: Every knob four times as fine; modes as many as the schema allows: twelve. On a mesh four times
+#: as fine more of them get worse at the ends of the flank.
+FINER, MODES = 4, 12
+#: Errors below are rounding.
+LEAST = 1e-9
+
+Errors = dict[str, float]
+
+
+def run() -> str:
+    """A table: part of the scenes in which the error is below the estimate, and the like."""
+    count = int(os.environ.get("FLANKLOAD_ESTIMATE", "42"))
+    found: list[dict[str, Any]] = json.loads(STORE.read_text()) if STORE.exists() else []
+    for kind, scene in scenes(count)[len(found) :]:
+        found.append({"kind": kind, **compared(scene)})
+        STORE.parent.mkdir(exist_ok=True)
+        STORE.write_text(json.dumps(found))
+    return "\n".join(table(found[:count]))
+
+
+def table(found: list[dict[str, Any]]) -> list[str]:
+    """Lines of what was found."""
+    lines = [
+        f"{len(found)} scenes; true error against {FINER} times finer cells, elements, positions",
+        f"{'':34}scenes  below estimate  estimate < 10 error  median of both",
+    ]
+    for quantity in (*POINTWISE, *OVERALL):
+        both = np.array([(one["true"][quantity], one["told"][quantity]) for one in found])
+        true, told = both[np.isfinite(both).all(axis=1) & (both[:, 0] > LEAST)].T
+        lines.append(
+            f"{quantity:34}{true.size:6}{100 * np.mean(true <= told):14.0f} %"
+            f"{100 * np.mean(told < 10 * true):19.0f} %"
+            f"{100 * np.median(true):10.3f} % {100 * np.median(told):.3f} %"
+        )
+    price = [one["price"] for one in found]
+    lines.append(
+        f"CPU time of the estimate, median and largest part of the run: "
+        f"{np.median(price):.2f}, {max(price):.2f}"
+    )
+    return lines
+
+
+def compared(scene: dict[str, Any]) -> dict[str, Any]:
+    """What the estimate tells of a scene, what is true, and its part of the run's CPU time."""
+    result = fl.solve(fl.Scene.from_dict(scene))
+    assert isinstance(result, fl.Result)
+    assert result.estimate is not None
+    count = scene["positions"]["count"]
+    stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
+    return {
+        "true": true_errors(result, finer_solution(scene, FINER * count)),
+        "told": {name: result.estimate[name] for name in (*POINTWISE, *OVERALL)},
+        "price": stages["estimate"] / sum(stages.values()),
+    }
+
+
+def finer_solution(scene: dict[str, Any], count: int) -> fl.Result:
+    """The scene with all knobs finer."""
+    finer = fl.Scene.from_dict(
+        {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
+    )
+    default = choose_resolution(finer)
+    result = solve_with(
+        finer,
+        {},
+        resolution=Resolution(
+            default.flank_element_parts / FINER,
+            MODES,
+            Grid(
+                FINER * default.grid.strips_per_half_width,
+                FINER * default.grid.corner_strips_per_half_width,
+                default.grid.zone_half_widths,
+            ),
+        ),
+    )
+    assert isinstance(result, fl.Result)
+    return result
+
+
+def true_errors(result: fl.Result, finer: fl.Result) -> Errors:
+    """Errors of all quantities by a finer solution at more positions."""
+    at = np.abs(finer.position_rad - result.position_rad[:, None]).argmin(axis=1)
+    rotation, true = result.rotation_rad, finer.rotation_rad
+    sites = np.union1d(result.sites, finer.sites)
+
+    def placed(one: fl.Result, values: np.ndarray) -> np.ndarray:
+        wide = np.zeros((len(values), sites.size))
+        wide[:, np.searchsorted(sites, one.sites)] = values
+        return wide
+
+    share = placed(result, result.load_share) - placed(finer, finer.load_share[at])
+    peak = placed(result, result.peak_pressure_MPa)
+    true_peak = placed(finer, finer.peak_pressure_MPa[at])
+    corner = placed(result, result.corner_contact) + placed(finer, finer.corner_contact[at])
+    smooth = (corner == 0) & (peak > 0)
+    variation = np.ptp(true)
+    return {
+        "transmission_error": float(np.abs(rotation - true[at]).max() / np.abs(true).max()),
+        "load_share": float(np.abs(share).max()),
+        "peak_pressure": float(
+            np.abs(peak - true_peak)[smooth].max(initial=0.0) / true_peak[smooth].max(initial=1.0)
+        ),
+        "transmission_error_mean": float(abs(rotation.mean() / true.mean() - 1)),
+        "transmission_error_peak_to_peak": float(abs(np.ptp(rotation) / variation - 1))
+        if variation > 0
+        else 0.0,
+        "stiffness_secant": _of_mean(
+            result.stiffness_secant_Nm_per_rad, finer.stiffness_secant_Nm_per_rad
+        ),
+        "stiffness_tangent": _of_mean(
+            result.stiffness_tangent_Nm_per_rad, finer.stiffness_tangent_Nm_per_rad
+        ),
+    }
+
+
+def _of_mean(values: np.ndarray, true: np.ndarray) -> float:
+    return float(abs(values.mean() / true.mean() - 1))
