@@ -1,7 +1,7 @@
 """How honest the error estimate is: what it says beside what a four times finer solution shows.
 
-FLANKLOAD_ESTIMATE=… sets another number of scenes than 42; what is found stays in
-out/bench_estimate.json, and a run that was stopped goes on from there.
+FLANKLOAD_ESTIMATE=… sets another number of scenes than 42, FLANKLOAD_SEED=… draws others; what is
+found stays in out/bench_estimate_SEED.json, and a run that was stopped goes on from there.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.benchmarks._scenes import scenes
+from tests.benchmarks._scenes import SEED, scenes
 
 import flankload as fl
 from flankload.estimate import OVERALL, POINTWISE
 from flankload.resolution import Grid, Resolution, choose_resolution
 from flankload.solve import solve_with
 
-STORE = Path("out/bench_estimate.json")
+STORE = "out/bench_estimate_{}.json"
 #: Every knob four times as fine; modes as many as the schema allows: twelve. On a mesh four times
 #: as fine more of them get worse at the ends of the flank.
 FINER, MODES = 4, 12
@@ -32,11 +32,13 @@ Errors = dict[str, float]
 def run() -> str:
     """A table: part of the scenes in which the error is below the estimate, and the like."""
     count = int(os.environ.get("FLANKLOAD_ESTIMATE", "42"))
-    found: list[dict[str, Any]] = json.loads(STORE.read_text()) if STORE.exists() else []
-    for kind, scene in scenes(count)[len(found) :]:
+    seed = int(os.environ.get("FLANKLOAD_SEED", SEED))
+    store = Path(STORE.format(seed))
+    found: list[dict[str, Any]] = json.loads(store.read_text()) if store.exists() else []
+    for kind, scene in scenes(count, seed=seed)[len(found) :]:
         found.append({"kind": kind, **compared(scene)})
-        STORE.parent.mkdir(exist_ok=True)
-        STORE.write_text(json.dumps(found))
+        store.parent.mkdir(exist_ok=True)
+        store.write_text(json.dumps(found))
     return "\n".join(table(found[:count]))
 
 
