@@ -93,12 +93,24 @@ def result_of_belt(
             "largest_backward_error": passes.backward_error,
             "largest_condition": passes.condition,
             "bytes": sum(account.bytes for account in stages.values()),
-            "stages": {name: account.as_dict() for name, account in stages.items()},
+            "stages": {
+                name: account.as_dict() | {"predicted": _predicted(name, len(scene.torques_Nm))}
+                for name, account in stages.items()
+            },
         },
         warnings=_warnings(scene, drive),
         drawing=_drawing(strip, mesh),
     )
     return replace(result, drive=drive)
+
+
+def _predicted(stage: str, n_torques: int) -> dict[str, dict[str, int]]:
+    """What is known of a stage before the run."""
+    known = {
+        "compliance body 2": {"fe_factorisations": 1},
+        "sweep": {"states": n_torques, "contact_passes": n_torques},
+    }
+    return {"counters": known.get(stage, {})}
 
 
 def _stiffness(state: BeltState, width: float) -> float:
