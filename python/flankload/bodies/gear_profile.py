@@ -10,9 +10,9 @@ from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
 
 from flankload.bodies.basic_rack import BasicRack, basic_rack
+from flankload.bodies.bisection import sign_change
 from flankload.bodies.gear_tip import (
     FormPoint,
     flank_and_tip,
@@ -188,8 +188,8 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
     # the radius grows as beta falls; below the base circle there is no involute
     low = 0.5 * pi
     if place(low)[0] < flank.base_radius_mm:
-        low = brentq(lambda beta: place(beta)[0] - flank.base_radius_mm, angle, low, xtol=1e-15)
-    beta = brentq(metal_left, angle, low, xtol=1e-15, rtol=1e-15)
+        low = sign_change(lambda beta: place(beta)[0] - flank.base_radius_mm, angle, low)
+    beta = sign_change(metal_left, angle, low)
     return FormPoint(max(flank.roll_at(place(beta)[0]), LEAST_ROLL), beta, True)
 
 

@@ -10,8 +10,8 @@ from math import atan2, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
+from flankload.bodies.bisection import sign_change
 from flankload.bodies.involute import Involute, InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.flank_curve import CurvePiece, Place
@@ -221,7 +221,7 @@ def _tip_rounding(
         end = flank.roll_at(tip_radius)
         if outward * rounding >= tip_radius or beyond(start.roll) >= 0.0:
             return float("nan")
-        return float(brentq(beyond, start.roll, end, xtol=1e-15, rtol=1e-15))
+        return sign_change(beyond, start.roll, end)
 
     roll = touching(radius)
     if not (roll == roll and _inside_tooth(center(roll, radius), involute)):

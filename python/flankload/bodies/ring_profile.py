@@ -11,8 +11,8 @@ from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
 
+from flankload.bodies.bisection import sign_change
 from flankload.bodies.gear_tip import (
     FlankGeometry,
     FormPoint,
@@ -238,7 +238,7 @@ def _root_arc(involute: Involute, spec: RingGeometry, key: str) -> RootArc:
         return _touching_arc(involute, radius).center_angle_rad
 
     if beside(room) < 0.0:
-        largest = float(brentq(beside, 0.0, room, xtol=1e-15, rtol=1e-14)) * FULL
+        largest = sign_change(beside, 0.0, room) * FULL
     radius = spec.root_fillet_radius_mm
     if radius is None:
         return _touching_arc(involute, largest)
