@@ -25,8 +25,9 @@ from flankload.scene import (
 )
 
 #: How the size of an effect is found before the run: the same pair with another compliance, with
-#: other gaps, with other places of contact, with other levers; or it changes no state at all.
-SizeBy = Literal["compliance", "gaps", "places", "levers", "nothing"]
+#: other gaps, with other places of contact, with other levers; by a law, from how far apart nodes
+#: stand; or it changes no state at all.
+SizeBy = Literal["compliance", "gaps", "places", "levers", "spacing", "nothing"]
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,6 @@ class Work:
         Influence columns, for each of the contact pairs of a position under a torque.
     solves : float
         Contact problems, for each position under a torque.
-    unsymmetric : bool
-        Influence numbers are no longer the same both ways: contact problems of many pairs become
-        dearer by more than their columns.
     """
 
     factorisations: float = 0
@@ -76,7 +74,6 @@ class Work:
     recoveries: float = 0
     columns: float = 0
     solves: float = 0
-    unsymmetric: bool = False
 
 
 @dataclass(frozen=True)
@@ -398,6 +395,7 @@ EFFECTS: tuple[Effect, ...] = (
         switch=_level("near_field", "nodes", "analytic"),
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
         counters=("unit_loads_nodal",),
+        size_by="spacing",
         coarser=True,
         excludes=("lumped_contact", "coast_flanks", "thermal_growth", "centrifugal_growth"),
     ),
@@ -494,7 +492,7 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.friction_coefficient",),
         switch=_rubs,
         stages=(*BOTH_BODIES, *ALL_SWEEPS),
-        work=Work(tangential_loads=1, columns=1, unsymmetric=True),
+        work=Work(tangential_loads=1, columns=1),
         counters=("unit_loads_tangential",),
         size_by="levers",
     ),
@@ -539,7 +537,7 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.land_friction",),
         switch=_quantity("land_friction"),
         stages=("compliance body 2", "sweep", "estimate"),
-        work=Work(tangential_loads=1, unsymmetric=True),
+        work=Work(tangential_loads=1),
         counters=("unit_loads_tangential",),
         size_by="levers",
         excludes=("land_lift",),
@@ -550,7 +548,7 @@ EFFECTS: tuple[Effect, ...] = (
         keys=("effects.land_lift",),
         switch=_level("land_lift", True, False),
         stages=("compliance body 2", "sweep"),
-        work=Work(normal_loads=1, columns=1, unsymmetric=True),
+        work=Work(normal_loads=1, columns=1),
         size_by="places",
         excludes=("land_friction",),
     ),

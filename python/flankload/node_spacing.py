@@ -135,6 +135,30 @@ def spacing_for_loads(
     return widest if contact is None else min(widest, NODES_PART * contact.half_width_mm)
 
 
+def half_widths_apart(
+    bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
+) -> float | None:
+    """Distance of nodes over the half-width of the contact.
+
+    Parameters
+    ----------
+    bodies : two Body
+    nodes_mm : float
+        Distance of the nodes.
+    torque_Nm : float
+        On body 1, all of it on one flank.
+    face_width_mm : float
+
+    Returns
+    -------
+    float or None
+        Where the flanks conform, `NODES_PART` at the distance that `spacing_for_loads` gives. None
+        without torque.
+    """
+    wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
+    return None if wanted is None else NODES_PART * nodes_mm / wanted
+
+
 def wide_nodes_notes(
     bodies: tuple[Body, Body],
     nodes_mm: tuple[NDArray[np.float64] | None, NDArray[np.float64] | None],

@@ -34,6 +34,7 @@ SIZES = {
     "gaps": "other gaps",
     "places": "other places of contact",
     "levers": "other levers or influence numbers",
+    "spacing": "spacing of the nodes",
     "nothing": "changes no state",
 }
 
@@ -43,7 +44,7 @@ def effects_table() -> list[str]:
     lines = ["| effect | keys | adds | size from |", "|---|---|---|---|"]
     for effect in EFFECTS:
         keys = ", ".join(f"`{key}`" for key in effect.keys)
-        numbers = zip(WORK, astuple(effect.work), strict=False)  # without what follows the numbers
+        numbers = zip(WORK, astuple(effect.work), strict=True)
         adds = ", ".join(text.format(f"{number:+g}") for text, number in numbers if number)
         lines.append(f"| {effect.title} | {keys} | {adds or '–'} | {SIZES[effect.size_by]} |")
     return lines

@@ -16,14 +16,15 @@ from msgspec import structs
 from flankload.assembly import BodyPair, bodies_of, build_bodies
 from flankload.bodies.body import Material
 from flankload.compliance import BodyCompliance, no_compliance
+from flankload.cost import Account
 from flankload.elasticity import condensed, stiffness
 from flankload.plan.sizes import States
-from flankload.resolution import Grid, Resolution
+from flankload.resolution import Grid, Resolution, choose_resolution
 from flankload.scene.tables import EffectsAsked, Positions
 from flankload.stages import compliance_of, grown_pair, sweep_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_matrix
@@ -60,6 +61,8 @@ class Coarse:
         self._compliances: dict[Any, BodyCompliance] = {}
         self._matrices: dict[Any, tuple[csc_matrix, float]] = {}
         self._state_s: dict[Scene, float] = {}
+        self._solutions: dict[Scene, float] = {}
+        self._fine: dict[Scene, BodyPair] = {}
         scene = without_knobs(scene)
         bodies = (self._body(scene, 0), self._body(scene, 1))
         self.position_rad = some_of(build_bodies(scene, COARSE, bodies=bodies).position_rad)
@@ -87,6 +90,17 @@ class Coarse:
             bodies = (self._body(scene, 0), self._body(scene, 1))
             self._pairs[scene] = build_bodies(scene, COARSE, bodies=bodies)
         return self._pairs[scene]
+
+    def fine_pair(self, scene: Scene) -> BodyPair:
+        """Bodies of a scene as its run meshes them."""
+        if scene not in self._fine:
+            resolution = choose_resolution(scene)
+            made = self.bodies_from_files(scene)
+            which = tuple(z for z in (0, 1) if made[z] is None)
+            others = dict(zip(which, bodies_of(scene, resolution, which), strict=True))
+            one, two = (made[z] or others[z] for z in (0, 1))
+            self._fine[scene] = build_bodies(scene, resolution, bodies=(one, two))
+        return self._fine[scene]
 
     def _body(self, scene: Scene, z: int) -> Body:
         """A body; one of another, where only its errors differ or that it does not yield."""
@@ -165,11 +179,13 @@ class Coarse:
         pair = self.pair(scene)
         torques = self.torques_Nm if torques_Nm is None else torques_Nm
         run = self._sweep(scene, pair)
-        start = process_time()
-        found = run(self.position_rad, torques, grid)
+        account, start = Account(), process_time()
+        found = run(self.position_rad, torques, grid, account)
         if torques == self.torques_Nm and grid == COARSE.grid:
             number = self.position_rad.size * len(torques)
             self._state_s[scene] = (process_time() - start) / number
+        solutions = account.counters.get("finite_solutions", 0)
+        self._solutions[scene] = solutions / (self.position_rad.size * len(torques))
         sites = pair.pairing.sites
         return [
             States.of(torque, sites, part.rotation_rad, part.site_force_N)
@@ -182,6 +198,10 @@ class Coarse:
             self.states(scene)
         return self._state_s[scene]
 
+    def finite_solutions(self, scene: Scene) -> float:
+        """How often a state is solved until its finite forces rest; 0 if it was never looked at."""
+        return self._solutions.get(scene, 0.0)
+
     def fine_seconds(self, scene: Scene, grid: Grid, *, few: int) -> float:
         """CPU seconds of a call at a few positions, on fine cells, of the largest torque."""
         run = self._sweep(scene, self.pair(scene))
@@ -189,18 +209,17 @@ class Coarse:
         which = np.unique(np.linspace(0, last, few).round().astype(int))
         return shortest(lambda: run(self.position_rad[which], self.torques_Nm[-1:], grid))
 
-    def _sweep(
-        self, scene: Scene, pair: BodyPair
-    ) -> Callable[[NDArray[np.float64], Sequence[float], Grid], tuple[Sweep, ...]]:
+    def _sweep(self, scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
         """The sweep of a coarse scene; compliances are solved when this returns."""
         pair, compliances = grown_pair(pair, self.compliances(scene, pair))
         run = sweep_of(scene, pair)
-        return lambda position_rad, torques_Nm, grid: run(
+        return lambda position_rad, torques_Nm, grid, account=None: run(
             compliances=compliances,
             position_rad=position_rad,
             torques_Nmm=[1000.0 * torque for torque in torques_Nm],
             grid=grid,
             keep_pairs=False,
+            account=account,
         )
 
 
@@ -217,7 +236,7 @@ def shortest(work: Callable[[], object]) -> float:
 
 
 def without_knobs(scene: Scene) -> Scene:
-    """The scene without knobs of its own, and without what changes no state.
+    """The scene without knobs of its own, and without what changes no state or is told by a law.
 
     Forces at nodes are another way to the same states, a hundred times as dear: modes tell sizes.
     """

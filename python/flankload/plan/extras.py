@@ -32,6 +32,10 @@ PLACES = 40
 SOLUTION_BYTES = 16
 #: A state that takes longer on coarse cells already tells on these how much longer it gets.
 LARGE_S = 3e-3
+#: CPU seconds for each two contact pairs of a problem with influence numbers of finite forces.
+FINITE_S = 8e-7
+#: Such problems a state until its forces rest, where that has not been looked at.
+FINITE_SOLUTIONS = 4.0
 #: Positions that smaller ones are timed at; no call of the core is over sooner.
 TRIED, TINY_S = 8, 1e-5
 SWEEPS = ("sweep", "tangent", "estimate")
@@ -86,17 +90,22 @@ class Extras:
             variant = other_way(self._scene, effect.name, on=on)
             if variant is None:
                 return 0.0, 0
-            seconds, size = self._of_scene(variant.scene)
+            seconds, size = self._of_scene(variant.scene, effect.name)
         except FlankloadError:  # no such scene to compare with
             return 0.0, 0
         return (-seconds, -size) if on else (seconds, size)
 
-    def _of_scene(self, scene: Scene) -> tuple[float, int]:
+    def _of_scene(self, scene: Scene, name: str) -> tuple[float, int]:
         """What another scene takes more than this one."""
-        part = self._seconds_of_state(scene) / self._state_s
-        seconds = sum(
-            self._sweep_seconds(name, number) for name, number in self._states_of(scene).items()
-        )
+        if name == "finite_influence":
+            sweeps_s = self._seconds_of_finite(scene)
+        else:
+            # tables between nodes are read as fast as modes
+            part = 1.0
+            if name != "nodal_near_field":
+                part = self._seconds_of_state(scene) / self._state_s
+            states = self._states_of(scene).items()
+            sweeps_s = part * sum(self._sweep_seconds(*of) for of in states) - self._sweeps_s
         pair = self._as(scene)
         small = self._coarse.pair(scene)
         other = price_compliances(
@@ -108,12 +117,26 @@ class Extras:
             - sum(of(account) for account in mine.values())
             for of in (_seconds, _bytes)
         )
-        return part * seconds - self._sweeps_s + elements_s, int(size)
+        return sweeps_s + elements_s, int(size)
 
     def _as(self, scene: Scene) -> BodyPair:
         """The bodies as another scene sees them, as far as work is counted."""
+        if scene.effects.near_field != self._scene.effects.near_field:
+            return self._coarse.fine_pair(scene)
         growth = growth_of(scene, self._pair.pairing)
         return replace(self._pair, effects=effects_of(scene), growth=growth)
+
+    def _seconds_of_finite(self, scene: Scene) -> float:
+        """What another scene, with finite forces or without, takes more in its sweeps."""
+        on = effects_of(scene).finite_influence
+        solutions = self._coarse.finite_solutions(scene if on else self._scene)
+        solutions = solutions or FINITE_SOLUTIONS
+        counters = self._stages["sweep"].counters
+        pairs = counters["influence_columns"] / max(1, self._states["sweep"])
+        if not on:  # each solution has columns of its own
+            pairs /= solutions + 1
+        seconds = FINITE_S * pairs**2 * solutions * sum(self._states.values())
+        return seconds if on else -seconds
 
     def _sweep_seconds(self, stage: str, states: int) -> float:
         """So many states in a stage, if they were those of this scene."""

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from flankload.effects import EFFECTS, Effect
 from flankload.errors import FlankloadError, SceneError
+from flankload.plan.nodes import nodal_size, part_of_wind_up
 from flankload.plan.planned import IMPOSSIBLE
-from flankload.plan.sizes import Size, States, size_of
+from flankload.plan.sizes import Size, States, scaled, size_of
 from flankload.plan.variants import is_readable, other_way
-from flankload.resolution import choose_resolution
+from flankload.resolution import Grid, choose_resolution
 from flankload.scene import Cam
 
 if TYPE_CHECKING:
@@ -18,6 +19,13 @@ if TYPE_CHECKING:
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
 
+#: Cells on which finite forces are looked at: what they change goes with the width of a cell, and
+#: what they cost with the square of the number of cells.
+WIDE_STRIPS, WIDE_CORNER_STRIPS = 1.0, 3.0
+#: Where a state has that many pairs already that it takes long, finite forces are not looked at:
+#: with ten strips on a half-width no flank with few pairs has more than this. A spline has a
+#: tenth.
+DEAR_S, FINITE_STRIPS, FINITE_PART = 3e-3, 10.0, 3e-5
 #: Effects that flanks do not know.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 
@@ -66,11 +74,28 @@ class Sizes:
         if variant is None:
             return Measured()
         try:
+            if effect.size_by == "spacing":
+                nodal = self._scene if switch.on else variant.scene
+                return Measured(nodal_size(nodal, self._coarse, self._base, self._unloaded))
+            if effect.name == "finite_influence":
+                return Measured(self._of_finite(variant.scene, on=switch.on))
             other, base = self._both(variant.scene, fine=effect.name == "lumped_contact")
         except FlankloadError as error:
             return Measured(unknown=" ".join(str(error).split()))
         size = self.between(base, other) if switch.on else self.between(other, base)
         return Measured(size, variant.assumed)
+
+    def _of_finite(self, scene: Scene, *, on: bool) -> Size:
+        """Size of finite forces under the largest torque, from wide cells to those of the run."""
+        grid = choose_resolution(self._scene).grid
+        if self._coarse.state_seconds(self._scene) > DEAR_S and not on:
+            part = FINITE_PART * FINITE_STRIPS / grid.strips_per_half_width
+            return part_of_wind_up(part, self._base[-1], self._unloaded, self._coarse)
+        wide = Grid(WIDE_STRIPS, WIDE_CORNER_STRIPS, grid.zone_half_widths)
+        most = self._coarse.torques_Nm[-1:]
+        other, base = (self._coarse.states(one, most, grid=wide) for one in (scene, self._scene))
+        size = self.between(base, other) if on else self.between(other, base)
+        return scaled(size, WIDE_STRIPS / grid.strips_per_half_width)
 
     def _both(self, scene: Scene, *, fine: bool) -> tuple[list[States], list[States]]:
         """States of another scene and of this one; on fine cells where cells are what differs."""
@@ -89,7 +114,7 @@ class Sizes:
         return size_of(
             with_it,
             without,
-            base=self._base,
+            base=self._base[-len(with_it) :],
             unloaded_rad=self._unloaded,
             reference_radius_mm=self._coarse.reference_radius_mm,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -110,6 +110,18 @@ def size_of(
         for one, other, scene in zip(with_it, without, base, strict=True)
     ]
     return max(sizes, key=lambda size: (size.largest, size.rotation_um))
+
+
+def scaled(size: Size, part: float) -> Size:
+    """A part of a size."""
+    mean, largest = size.rotation_mean, size.rotation_largest
+    return replace(
+        size,
+        rotation_mean=None if mean is None else part * mean,
+        rotation_largest=None if largest is None else part * largest,
+        rotation_um=part * size.rotation_um,
+        load_share=part * size.load_share,
+    )
 
 
 def _size(

@@ -34,6 +34,7 @@ LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "lumped_contact": ({"contact": "lumped"}, {"contact": "pairs"}),
     "tip_contact": ({"tip_contact": True}, {"tip_contact": False}),
     "coast_flanks": ({"coast_flank": True}, {"coast_flank": False}),
+    "large_displacement": ({"large_displacement": True}, {"large_displacement": False}),
 }
 #: Keys of a quantity of [effects]: without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
