@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,6 +62,10 @@ def result_of_belt(
     force = width * state.tooth_N_per_mm[None]
     drive = _drive(scene, strip, row, state)
     passes = state.contact.info
+    predicted: dict[str, Any] = {
+        "compliance body 2": {"counters": {"fe_factorisations": 1}},
+        "sweep": {"counters": {"states": len(scene.torques_Nm)}},
+    }
     result = make_result(
         name=scene.name,
         torque_Nm=torque_Nm,
@@ -94,7 +98,7 @@ def result_of_belt(
             "largest_condition": passes.condition,
             "bytes": sum(account.bytes for account in stages.values()),
             "stages": {
-                name: account.as_dict() | {"predicted": _predicted(name, len(scene.torques_Nm))}
+                name: account.as_dict() | {"predicted": predicted.get(name, {})}
                 for name, account in stages.items()
             },
         },
@@ -102,15 +106,6 @@ def result_of_belt(
         drawing=_drawing(strip, mesh),
     )
     return replace(result, drive=drive)
-
-
-def _predicted(stage: str, n_torques: int) -> dict[str, dict[str, int]]:
-    """What is known of a stage before the run."""
-    known = {
-        "compliance body 2": {"fe_factorisations": 1},
-        "sweep": {"states": n_torques, "contact_passes": n_torques},
-    }
-    return {"counters": known.get(stage, {})}
 
 
 def _stiffness(state: BeltState, width: float) -> float:

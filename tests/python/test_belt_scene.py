@@ -264,6 +264,15 @@ def test_run_draws_and_check_describes(tmp_path: Path, capsys: pytest.CaptureFix
     assert "half of both tensions: 640 N" in capsys.readouterr().out
 
 
+def test_costs_are_a_table_without_a_plan() -> None:
+    """Asking for costs ended in a traceback: a belt's stages had no predictions."""
+    found = fl.solve(fl.Scene.from_dict(tables(**{**SMALL, "load": {"torque_Nm": [5, 10]}})))
+    assert isinstance(found, tuple)
+    lines = [line.split() for line in found[0].cost_table().splitlines()]
+    assert ["states", "2", "2"] in lines
+    assert ["fe", "factorisations", "1", "1"] in lines
+
+
 @pytest.mark.parametrize("command", [["plan"], ["mesh", "-o", "."]])
 def test_what_wants_two_bodies_with_flanks_says_so(
     command: list[str], capsys: pytest.CaptureFixture[str]
