@@ -485,6 +485,22 @@ def test_a_report_tells_of_flanks_that_overlap_and_of_load_cases() -> None:
     assert "growth" not in solved(torque=302.0).table()
 
 
+def test_growth_that_takes_up_the_backlash_is_warned_of() -> None:
+    """The flanks overlap before there is torque; under torque at least a part of that is known."""
+    warm = ("temperature_rise_K", 40.0)
+    free, loaded = (solved(warm, torque=torque) for torque in (0.0, 302.0))
+    overlap_um = -free.coast_flank_gap_um.min()
+    assert overlap_um > 30
+    (said,) = (found for found in free.warnings if "takes up the backlash" in found)
+    assert f"overlap by {overlap_um:.1f} um" in said
+    assert loaded.coast_flank_gap_um.min() > 0  # turned as loaded, shaped as without load
+    (said,) = (found for found in loaded.warnings if "takes up the backlash" in found)
+    least_um = float(said.partition("overlap by ")[2].split()[0])
+    assert 0.8 * overlap_um < least_um < overlap_um
+    for quiet in (solved(warm, ("coast_flank", True), torque=302.0), solved(torque=302.0)):
+        assert not any("takes up the backlash" in found for found in quiet.warnings)
+
+
 def test_a_swinging_follower_has_no_speed() -> None:
     cam = tomllib.loads((SCENES / "cam.toml").read_text("utf-8"))
     with pytest.raises(fl.errors.SceneError, match=r"effects\.speed_rpm: .* body_2\.kind is 'cam'"):

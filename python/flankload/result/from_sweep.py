@@ -113,9 +113,31 @@ def result_of(
     )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))
+    elif any(growth is not None for growth in pair.growth):
+        result = replace(result, warnings=(*result.warnings, *_overlaps(result)))
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _overlaps(result: Result) -> Iterator[str]:
+    """Say that bodies have grown until coast flanks overlap before there is any torque.
+
+    A contact gets stiffer as the torque grows, so that torque over tangent stiffness is the least
+    by which the torque has opened the coast flanks.
+    """
+    gap_um = result.coast_flank_gap_um
+    if gap_um is None:
+        return
+    stiffness = result.stiffness_tangent_Nm_per_rad
+    turned_rad = np.zeros_like(stiffness)
+    np.divide(result.torque_Nm, stiffness, out=turned_rad, where=stiffness > 0)
+    overlap_um = np.nanmax(1000.0 * result.reference_radius_mm * turned_rad - gap_um, initial=0.0)
+    if overlap_um > 0.0:
+        yield (
+            f"growth takes up the backlash: without torque coast flanks overlap by {overlap_um:.1f}"
+            " um or more; only the working flanks are looked at (effects.coast_flank)"
+        )
 
 
 def _coast(
