@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
 
 import flankload as fl
@@ -52,7 +53,7 @@ OFF: dict[str, dict[str, Any]] = {
     "tip_contact": {"effects": {"tip_contact": False}},
 }
 #: Effects that other kinds of bodies have.
-ELSEWHERE = frozenset({"large_displacement"})
+ELSEWHERE = frozenset({"large_displacement", "land_friction", "land_lift"})
 #: What goes together: all the neighbours of an effect that change what the core does.
 TOGETHER = (
     "flank_modifications",
@@ -60,6 +61,9 @@ TOGETHER = (
     "centrifugal_growth",
     "friction",
 )
+#: Where pairs are written, and how much more room they get, so that no position is asked for again.
+ROOMY = ("pair_site", "pair_table")
+ROOM = 4
 #: Procedures that lead a position, and what they call in its stages.
 LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_lumped")
 STAGES = {
@@ -148,7 +152,8 @@ def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
 
     with patch.object(_core, "flankload_sweep", watched):
         fl.solve(scene)
-    return Case(name, scene, calls[0])
+    room = {key: np.empty_like(calls[0][key], shape=ROOM * calls[0][key].size) for key in ROOMY}
+    return Case(name, scene, calls[0] | room)
 
 
 # --- tables ---------------------------------------------------------------------------------------
