@@ -65,7 +65,7 @@ TOGETHER = (
 ROOMY = ("pair_site", "pair_table")
 ROOM = 4
 #: Procedures that lead a position, and what they call in its stages.
-LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_lumped")
+LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_matrix", "solve_lumped")
 STAGES = {
     "zones": ("look_at_position",),
     "lumped": ("lumped_contact",),
