@@ -23,11 +23,14 @@ module flankload_pair_forces
     integer, parameter :: many_pairs = 200
     !> Influence numbers of finite forces are made anew so often at most, until no force moves by
     !> more than this part of the largest; forces below another part of it count as small ones.
-    integer, parameter :: max_finite_passes = 40
+    integer, parameter :: max_finite_passes = 120
     real(wp), parameter :: standing = 1.0e-8_wp, least_finite = 1.0e-6_wp
     !> At sharp corners, where flanks move by more than a cell, two thirds of a change may be left
     !> by the next pass; more than this part is not believed.
     real(wp), parameter :: largest_part = 0.9_wp
+    !> From this pass on a part of a change is taken: forces that swing to and fro come to rest.
+    integer, parameter :: steady_from = 24
+    real(wp), parameter :: steady_part = 0.3_wp
     !> Error code: they did not come to rest.
     integer, parameter :: code_forces_move = -20
 
@@ -114,6 +117,10 @@ contains
             last_change = change
             change = state%forces - before
             if (maxval(abs(change)) <= standing*maxval(state%forces)) return
+            if (pass > steady_from) then
+                before = before + steady_part*change
+                cycle
+            end if
             before = state%forces
             if (mod(pass, 3) == 0) then
                 ! what is left shrinks by the same part each time: all of it at once (Aitken)

@@ -287,4 +287,6 @@ def _for_compliance(scene: Scene, *, rubs: bool) -> Scene:
     kept = {key: getattr(asked, key) for key in OF_ELEMENTS if hasattr(asked, key)}
     if rubs:
         kept["friction_coefficient"] = 1.0
+    if rubs and not scene.has_friction:  # then finite forces want no other loads
+        kept["influence"] = "small"
     return replace(scene, effects=EffectsAsked(**kept))

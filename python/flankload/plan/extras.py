@@ -132,7 +132,7 @@ class Extras:
         solutions = self._coarse.finite_solutions(scene if on else self._scene)
         solutions = solutions or FINITE_SOLUTIONS
         counters = self._stages["sweep"].counters
-        pairs = counters["influence_columns"] / max(1, self._states["sweep"])
+        pairs = counters.get("influence_columns", 0) / max(1, self._states["sweep"])
         if not on:  # each solution has columns of its own
             pairs /= solutions + 1
         seconds = FINITE_S * pairs**2 * solutions * sum(self._states.values())
