@@ -7,6 +7,7 @@
 !> flank would change it by 0.1 to 0.4 % whatever the force, the forces of steel gears by 0.02 %.
 module flankload_finite_influence
     use flankload_kinds, only: wp
+    use flankload_influence_number, only: last_of_site
     use flankload_polar_geometry, only: angle_between, cross
     implicit none
     private
@@ -65,21 +66,6 @@ contains
             first = last + 1
         end do
     end function departures
-
-    !> Last point of the run of points that share a site.
-    pure function last_of_site(site, first) result(last)
-        !> Site of each point
-        integer, intent(in) :: site(:)
-        !> First point of the run
-        integer, intent(in) :: first
-        integer :: last
-
-        last = first
-        do while (last < size(site))
-            if (site(last + 1) /= site(first)) exit
-            last = last + 1
-        end do
-    end function last_of_site
 
     !> Angle from a point to where a deformed polyline cuts the circle through it [rad].
     pure function angle_to_cut(line, excess, own, point, radius) result(angle)

@@ -14,7 +14,7 @@ module flankload_influence_number
     implicit none
     private
 
-    public :: influence_matrix, normal_influences, smooth_compliance
+    public :: influence_matrix, last_of_site, normal_influences, smooth_compliance
 
 contains
 

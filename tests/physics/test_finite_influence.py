@@ -46,6 +46,23 @@ def solved(**effects: Any) -> fl.Result:
     return found
 
 
+def test_forces_that_swing_at_a_sharp_corner_come_to_rest() -> None:
+    """There full steps went to and fro between two states until passes ran out."""
+    tree = deepcopy(SCENE)
+    tree["positions"] = {"angles_deg": [7 * 360 / 16 / 32]}
+    tree["accuracy"] = {"estimate": False}
+    small, finite = (
+        fl.solve(fl.Scene.from_dict({**tree, "effects": {"influence": influence}}))
+        for influence in ("small", "finite")
+    )
+    assert isinstance(small, fl.Result)
+    assert isinstance(finite, fl.Result)
+    assert finite.corner_contact.any()
+    assert finite.status.tolist() == [0]
+    # MODEL: at corners finite forces change the rotation by some 1e-4
+    assert finite.rotation_rad[0] == pytest.approx(small.rotation_rad[0], rel=2e-3)
+
+
 # --- the same in plain arrays ---------------------------------------------------------------------
 class Flank:
     """Pairs of one body: places, directions and how they move under unit forces at each pair."""
