@@ -28,9 +28,6 @@ module flankload_pair_forces
     !> At sharp corners, where flanks move by more than a cell, two thirds of a change may be left
     !> by the next pass; more than this part is not believed.
     real(wp), parameter :: largest_part = 0.9_wp
-    !> From this pass on a part of a change is taken: forces that swing to and fro come to rest.
-    integer, parameter :: steady_from = 24
-    real(wp), parameter :: steady_part = 0.3_wp
     !> Error code: they did not come to rest.
     integer, parameter :: code_forces_move = -20
 
@@ -117,10 +114,6 @@ contains
             last_change = change
             change = state%forces - before
             if (maxval(abs(change)) <= standing*maxval(state%forces)) return
-            if (pass > steady_from) then
-                before = before + steady_part*change
-                cycle
-            end if
             before = state%forces
             if (mod(pass, 3) == 0) then
                 ! what is left shrinks by the same part each time: all of it at once (Aitken)

@@ -46,8 +46,8 @@ def solved(**effects: Any) -> fl.Result:
     return found
 
 
-def test_forces_that_swing_at_a_sharp_corner_come_to_rest() -> None:
-    """There full steps went to and fro between two states until passes ran out."""
+def test_forces_at_a_sharp_corner_come_to_rest_slowly() -> None:
+    """40 passes are not enough there."""
     tree = deepcopy(SCENE)
     tree["positions"] = {"angles_deg": [7 * 360 / 16 / 32]}
     tree["accuracy"] = {"estimate": False}
