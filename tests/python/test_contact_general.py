@@ -243,6 +243,59 @@ def test_four_planets_of_a_floating_sun_share_in_pairs(seed: int) -> None:
     )
 
 
+def held_by_springs(
+    compliance: np.ndarray, gaps: np.ndarray, loads: np.ndarray, stiffness: float
+) -> fl.ContactState:
+    """Springs on the two shifts folded into the matrix: a supported motion is not an unknown."""
+    levers = floating_spline()[1]
+    shifts = levers[:, 1:]
+    return fl.solve_contact_general(
+        compliance + shifts @ shifts.T / stiffness,
+        gaps - shifts @ loads[1:] / stiffness,
+        levers[:, 0],
+        loads[0],
+    )
+
+
+def test_springs_of_a_bearing_folded_and_as_pairs() -> None:
+    """A spring S stands for two pairs of compliance 2/S that press from both sides."""
+    compliance, levers = floating_spline()
+    loads, stiffness = np.array([TORQUE, 1000.0, -400.0]), 3e5
+    folded = held_by_springs(compliance, np.zeros(TEETH), loads, stiffness)
+    bearing = np.zeros((4, 3))
+    bearing[:, 1:] = [[1, 0], [-1, 0], [0, 1], [0, -1]]
+    matrix = np.zeros((TEETH + 4, TEETH + 4))
+    matrix[:TEETH, :TEETH] = compliance
+    matrix[TEETH:, TEETH:] = 2.0 / stiffness * np.eye(4)
+    pressed = np.append(np.zeros(TEETH), np.full(4, -0.1))
+    bordered = fl.solve_contact_general(matrix, pressed, np.vstack([levers, bearing]), loads)
+    largest = folded.normal_forces.max()
+    np.testing.assert_allclose(
+        bordered.normal_forces[:TEETH], folded.normal_forces, rtol=0, atol=SOLVER * largest
+    )
+    np.testing.assert_allclose(bordered.motions[0], folded.rotation, rtol=SOLVER, atol=0)
+    carried = loads[1:] - levers[:, 1:].T @ folded.normal_forces
+    np.testing.assert_allclose(
+        bordered.motions[1:], carried / stiffness, rtol=SOLVER, atol=SOLVER * 1e-3
+    )
+    assert np.abs(bordered.motions[1:]).min() > 1e-4
+
+
+def test_a_stiff_bearing_is_a_fixed_centre() -> None:
+    """What a support of stiffness S leaves of the difference falls with 1/S."""
+    compliance, levers = floating_spline()
+    loads = np.array([TORQUE, 1000.0, -400.0])
+    gaps = 1e-3 * levers[:, 1]
+    gaps -= gaps.min()
+    fixed = fl.solve_contact_general(compliance, gaps, levers[:, 0], TORQUE)
+    assert np.ptp(fixed.normal_forces) > 0.05 * fixed.normal_forces.max()
+    left = []
+    for stiffness in (1e9, 1e11):
+        held = held_by_springs(compliance, gaps, loads, stiffness)
+        left.append(np.abs(held.normal_forces - fixed.normal_forces).max())
+    np.testing.assert_allclose(left[0] / left[1], 100.0, rtol=0.01, atol=0)
+
+
 def test_preload_needs_no_load() -> None:
     """Drive and coast flank with interference: both press with d / (2 c), and nothing turns."""
     overlap, c = 0.01, 1e-4
