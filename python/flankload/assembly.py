@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.scene import Scene
-    from flankload.scene.tables import Positions
+    from flankload.scene.pair_tables import Positions
 
 
 @dataclass(frozen=True)

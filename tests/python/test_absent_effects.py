@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_scene import changed
+from gear_scenes import changed
 
 import flankload as fl
 from flankload import _core
 from flankload.assembly import build_bodies
 from flankload.effects import EFFECTS, Effect, switches_of
 from flankload.result.belt import BeltDrive
-from flankload.scene.tables import EffectsAsked
+from flankload.scene.effect_tables import EffectsAsked
 
 #: A pair that is soon solved; what it says of gears means nothing.
 SMALL: dict[str, Any] = {

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gear_scenes import changed
 from msgspec import structs
-from test_scene import changed
 
 import flankload as fl
 from flankload import elasticity, prediction

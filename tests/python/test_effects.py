@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_scene import SCENE, changed
+from gear_scenes import SCENE, changed
 
 from flankload.effects import EFFECTS, Effects, effects_of, switches_of
 from flankload.scene import Scene
-from flankload.scene.tables import EffectsAsked
+from flankload.scene.effect_tables import EffectsAsked
 
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}

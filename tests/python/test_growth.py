@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gear_scenes import changed
 from plane_sectors import STEEL, ring_sector
 from test_compliance import gear_body
-from test_scene import changed
 from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 

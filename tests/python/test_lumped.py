@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_scene import EXAMPLES, changed, refusal
+from gear_scenes import EXAMPLES, changed, refusal
 from tolerances import ROUND_OFF
 
 import flankload as fl

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gear_scenes import changed
 from msgspec import structs
-from test_scene import changed
 from tolerances import ROUND_OFF
 
 import flankload as fl

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gear_scenes import SCENE, changed
 from plane_sectors import STEEL, ring_sector
 from scipy.sparse.linalg import splu
 from test_compliance import CLOSURE, gear_body
-from test_scene import SCENE, changed
 from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 

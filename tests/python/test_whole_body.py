@@ -30,7 +30,8 @@ from flankload.errors import ComplianceFileError, SceneError
 from flankload.mesh_io import read_mesh, write_mesh
 from flankload.named_arrays import npz_of
 from flankload.plane_mesh import boundary_edges
-from flankload.scene.tables import ComplianceBody, Positions
+from flankload.scene.mesh_tables import ComplianceBody
+from flankload.scene.pair_tables import Positions
 from flankload.stages import compliance_of
 
 #: Another mesher's nodes, a curve through them: wanted of the rotation.

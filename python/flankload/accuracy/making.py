@@ -18,7 +18,7 @@ from flankload.accuracy.study import Row, Study
 from flankload.accuracy.truth import Truth, at_default, ladder
 from flankload.errors import SceneError
 from flankload.plan import choose_effects
-from flankload.scene.tables import EffectsAsked
+from flankload.scene.effect_tables import EffectsAsked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

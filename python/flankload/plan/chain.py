@@ -19,7 +19,7 @@ from flankload.errors import FlankloadError
 from flankload.plan.planned import QUARTER, Plan, PlannedEffect
 from flankload.plan.remarks import remarked
 from flankload.plan.sizes import Size, States, size_of
-from flankload.scene.tables import Positions
+from flankload.scene.pair_tables import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

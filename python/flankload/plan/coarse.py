@@ -20,7 +20,8 @@ from flankload.cost import Account
 from flankload.elasticity import condensed, stiffness
 from flankload.plan.sizes import States
 from flankload.resolution import Grid, Resolution, choose_resolution
-from flankload.scene.tables import EffectsAsked, Positions
+from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.pair_tables import Positions
 from flankload.stages import compliance_of, grown_pair, sweep_of
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from msgspec import structs
 
 from flankload.effects import MODIFICATIONS, Effect
 from flankload.scene import MeshBody, Scene
-from flankload.scene.tables import EffectsAsked
+from flankload.scene.effect_tables import EffectsAsked
 
 if TYPE_CHECKING:
     from collections.abc import Callable

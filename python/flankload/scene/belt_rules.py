@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 from flankload.scene.belt_tables import Belt, Pulley
-from flankload.scene.form import shown
+from flankload.scene.refusal import shown
 
 if TYPE_CHECKING:
     from flankload.scene.tables import SceneFile

@@ -1,16 +1,16 @@
-"""The tables of timing belts and their pulleys; part of `tables`."""
+"""The tables of timing belts and their pulleys."""
 
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import Length, NotNegative, Table, about
+from flankload.scene.table import EvenBody, Length, NotNegative, about
 
 Pitch = Annotated[Length, about("mm", "pitch")]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
 
 
-class Pulley(Table, frozen=True, kw_only=True, tag_field="kind", tag="pulley"):
+class Pulley(EvenBody, frozen=True, kw_only=True, tag="pulley"):
     """A rigid pulley for timing belts."""
 
     teeth: Annotated[
@@ -43,11 +43,6 @@ class Pulley(Table, frozen=True, kw_only=True, tag_field="kind", tag="pulley"):
     ] = None
 
     @property
-    def kind(self) -> str:
-        """Kind of the body, as the scene file names it."""
-        return "pulley"
-
-    @property
     def number_of_teeth(self) -> int:
         """Teeth, as every kind of body has them."""
         return self.teeth
@@ -57,13 +52,8 @@ class Pulley(Table, frozen=True, kw_only=True, tag_field="kind", tag="pulley"):
         """A pulley does not yield beside its belt."""
         return True
 
-    @property
-    def pitch_errors_um(self) -> tuple[float, ...]:
-        """None."""
-        return ()
 
-
-class Belt(Table, frozen=True, kw_only=True, tag_field="kind", tag="belt"):
+class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
     """A timing belt around a pulley, its tight strand held."""
 
     pitch_mm: Pitch
@@ -107,19 +97,9 @@ class Belt(Table, frozen=True, kw_only=True, tag_field="kind", tag="belt"):
     ] = 0.0
 
     @property
-    def kind(self) -> str:
-        """Kind of the body, as the scene file names it."""
-        return "belt"
-
-    @property
     def rigid(self) -> bool:
         """A belt yields."""
         return False
-
-    @property
-    def pitch_errors_um(self) -> tuple[float, ...]:
-        """None."""
-        return ()
 
 
 LandFriction = Annotated[

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from flankload.scene.tables import Cam, Follower, SceneFile
+    from flankload.scene.cam_tables import Cam, Follower
+    from flankload.scene.tables import SceneFile
 
 ROLLER = ("arm_mm", "roller_radius_mm")
 FLAT = ("flat_offset_mm", "flat_from_mm", "flat_to_mm")
@@ -23,10 +24,10 @@ def check_cam(cam: Cam, key: str) -> None:
     """
     given = [name for name in ("profile", "profile_file") if getattr(cam, name) is not None]
     if len(given) != 1:
-        raise SceneError(
-            key=f"{key}.profile",
-            expected=f"a table of angles and radii, here or in {key}.profile_file",
-            found="both" if given else "nothing",
+        refuse(
+            f"{key}.profile",
+            f"a table of angles and radii, here or in {key}.profile_file",
+            "both" if given else "nothing",
         )
 
 
@@ -41,21 +42,21 @@ def check_follower(follower: Follower, key: str) -> None:
     wanted = ROLLER if follower.has_roller or "arm_mm" in given else FLAT
     for name in wanted:
         if name not in given:
-            raise SceneError(
-                key=f"{key}.{name}",
-                expected="a number: a follower has a roller ("
+            refuse(
+                f"{key}.{name}",
+                "a number: a follower has a roller ("
                 + ", ".join(ROLLER)
                 + ") or a flat ("
                 + ", ".join(FLAT)
                 + ")",
-                found="nothing",
+                "nothing",
             )
     for name in given:
         if name not in wanted:
-            raise SceneError(
-                key=f"{key}.{name}",
-                expected=f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat",
-                found=f"{getattr(follower, name):g}",
+            refuse(
+                f"{key}.{name}",
+                f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat",
+                f"{getattr(follower, name):g}",
             )
     ascending = [("bore_diameter_mm", "hub_diameter_mm")]
     ascending += (
@@ -64,10 +65,10 @@ def check_follower(follower: Follower, key: str) -> None:
     for small, large in ascending:
         less, more = getattr(follower, small), getattr(follower, large)
         if more is not None and more <= less:
-            raise SceneError(
-                key=f"{key}.{large}",
-                expected=f"more than {key}.{small} ({less:g})",
-                found=f"{more:g}",
+            refuse(
+                f"{key}.{large}",
+                f"more than {key}.{small} ({less:g})",
+                f"{more:g}",
             )
 
 
@@ -80,22 +81,22 @@ def check_cam_pair(asked: SceneFile) -> None:
     """
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
     if (kind_1 == "follower") != (kind_2 == "cam"):
-        raise SceneError(
-            key="body_2.kind",
-            expected="'cam' with body_1.kind 'follower': the two go together and with no other",
-            found=f"'{kind_2}' with body_1.kind '{kind_1}'",
+        refuse(
+            "body_2.kind",
+            "'cam' with body_1.kind 'follower': the two go together and with no other",
+            f"'{kind_2}' with body_1.kind '{kind_1}'",
         )
     if kind_2 != "cam":
         return
     if asked.effects.root_stress:
-        raise SceneError(
-            key="effects.root_stress",
-            expected="nothing: a cam and its follower have no tooth roots",
-            found="true",
+        refuse(
+            "effects.root_stress",
+            "nothing: a cam and its follower have no tooth roots",
+            "true",
         )
     if asked.effects.friction_coefficient not in (None, 0.0):
-        raise SceneError(
-            key="effects.friction_coefficient",
-            expected="nothing: this version knows no friction between a cam and its follower",
-            found="a coefficient",
+        refuse(
+            "effects.friction_coefficient",
+            "nothing: this version knows no friction between a cam and its follower",
+            "a coefficient",
         )

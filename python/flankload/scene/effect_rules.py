@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 from typing import Any
 
-from flankload.errors import SceneError
 from flankload.scene.belt_tables import Belt, Pulley
-from flankload.scene.drive_tables import Chain, Sprocket
-from flankload.scene.form import shown
-from flankload.scene.tables import Cam, ComplianceBody, Follower, MeshBody, SceneFile
-
-#: Strain up to which growth is linear, far beyond what any machine bears.
-LARGEST_STRAIN = 0.02
-
+from flankload.scene.cam_tables import Cam, Follower
+from flankload.scene.chain_tables import Chain, Sprocket
+from flankload.scene.effect_tables import LARGEST_COEFFICIENT
+from flankload.scene.gear_tables import SplineShaft
+from flankload.scene.growth_rules import check_growth
+from flankload.scene.mesh_tables import ComplianceBody, MeshBody
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.tables import SceneFile
 
 #: Kinds of bodies whose coast flanks are not known, and why.
 ONE_FLANK = {
@@ -39,9 +39,11 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
         Names the key, and in what it expects the other one.
     """
     effects = given.get("effects", {})
-    _check_extent(asked, effects)
+    _check_friction(asked)
+    _check_lumped(asked)
+    _check_extent(asked)
     _check_coupling(asked, effects)
-    _check_growth(asked)
+    check_growth(asked)
     _check_nodes(asked)
     _check_places(asked)
     _check_tip_contact(asked)
@@ -57,22 +59,59 @@ def check_coast_kinds(*kinds: str) -> None:
     """
     for key, kind in zip(("body_1", "body_2"), kinds, strict=True):
         if kind in ONE_FLANK:
-            raise SceneError(
-                key="effects.coast_flank",
-                expected=f"false with {key}.kind '{kind}', {ONE_FLANK[kind]}",
-                found="true",
+            refuse(
+                "effects.coast_flank",
+                f"false with {key}.kind '{kind}', {ONE_FLANK[kind]}",
+                "true",
             )
 
 
-def _refuse(key: str, expected: str, found: object) -> None:
-    raise SceneError(key=key, expected=expected, found="nothing" if found is None else shown(found))
+def _check_friction(asked: SceneFile) -> None:
+    """A list has one number per tooth, or rows of ascending roll position and coefficient."""
+    given = asked.effects.friction_coefficient
+    if not isinstance(given, tuple):
+        return
+    key = "effects.friction_coefficient"
+    rows = [row for row in given if isinstance(row, tuple)]
+    if rows and len(rows) < len(given):
+        refuse(key, "numbers, one per tooth, or rows of roll position and coefficient", "both")
+    for i, (roll, coefficient) in enumerate(rows):
+        if not 0.0 <= coefficient <= LARGEST_COEFFICIENT:
+            refuse(f"{key}[{i}][1]", f"a number from 0 to {LARGEST_COEFFICIENT:g}", coefficient)
+        if i and roll <= rows[i - 1][0]:
+            refuse(
+                f"{key}[{i}][0]",
+                f"more than the roll position of the row before, {rows[i - 1][0]:g}",
+                roll,
+            )
 
 
-def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
+def _check_lumped(asked: SceneFile) -> None:
+    """Lumped contact has no strips, and conforming flanks have no place to lump it in."""
+    if asked.effects.contact != "lumped":
+        return
+    key = "effects.contact"
+    if isinstance(asked.body_1, SplineShaft):
+        refuse(
+            key,
+            "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and touch over a length "
+            "instead of at a place",
+            "'lumped'",
+        )
+    for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
+        if getattr(asked.accuracy, name) is not None:
+            refuse(
+                f"accuracy.{name}",
+                f"nothing with {key} 'lumped', which lays no strips",
+                getattr(asked.accuracy, name),
+            )
+
+
+def _check_extent(asked: SceneFile) -> None:
     """A segment has an odd number of sectors, and the bodies have as many."""
     body, segment_teeth = asked.effects.body, asked.effects.segment_teeth
     if body != "segment" and segment_teeth is not None:
-        _refuse(
+        refuse(
             "effects.segment_teeth",
             "nothing, unless effects.body is 'segment'",
             segment_teeth,
@@ -80,7 +119,7 @@ def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
     if body == "whole":
         return
     if body == "segment" and (segment_teeth is None or segment_teeth % 2 == 0):
-        _refuse(
+        refuse(
             "effects.segment_teeth",
             "an odd number from 3, since effects.body is 'segment': as many teeth on both sides "
             "of the one in its middle",
@@ -99,91 +138,39 @@ def _check_extent(asked: SceneFile, given: Mapping[str, Any]) -> None:
             why = f"{key}.flank_sets names the flanks of a whole body, not of one of its sectors"
         else:
             if segment_teeth is not None and segment_teeth > spec.number_of_teeth:
-                _refuse(
+                refuse(
                     "effects.segment_teeth",
                     f"at most {spec.number_of_teeth}, as many teeth as {key} has ({key}.teeth)",
                     segment_teeth,
                 )
             continue
-        _refuse("effects.body", f"'whole', since {why}", body)
+        refuse("effects.body", f"'whole', since {why}", shown(body))
 
 
 def _check_coupling(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """One tooth alone has no neighbours to move, nor has a flank all around."""
     if asked.effects.body == "tooth" and given.get("tooth_coupling"):
-        _refuse(
+        refuse(
             "effects.tooth_coupling",
             "false or nothing, since effects.body is 'tooth': of a tooth by itself no other moves",
             True,
         )
     if not asked.effects.tooth_coupling and isinstance(asked.body_2, Cam):
-        raise SceneError(
-            key="effects.tooth_coupling",
-            expected="true, since body_2.kind is 'cam': cam and follower have one flank each",
-            found="false",
+        refuse(
+            "effects.tooth_coupling",
+            "true, since body_2.kind is 'cam': cam and follower have one flank each",
+            "false",
         )
-
-
-def _check_growth(asked: SceneFile) -> None:
-    """What stands beside a key that is absent; growth that wants elements where there are none."""
-    effects = asked.effects
-    for key, other in (
-        ("thermal_expansion_per_K", "temperature_rise_K"),
-        ("support_expansion_per_K", "temperature_rise_K"),
-        ("density_kg_m3", "speed_rpm"),
-    ):
-        if getattr(effects, key) is not None and getattr(effects, other) is None:
-            _refuse(
-                f"effects.{key}",
-                f"nothing, unless there is an effects.{other}",
-                getattr(effects, key),
-            )
-    for expansion in ("thermal_expansion_per_K", "support_expansion_per_K"):
-        for rise, per_K in zip(
-            _of_both(effects.temperature_rise_K), _of_both(getattr(effects, expansion)), strict=True
-        ):
-            if abs(rise * per_K) > LARGEST_STRAIN:
-                _refuse(
-                    "effects.temperature_rise_K",
-                    f"so few K that they stretch the bodies by {LARGEST_STRAIN:g} at most, with "
-                    f"effects.{expansion} {per_K:g}",
-                    rise,
-                )
-    if effects.speed_rpm and isinstance(asked.body_2, Cam):
-        _refuse(
-            "effects.speed_rpm",
-            "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not turn",
-            effects.speed_rpm,
-        )
-    for key in ("speed_rpm", "support_expansion_per_K"):
-        if getattr(effects, key) is not None:
-            _check_elements(asked, key)
 
 
 def _check_tip_contact(asked: SceneFile) -> None:
     """Cams and followers have no tips that could be left out."""
     if not asked.effects.tip_contact and isinstance(asked.body_2, Cam):
-        _refuse(
+        refuse(
             "effects.tip_contact",
             "true with body_2.kind 'cam', which has neither tips nor fillets",
             False,
         )
-
-
-def _check_elements(asked: SceneFile, key: str) -> None:
-    """Growth beside what holds a body, or by its speed, is a load of finite elements."""
-    if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
-        why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
-        _refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
-    for name, spec in (("body_1", asked.body_1), ("body_2", asked.body_2)):
-        if isinstance(spec, ComplianceBody) and not spec.rigid:
-            why = f"{name}.kind is 'compliance': its file does not say how it grows"
-            _refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
-
-
-def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
-    """A number for each body; 0 where there is none."""
-    return value if isinstance(value, tuple) else (value or 0.0,) * 2
 
 
 def _check_places(asked: SceneFile) -> None:
@@ -192,10 +179,10 @@ def _check_places(asked: SceneFile) -> None:
         return
     for key, value in (("near_field", "nodes"), ("influence", "finite")):
         if getattr(asked.effects, key) == value:
-            _refuse(
+            refuse(
                 "effects.contact",
                 f"'pairs' with effects.{key} '{value}': forces there have places",
-                "lumped",
+                "'lumped'",
             )
 
 
@@ -205,28 +192,28 @@ def _check_nodes(asked: SceneFile) -> None:
         return
     key = "effects.near_field"
     if isinstance(asked.body_2, Cam):
-        _refuse(
+        refuse(
             key,
             "'analytic' with body_2.kind 'cam': a closed flank has no first and last node",
-            "nodes",
+            "'nodes'",
         )
     for name, body in (("body_1", asked.body_1), ("body_2", asked.body_2)):
         profile = body.profile if isinstance(body, MeshBody) else None
         for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
             if getattr(profile, rounding) is not None:
-                _refuse(
+                refuse(
                     key,
                     f"'analytic' with {name}.profile.{rounding}: the edges of a file's flank set "
                     "that carry end where the tip turns",
-                    "nodes",
+                    "'nodes'",
                 )
     for growth in ("temperature_rise_K", "speed_rpm"):
         if getattr(asked.effects, growth):
-            _refuse(
-                key, f"'analytic' with effects.{growth}: growth is known in modes alone", "nodes"
+            refuse(
+                key, f"'analytic' with effects.{growth}: growth is known in modes alone", "'nodes'"
             )
     if asked.accuracy.modes is not None:
-        _refuse(
+        refuse(
             "accuracy.modes",
             f"nothing with {key} 'nodes': forces at nodes stand in place of modes",
             asked.accuracy.modes,
@@ -240,30 +227,29 @@ def _check_coast_flank(asked: SceneFile) -> None:
         return
     check_coast_kinds(asked.body_1.kind, asked.body_2.kind)
     if asked.body_1.rigid and asked.body_2.rigid:
-        raise SceneError(
-            key="effects.coast_flank",
-            expected="false with body_1.rigid and body_2.rigid: flanks that press on each other "
+        refuse(
+            "effects.coast_flank",
+            "false with body_1.rigid and body_2.rigid: flanks that press on each other "
             "across a tooth must yield",
-            found="true",
+            "true",
         )
     if effects.contact == "lumped":
-        raise SceneError(
-            key="effects.contact",
-            expected="'pairs' with effects.coast_flank: lumped contact has working flanks only",
-            found="'lumped'",
+        refuse(
+            "effects.contact",
+            "'pairs' with effects.coast_flank: lumped contact has working flanks only",
+            "'lumped'",
         )
     for key, value in (("near_field", "nodes"), ("influence", "finite")):
         if getattr(effects, key) == value:
-            _refuse(
+            refuse(
                 f"effects.{key}",
                 "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by "
                 "small forces",
-                value,
+                shown(value),
             )
     if effects.root_stress:
-        raise SceneError(
-            key="effects.root_stress",
-            expected="false with effects.coast_flank: stress is known of forces on the working "
-            "flanks only",
-            found="true",
+        refuse(
+            "effects.root_stress",
+            "false with effects.coast_flank: stress is known of forces on the working flanks only",
+            "true",
         )

@@ -4,7 +4,6 @@ Every refusal names the key by its dotted path, what was expected and what was f
 """
 
 from collections.abc import Mapping, Sequence
-from datetime import date, time
 from difflib import get_close_matches
 from functools import cache
 from math import isfinite
@@ -15,7 +14,8 @@ import msgspec
 from msgspec import inspect
 
 from flankload.errors import SceneError
-from flankload.scene.tables import Table
+from flankload.scene.refusal import shown
+from flankload.scene.table import Table
 
 T = TypeVar("T", bound=Table)
 
@@ -28,24 +28,6 @@ NOT_YET = {
         "face_width_mm": "bodies of different face widths",
     },
 }
-
-
-def shown(value: object) -> str:
-    """A value as the user wrote it, cut to one short line."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        text = f"'{value}'"
-    elif isinstance(value, Mapping):
-        text = "a table"
-    elif isinstance(value, Sequence):
-        text = f"[{', '.join(shown(item) for item in value[:6])}{', ...' * (len(value) > 6)}]"
-    elif isinstance(value, Real):
-        text = f"{value}"
-    else:
-        text = str(value) if isinstance(value, date | time) else repr(value)
-    text = " ".join(text.split())
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def read_table(form: type[T], table: object, key: str) -> T:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import Any
 
-from flankload.errors import SceneError
-from flankload.scene.form import shown
-from flankload.scene.tables import MeshBody
+from flankload.scene.mesh_tables import MeshBody
+from flankload.scene.refusal import refuse, shown
 
 
 def check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
@@ -26,30 +25,28 @@ def check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
     SceneError
         If keys of both are named, or one is missing.
     """
-
-    def refuse(name: str, expected: str, found: object) -> NoReturn:
-        raise SceneError(key=f"{key}.{name}", expected=expected, found=found)
-
     if body.flank_sets is None:
         if body.teeth is None:
             refuse(
-                "teeth", f"an integer >= 3, since there is no {key}.flank_sets to count", "nothing"
+                f"{key}.teeth",
+                f"an integer >= 3, since there is no {key}.flank_sets to count",
+                "nothing",
             )
         if body.cut_sets[0] == body.cut_sets[1]:
-            refuse("cut_sets", "two different names", shown(list(body.cut_sets)))
+            refuse(f"{key}.cut_sets", "two different names", shown(list(body.cut_sets)))
         return
     for name in ("cut_sets", "flank_set"):
         if name in given:
             refuse(
-                name,
+                f"{key}.{name}",
                 f"nothing beside {key}.flank_sets: those are of a whole body",
                 shown(given[name]),
             )
     for k, name in enumerate(body.flank_sets):
         if name in body.flank_sets[:k]:
-            refuse(f"flank_sets[{k}]", "each set once", shown(name))
+            refuse(f"{key}.flank_sets[{k}]", "each set once", shown(name))
     count = len(body.flank_sets)
     if body.teeth is None and count < 3:
-        refuse("teeth", "an integer >= 3, since few flanks are named", "nothing")
+        refuse(f"{key}.teeth", "an integer >= 3, since few flanks are named", "nothing")
     if body.teeth is not None and body.teeth < count:
-        refuse("teeth", f"at least {count}, as many as in {key}.flank_sets", body.teeth)
+        refuse(f"{key}.teeth", f"at least {count}, as many as in {key}.flank_sets", f"{body.teeth}")

@@ -1,4 +1,4 @@
-"""What all tables of a scene file are made of: types of numbers, and what stands beside a key."""
+"""What all tables of a scene file are made of: numbers, notes on keys, what bodies share."""
 
 from typing import Annotated
 
@@ -22,5 +22,39 @@ def about(unit: str, meaning: str) -> Meta:
     return Meta(description=meaning, extra_json_schema={"unit": unit} if unit else None)
 
 
+# Keys that several kinds of body have.
+Teeth = Annotated[int, Meta(ge=3)]
+Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
+YoungModulus = Annotated[Modulus, about("MPa", "Young's modulus")]
+PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
+Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
+PitchErrors = Annotated[
+    tuple[float, ...],
+    about(
+        "um",
+        "one deviation per tooth along the base tangent, positive = metal that touches early; in "
+        "the order in which the teeth come into contact, from the tooth of pair 0",
+    ),
+]
+
+
 class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What all tables have in common."""
+
+
+class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
+    """What the tables of all kinds of bodies have in common."""
+
+    @property
+    def kind(self) -> str:
+        """Kind of the body, as the scene file names it."""
+        return str(self.__struct_config__.tag)
+
+
+class EvenBody(BodyTable, frozen=True, kw_only=True):
+    """What bodies have in common that know no pitch errors."""
+
+    @property
+    def pitch_errors_um(self) -> tuple[float, ...]:
+        """None: all flanks stand where they should."""
+        return ()

@@ -10,7 +10,7 @@ from msgspec import structs
 
 from flankload.assembly import build_bodies
 from flankload.errors import SceneError
-from flankload.scene.form import shown
+from flankload.scene.refusal import shown
 from flankload.verify.contact_places import contact_places
 from flankload.verify.deck import Deck, Part, Rubbing, part_of
 from flankload.verify.refine import refined

@@ -1,20 +1,16 @@
-"""The tables of drives with flexible bodies; part of `tables`."""
+"""The tables of roller chains and their sprockets."""
 
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import Length, Positive, Table, about
+from flankload.scene.table import EvenBody, Length, Positive, about
 
 Pitch = Annotated[Length, about("mm", "pitch")]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers")]
-SlackTension = Annotated[
-    Annotated[float, Meta(gt=0, le=1e9)],
-    about("N", "tension of the slack strand of a chain or a belt"),
-]
 
 
-class Sprocket(Table, frozen=True, kw_only=True, tag_field="kind", tag="sprocket"):
+class Sprocket(EvenBody, frozen=True, kw_only=True, tag="sprocket"):
     """A rigid sprocket for roller chains, ISO 606."""
 
     teeth: Annotated[
@@ -47,11 +43,6 @@ class Sprocket(Table, frozen=True, kw_only=True, tag_field="kind", tag="sprocket
     ] = None
 
     @property
-    def kind(self) -> str:
-        """Kind of the body, as the scene file names it."""
-        return "sprocket"
-
-    @property
     def number_of_teeth(self) -> int:
         """Teeth, as every kind of body has them."""
         return self.teeth
@@ -61,13 +52,8 @@ class Sprocket(Table, frozen=True, kw_only=True, tag_field="kind", tag="sprocket
         """A sprocket does not yield; what its contacts yield belongs to the chain."""
         return True
 
-    @property
-    def pitch_errors_um(self) -> tuple[float, ...]:
-        """None."""
-        return ()
 
-
-class Chain(Table, frozen=True, kw_only=True, tag_field="kind", tag="chain"):
+class Chain(EvenBody, frozen=True, kw_only=True, tag="chain"):
     """A roller chain around a sprocket, its tight strand held."""
 
     pitch_mm: Pitch
@@ -98,16 +84,6 @@ class Chain(Table, frozen=True, kw_only=True, tag_field="kind", tag="chain"):
     ] = None
 
     @property
-    def kind(self) -> str:
-        """Kind of the body, as the scene file names it."""
-        return "chain"
-
-    @property
     def rigid(self) -> bool:
         """A chain yields."""
         return False
-
-    @property
-    def pitch_errors_um(self) -> tuple[float, ...]:
-        """None."""
-        return ()

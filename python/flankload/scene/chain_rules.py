@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from math import degrees, pi
 from typing import TYPE_CHECKING, Any
 
-from flankload.errors import SceneError
 from flankload.scene.belt_tables import Belt
-from flankload.scene.drive_tables import Chain, Sprocket
-from flankload.scene.form import shown
+from flankload.scene.chain_tables import Chain, Sprocket
+from flankload.scene.refusal import refuse, shown
 
 if TYPE_CHECKING:
     from flankload.scene.tables import SceneFile
@@ -22,7 +21,7 @@ KNOWN = {
 }
 
 
-def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
+def check_chain(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Check that a chain has its sprocket, and that nothing is asked for that both cannot do.
 
     Parameters
@@ -38,10 +37,10 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     body_1, body_2 = asked.body_1, asked.body_2
     chains = isinstance(body_1, Sprocket), isinstance(body_2, Chain)
     if chains[0] != chains[1]:
-        raise SceneError(
-            key="body_2.kind",
-            expected="'chain' with body_1.kind 'sprocket': the two go together and with no other",
-            found=f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
+        refuse(
+            "body_2.kind",
+            "'chain' with body_1.kind 'sprocket': the two go together and with no other",
+            f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
         )
     if not isinstance(body_1, Sprocket) or not isinstance(body_2, Chain):
         _refuse_drive_keys(asked)
@@ -49,54 +48,54 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     for key in ("pitch_mm", "roller_diameter_mm"):
         own, other = getattr(body_1, key), getattr(body_2, key)
         if own != other:
-            raise SceneError(
-                key=f"body_2.{key}",
-                expected=f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
-                found=f"{other:g}",
+            refuse(
+                f"body_2.{key}",
+                f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
+                f"{other:g}",
             )
     most = degrees(2 * pi) * (1 - 1 / body_1.teeth)
     if body_2.wrap_angle_deg > most:
-        raise SceneError(
-            key="body_2.wrap_angle_deg",
-            expected=f"at most {most:g}: all teeth of body_1 but one",
-            found=f"{body_2.wrap_angle_deg:g}",
+        refuse(
+            "body_2.wrap_angle_deg",
+            f"at most {most:g}: all teeth of body_1 but one",
+            f"{body_2.wrap_angle_deg:g}",
         )
     if asked.load.slack_tension_N is None:
-        raise SceneError(
-            key="load.slack_tension_N",
-            expected="a number > 0: what the slack strand of the chain pulls with",
-            found="nothing",
+        refuse(
+            "load.slack_tension_N",
+            "a number > 0: what the slack strand of the chain pulls with",
+            "nothing",
         )
     if asked.pair is not None:
-        raise SceneError(
-            key="pair",
-            expected="nothing: a chain lies on its sprocket, and its contacts yield by "
+        refuse(
+            "pair",
+            "nothing: a chain lies on its sprocket, and its contacts yield by "
             "body_2.contact_stiffness_N_per_mm",
-            found="a table",
+            "a table",
         )
     for table, known in KNOWN.items():
         for key, value in given.get(table, {}).items():
             if key not in known:
-                raise SceneError(
-                    key=f"{table}.{key}",
-                    expected="nothing: a chain and its sprocket do not know it",
-                    found=shown(value),
+                refuse(
+                    f"{table}.{key}",
+                    "nothing: a chain and its sprocket do not know it",
+                    shown(value),
                 )
 
 
 def _refuse_drive_keys(asked: SceneFile) -> None:
     """Only drives have a slack strand and rollers that move far."""
     if asked.load.slack_tension_N is not None and not isinstance(asked.body_2, Belt):
-        raise SceneError(
-            key="load.slack_tension_N",
-            expected=f"nothing: a {asked.body_2.kind} has no slack strand",
-            found=f"{asked.load.slack_tension_N:g}",
+        refuse(
+            "load.slack_tension_N",
+            f"nothing: a {asked.body_2.kind} has no slack strand",
+            f"{asked.load.slack_tension_N:g}",
         )
     if asked.effects.large_displacement:
-        raise SceneError(
-            key="effects.large_displacement",
-            expected="nothing, unless body_2.kind is 'chain'",
-            found="true",
+        refuse(
+            "effects.large_displacement",
+            "nothing, unless body_2.kind is 'chain'",
+            "true",
         )
     if asked.pair is None and not isinstance(asked.body_2, Belt):
-        raise SceneError(key="pair", expected="a table", found="nothing")
+        refuse("pair", "a table", "nothing")

@@ -1,0 +1,48 @@
+"""The one line that an impossible key gets: what was expected, what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import date, time
+from numbers import Real
+from typing import NoReturn
+
+from flankload.errors import SceneError
+
+
+def shown(value: object) -> str:
+    """A value as the user wrote it, cut to one short line."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = f"'{value}'"
+    elif isinstance(value, Mapping):
+        text = "a table"
+    elif isinstance(value, Sequence):
+        text = f"[{', '.join(shown(item) for item in value[:6])}{', ...' * (len(value) > 6)}]"
+    elif isinstance(value, Real):
+        text = f"{value}"
+    else:
+        text = str(value) if isinstance(value, date | time) else repr(value)
+    text = " ".join(text.split())
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def refuse(key: str, expected: str, found: object) -> NoReturn:
+    """Refuse a key.
+
+    Parameters
+    ----------
+    key : str
+        Dotted path of the key.
+    expected : str
+    found : object
+        Words as they are; any other value as the user wrote it; None: "nothing".
+
+    Raises
+    ------
+    SceneError
+    """
+    if not isinstance(found, str):
+        found = "nothing" if found is None else shown(found)
+    raise SceneError(key=key, expected=expected, found=found)

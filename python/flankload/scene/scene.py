@@ -1,0 +1,159 @@
+"""A scene: what is asked, checked once and frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from msgspec.structs import replace
+
+from flankload.errors import SceneError
+from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.form import read_table
+from flankload.scene.pair_tables import Load, Pair, Positions
+from flankload.scene.rules import check_body, check_whole
+from flankload.scene.tables import Accuracy, Body1, Body2, SceneFile
+
+#: What stands for [pair] where there is none: a chain or a belt.
+NO_PAIR = Pair(face_width_mm=1.0)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Two bodies, how they stand, what they carry and what is wanted.
+
+    Attributes
+    ----------
+    name : str
+    body_1 : Gear, SplineShaft, Follower, Sprocket, Pulley, MeshBody or ComplianceBody
+        Free to turn; carries the torque.
+    body_2 : Gear, Ring, SplineHub, Cam, Chain, Belt, MeshBody or ComplianceBody
+    pair : Pair
+        Centre distance, or offset of a spline, and face width, mm.
+    load : Load
+        Torque on body 1, N m: a number, or a tuple (one result per torque).
+    positions : Positions
+    effects : EffectsAsked
+    accuracy : Accuracy
+    file : Path or None
+        The scene's file.
+    named_effects : frozenset of str
+        Keys of [effects] that are named, not left to their defaults.
+    """
+
+    name: str
+    body_1: Body1
+    body_2: Body2
+    pair: Pair
+    load: Load
+    positions: Positions
+    effects: EffectsAsked
+    accuracy: Accuracy
+    file: Path | None = None
+    named_effects: frozenset[str] = frozenset()
+
+    @property
+    def folder(self) -> Path:
+        """Folder that the files of bodies are relative to."""
+        return self.file.parent if self.file is not None else Path()
+
+    @property
+    def torques_Nm(self) -> tuple[float, ...]:
+        """All torques on body 1, N m."""
+        torque = self.load.torque_Nm
+        return torque if isinstance(torque, tuple) else (float(torque),)
+
+    @property
+    def has_torque_list(self) -> bool:
+        """Whether the scene has a list of torques, so that there is a result for each."""
+        return isinstance(self.load.torque_Nm, tuple)
+
+    @property
+    def sectors(self) -> int | None:
+        """Sectors of a body that yield, an odd number; None for all of them."""
+        if self.effects.body == "whole":
+            return None
+        return 1 if self.effects.body == "tooth" else self.effects.segment_teeth
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether flanks rub anywhere: a coefficient that is not 0."""
+        asked = self.effects.friction_coefficient
+        if not isinstance(asked, tuple):
+            return bool(asked)
+        return any(row[1] if isinstance(row, tuple) else row for row in asked)
+
+    def check(self) -> None:
+        """Refuse what no scene file may have, of a scene whose keys were changed.
+
+        Raises
+        ------
+        SceneError
+            At the first key that contradicts another one; names key, expected and found.
+        """
+        asked = SceneFile(
+            name=self.name,
+            body_1=self.body_1,
+            body_2=self.body_2,
+            pair=self.pair,
+            load=self.load,
+            positions=self.positions,
+            effects=self.effects,
+            accuracy=self.accuracy,
+        )
+        named = {key: getattr(self.effects, key) for key in self.named_effects}
+        check_whole(asked, {"effects": named})
+
+    @classmethod
+    def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:
+        """Make a scene from a dictionary with the keys of a scene file.
+
+        Parameters
+        ----------
+        d : mapping
+            Tables as mappings; every number in the unit its key names.
+        file : path, optional
+            Where the scene comes from: for messages and relative mesh paths.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        SceneError
+            At the first key that is unknown, missing, of a wrong type, out of range, or that
+            contradicts another one; names file, key, expected and found.
+        """
+        path = Path(file) if file is not None else None
+        try:
+            asked = read_table(SceneFile, d, "")
+            for key, body in (("body_1", d["body_1"]), ("body_2", d["body_2"])):
+                check_body(getattr(asked, key), body, key)
+            check_whole(asked, d)
+            asked = _without_repetition(asked, d)
+        except SceneError as error:
+            raise (error if path is None else error.with_file(path)) from None
+        return cls(
+            name=asked.name or (path.stem if path is not None else "scene"),
+            body_1=asked.body_1,
+            body_2=asked.body_2,
+            pair=asked.pair or NO_PAIR,
+            load=asked.load,
+            positions=asked.positions,
+            effects=asked.effects,
+            accuracy=asked.accuracy,
+            file=path,
+            named_effects=frozenset(d.get("effects", {})),
+        )
+
+
+def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
+    """Concentric splines have one position, unless more are asked for."""
+    if asked.body_1.kind != "spline_shaft" or asked.pair is None or asked.pair.axes_apart_mm > 0:
+        return asked
+    if {"count", "angles_deg"} & set(given.get("positions", {})):
+        return asked
+    return replace(asked, positions=replace(asked.positions, count=1))
