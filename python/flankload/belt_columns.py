@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.sparse import csc_matrix, hstack
+from scipy.sparse import coo_matrix, csc_matrix, hstack
 
 from flankload.elasticity import degrees_of
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Of the edges.
 GAUSS_POINTS = 4
+#: Moments below this part of a hat's own are rounding.
+NO_MOMENT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,22 @@ class Flanks:
     lengths_mm: Floats
 
 
-def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_matrix]:
+@dataclass(frozen=True)
+class FlankLine:
+    """The working flank of a tooth.
+
+    Attributes
+    ----------
+    tooth : int
+    places : (2 c - 1, 2) array
+        Of its nodes, from the land to the tip, mm; its c hats are pairs.
+    """
+
+    tooth: int
+    places: Floats
+
+
+def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine, ...], csc_matrix]:
     """Contact pairs on all working flanks.
 
     Parameters
@@ -67,46 +84,69 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_matrix]:
     -------
     flanks : Flanks
         n pairs.
+    lines : tuple of FlankLine
     columns : (2N, n) csc_matrix
         Nodal loads in x and y of a unit force of the pulley on each.
     """
-    parts: list[tuple[Floats, ...]] = []
-    columns = []
-    for k, nodes in enumerate(mesh.flanks):
-        assert strip.tooth is not None
-        angle = float(strip.tooth_angles_rad[k])
+    parts: list[tuple[Floats, ...]] = [(np.zeros(0, dtype=np.int64), *_no_pairs())]
+    lines, columns = [], [csc_matrix((2 * len(mesh.nodes), 0))]
+    for tooth, nodes in sorted(mesh.flanks.items()):
+        angle = strip.pitch_rad * (tooth + 0.5)
         places = mesh.nodes[nodes]
         shapes, hats, along = _hats(places)
+        size = np.linalg.norm(along, axis=1)
         out = np.column_stack([-along[:, 1], along[:, 0]])
         at = shapes @ places
-        length = hats.T @ np.linalg.norm(along, axis=1)
+        length = hats.T @ size
         lever = -(hats.T @ (at[:, 0] * out[:, 1] - at[:, 1] * out[:, 0])) / length
-        inside = strip.gaps(strip.in_tooth(at, angle))
-        gap = (hats.T @ (np.linalg.norm(along, axis=1) * inside)) / length
-        middle = (hats.T @ (np.linalg.norm(along, axis=1)[:, None] * at)) / length[:, None]
+        gap = (hats.T @ (size * strip.gaps(strip.in_tooth(at, angle)))) / length
+        middle = (hats.T @ (size[:, None] * at)) / length[:, None]
         normal = hats.T @ out
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-        parts.append((np.full(length.size, k), middle, normal, lever, gap, length))
+        parts.append((np.full(length.size, tooth), middle, normal, lever, gap, length))
         own = -np.einsum("gq,gh,gd->qdh", shapes, hats, out) / length
         columns.append(_at_nodes(own.reshape(-1, length.size), degrees_of(nodes), mesh))
-    if not parts:
-        nothing = np.zeros(0)
-        none = Flanks(
-            nothing.astype(int),
-            nothing.reshape(0, 2),
-            nothing.reshape(0, 2),
-            nothing,
-            nothing,
-            nothing,
-        )
-        return none, csc_matrix((2 * len(mesh.nodes), 0))
-    return Flanks(*(np.concatenate(part) for part in zip(*parts, strict=True))), hstack(
-        columns, format="csc"
-    )
+        lines.append(FlankLine(tooth, places))
+    found = Flanks(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+    return found, tuple(lines), hstack(columns, format="csc")
 
 
-def land_columns(mesh: BeltMesh) -> tuple[Numbers, csc_matrix, csc_matrix]:
-    """Hats on all lands.
+def _no_pairs() -> tuple[Floats, ...]:
+    return tuple(np.zeros(shape) for shape in ((0, 2), (0, 2), 0, 0, 0))
+
+
+@dataclass(frozen=True)
+class Lands:
+    """Hats on all lands; h of them, N nodes. Components outwards and along the turn.
+
+    Attributes
+    ----------
+    number : (h,) array
+        Land of each hat.
+    angle_rad : (h,) array
+        Where each has its end.
+    degrees : (h,) array
+        Of freedom, of which `basis` makes the ways of the hats.
+    basis : (2N, 2N) csc_matrix
+        Displacements of the nodes by the other degrees of freedom and these ways.
+    forces : (2N, h) csc_matrix
+        Nodal loads of a unit force along the turn on each.
+    """
+
+    number: Numbers
+    angle_rad: Floats
+    degrees: Numbers
+    basis: csc_matrix
+    forces: csc_matrix
+
+
+def land_columns(mesh: BeltMesh) -> Lands:
+    """Hats on all lands, and the ways of lands by them.
+
+    The way outwards of a land is the linear function whose moments with all hats are those of the
+    displacements u there, ∫ hat u = ∫ hat way. A land that is held so is held by what its hats can
+    push, and no node of it more than that. Of the quadratic functions of an edge those of its ends
+    have no moment but with their own hats, so that ways take the places of displacements there.
 
     Parameters
     ----------
@@ -115,25 +155,34 @@ def land_columns(mesh: BeltMesh) -> tuple[Numbers, csc_matrix, csc_matrix]:
 
     Returns
     -------
-    numbers : (h,) array
-        Land of each hat.
-    hats : (2N, h) csc_matrix
-        The hats outwards, at the nodes; components outwards and along the turn.
-    forces : (2N, h) csc_matrix
-        Nodal loads of a unit force along the turn on each.
+    Lands
     """
-    numbers, hats, spread = [], [], []
-    for k, nodes in enumerate(mesh.lands):
-        shapes, values, along = _hats(mesh.nodes[nodes])
-        length = np.linalg.norm(along, axis=1)
-        count = values.shape[1]
-        own = np.repeat(np.eye(count), 2, axis=0)[:-1]
-        own[1::2] = 0.5 * (np.eye(count)[:-1] + np.eye(count)[1:])
-        force = shapes.T @ (length[:, None] * values) / (length @ values)
-        numbers.append(np.full(count, k))
-        hats.append(_at_nodes(own, 2 * nodes, mesh))
-        spread.append(_at_nodes(force, 2 * nodes + 1, mesh))
-    return np.concatenate(numbers), hstack(hats, format="csc"), hstack(spread, format="csc")
+    size = 2 * len(mesh.nodes)
+    numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
+    forces = [csc_matrix((size, 0))]
+    for number, nodes in sorted(mesh.lands.items()):
+        shapes, hats, along = _hats(mesh.nodes[nodes])
+        weighted = np.linalg.norm(along, axis=1)[:, None] * hats
+        moments = weighted.T @ shapes
+        own = moments[:, ::2].diagonal()[:, None]
+        ends, middles = 2 * nodes[::2], 2 * nodes[1::2]
+        for values, columns in ((weighted.T @ hats, ends), (-moments[:, 1::2], middles)):
+            row, column = np.nonzero(np.abs(values) > NO_MOMENT * own)
+            entries.append((ends[row], columns[column], (values / own)[row, column]))
+        numbers.append(np.full(ends.size, number))
+        degrees.append(ends)
+        forces.append(_at_nodes(moments.T / weighted.sum(axis=0), 2 * nodes + 1, mesh))
+    ways = np.concatenate(degrees)
+    others = np.setdiff1d(np.arange(size), ways)
+    entries.append((others, others, np.ones(others.size)))
+    rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+    return Lands(
+        np.concatenate(numbers),
+        mesh.turns_rad[ways // 2],
+        ways,
+        coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc(),
+        hstack(forces, format="csc"),
+    )
 
 
 def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_matrix:

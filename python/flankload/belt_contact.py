@@ -23,7 +23,7 @@ from flankload.contact import solve_contact_general
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.belt_strip import StripResponse
+    from flankload.belt_row import StripResponse
     from flankload.bodies.belt import Strip
     from flankload.contact import ContactState
 
@@ -134,7 +134,7 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     SpringRow
     """
     flanks = response.flanks
-    along = np.zeros((flanks.tooth.size, strip.wrapped_teeth))
+    along = np.zeros((flanks.tooth.size, response.teeth))
     along[np.arange(flanks.tooth.size), flanks.tooth] = flanks.levers_mm / strip.pitch_radius_mm
     solved = np.linalg.solve(response.compliance, np.column_stack([along, response.by_slack]))
     reduced = along.T @ solved
@@ -191,7 +191,10 @@ def solve_belt(
         asked.levers,
         asked.torque,
         load_rows=asked.rows,
-        positive_definite=True if land_friction == 0.0 else None,
+        # strands that bend at edges of lands push on these, which do nothing to strands
+        positive_definite=True
+        if land_friction == 0.0 and not (land_lift and response.phase)
+        else None,
     )
     n = response.flanks.tooth.size
     force, lift = state.normal_forces[:n], np.zeros(response.land.size)
@@ -204,7 +207,7 @@ def solve_belt(
     rub = land_friction * pushed
     if land_friction != 0.0 and response.rubbing is not None:
         tight += response.rubbing.tight @ rub
-    most = np.zeros(strip.wrapped_teeth + 1)
+    most = np.zeros(response.lands)
     np.maximum.at(most, response.land, lift)
     radius = strip.pitch_radius_mm
     return BeltState(
@@ -213,7 +216,7 @@ def solve_belt(
         pair_N_per_mm=force,
         pair_gap_mm=state.final_gap_angles[:n],
         tooth_N_per_mm=_sums(
-            response.flanks.tooth, force * response.flanks.levers_mm / radius, most.size - 1
+            response.flanks.tooth, force * response.flanks.levers_mm / radius, response.teeth
         ),
         land_N_per_mm=_sums(response.land, pushed, most.size),
         land_rub_N_per_mm=_sums(response.land, rub * strip.land_radius_mm / radius, most.size),
@@ -241,7 +244,8 @@ def _problem(
 ) -> _Problem:
     """The problem with lands that are held, and rub."""
     flanks, radius = response.flanks, strip.pitch_radius_mm
-    turn = strip.clearance_rad + flanks.tooth * strip.pitch_difference_mm / radius
+    pitches = flanks.tooth + response.first_tooth + response.phase
+    turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
     held = _Problem(
         matrix=response.compliance,
         gaps=flanks.gaps_mm + flanks.levers_mm * turn + response.by_slack * slack,

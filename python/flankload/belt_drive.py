@@ -1,7 +1,4 @@
-"""The conductor of a timing belt on its pulley: elements once, a contact problem for each torque.
-
-All positions at which the strands meet the belt between two teeth are alike: one is computed.
-"""
+"""The conductor of a timing belt on its pulley: elements, positions, a contact problem for each."""
 
 from __future__ import annotations
 
@@ -11,18 +8,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.belt_contact import BeltState, solve_belt, spring_row
-from flankload.belt_result import result_of_belt
-from flankload.belt_strip import StripResponse, solve_strip
+from flankload.belt_result import Standing, result_of_belt
+from flankload.belt_row import BeltRow, StripResponse
+from flankload.belt_work import Asked, work_of_elements, work_of_states
 from flankload.bodies.belt import Strip, build_strip
-from flankload.bodies.belt_mesh import FLANK_ELEMENTS, BeltMesh, mesh_strip
+from flankload.bodies.belt_mesh import FLANK_ELEMENTS, mesh_strip
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError, NoContactState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from flankload.result import Result
     from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
 
 #: Fewer elements on a flank are too few for a pressure that changes along it.
 LEAST_ELEMENTS = 2
@@ -31,7 +33,7 @@ LEAST_ELEMENTS = 2
 def solve_belts(
     scene: Scene, progress: Callable[[str, int, int], None] | None = None
 ) -> tuple[Result, ...]:
-    """Forces of a timing belt on its pulley.
+    """Forces of a timing belt on its pulley at all positions of a scene.
 
     Parameters
     ----------
@@ -51,37 +53,79 @@ def solve_belts(
     """
     tell = progress if progress is not None else (lambda stage, done, total: None)
     torques = scene.torques_Nm
-    total = 3 + len(torques)
     stages: dict[str, Account] = {}
 
-    def stage(name: str, done: int) -> Account:
-        tell(name, done, total)
+    def stage(name: str) -> Account:
         return stages.setdefault(name, Account())
 
-    with stage("bodies", 0) as account:
+    tell("bodies", 0, 1)
+    with stage("bodies") as account:
         strip = strip_of(scene)
-        mesh = mesh_strip(strip, flank_elements(scene, strip))
-        account.bytes = held_bytes(mesh)
-    with stage("compliance body 2", 1) as account:
-        response = _response(scene, strip, mesh, account)
-        row = spring_row(strip, response)
-        account.bytes = held_bytes(response)
-    states = []
-    with stage("sweep", 2) as account:
-        for t, torque in enumerate(torques):
-            tell("sweep", 2 + t, total)
-            states.append(_state(scene, strip, response, torque, account))
-        account.bytes = held_bytes(states)
-    estimates: list[dict[str, object] | None] = [None] * len(states)
+        position_rad, pitches = positions_of(scene, strip)
+        account.bytes = held_bytes(position_rad)
+    total = position_rad.size + 1
+    tell("compliance body 2", 0, total)
+    with stage("compliance body 2") as account:
+        row = _row(scene, strip, flank_elements(scene, strip), account)
+    standings: list[Standing] = []
+    found: list[list[BeltState]] = [[] for _ in torques]
+    springs = None
+    for p, angle in enumerate(position_rad):
+        tell("sweep", p + 1, total)
+        with stage("compliance body 2") as account:
+            response = row.at(float(angle) / strip.pitch_rad)
+            springs = springs or spring_row(strip, response)
+            account.bytes = max(account.bytes, held_bytes(response))
+        with stage("sweep") as account:
+            for torque, states in zip(torques, found, strict=True):
+                states.append(_state(scene, strip, response, torque, account))
+            standings.append(Standing.of(response))
+    stages["sweep"].bytes = held_bytes(found, standings)
+    assert springs is not None
+    predicted = predicted_work(scene, strip, position_rad)
+    estimates: list[dict[str, object] | None] = [None] * len(torques)
     if scene.accuracy.estimate and any(torques):
-        with stage("estimate", 2 + len(torques)) as account:
-            estimates = _estimates(scene, strip, states, account)
+        tell("estimate", total, total)
+        with stage("estimate") as account:
+            estimates = _estimates(scene, strip, position_rad, found, account)
     results = tuple(
-        result_of_belt(scene, strip, mesh, (response, row), state, torque, stages, estimate)
-        for torque, state, estimate in zip(torques, states, estimates, strict=True)
+        result_of_belt(
+            scene,
+            strip,
+            springs,
+            standings,
+            states,
+            position_rad,
+            pitches,
+            torque,
+            stages,
+            predicted,
+            estimate,
+        )
+        for torque, states, estimate in zip(torques, found, estimates, strict=True)
     )
     tell("done", total, total)
     return results
+
+
+def positions_of(scene: Scene, strip: Strip) -> tuple[Floats, int | None]:
+    """Angles of the pulley, and the pitches over which they run evenly; None for single angles.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+
+    Returns
+    -------
+    position_rad : (P,) array
+    pitches : int or None
+    """
+    wanted = scene.positions
+    if wanted.angles_deg is not None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
+    pitches = 1 if wanted.pitches == "hunting" else int(wanted.pitches)
+    return strip.pitch_rad * np.arange(wanted.count * pitches) / wanted.count, pitches
 
 
 def strip_of(scene: Scene) -> Strip:
@@ -165,10 +209,10 @@ def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
     }
 
 
-def _response(scene: Scene, strip: Strip, mesh: BeltMesh, account: Account) -> StripResponse:
-    return solve_strip(
+def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow:
+    return BeltRow(
         strip,
-        mesh,
+        elements,
         rubbing=scene.effects.land_friction != 0.0,
         lifting=scene.effects.land_lift,
         account=account,
@@ -202,21 +246,75 @@ def _state(
 
 
 def _estimates(
-    scene: Scene, strip: Strip, states: list[BeltState], account: Account
+    scene: Scene,
+    strip: Strip,
+    position_rad: Floats,
+    found: list[list[BeltState]],
+    account: Account,
 ) -> list[dict[str, object] | None]:
-    """What elements twice as long change: at sharp corners errors fall about as elements do."""
-    coarse = mesh_strip(strip, max(1, flank_elements(scene, strip) // 2))
-    response = _response(scene, strip, coarse, account)
-    found: list[dict[str, object] | None] = []
-    for torque, state in zip(scene.torques_Nm, states, strict=True):
-        whole = state.tooth_N_per_mm.sum()
-        if whole <= 0.0:
-            found.append(None)
+    """What elements twice as long change at up to two positions.
+
+    At sharp corners errors fall about as elements do.
+    """
+    row = _row(scene, strip, max(1, flank_elements(scene, strip) // 2), account)
+    tried = [
+        (p, row.at(float(position_rad[p]) / strip.pitch_rad)) for p in tried_positions(position_rad)
+    ]
+    estimates: list[dict[str, object] | None] = []
+    for torque, states in zip(scene.torques_Nm, found, strict=True):
+        if torque == 0.0:
+            estimates.append(None)
             continue
-        other = _state(scene, strip, response, torque, account)
-        left = {
-            "transmission_error": abs(other.rotation_rad / state.rotation_rad - 1.0),
-            "load_share": float(np.abs(other.tooth_N_per_mm - state.tooth_N_per_mm).max() / whole),
-        }
-        found.append({**left, "by_source": {"elements": left}})
-    return found
+        scale = max(abs(state.rotation_rad) for state in states)
+        turn, share = 0.0, 0.0
+        for p, response in tried:
+            state, other = states[p], _state(scene, strip, response, torque, account)
+            off = other.tooth_N_per_mm - state.tooth_N_per_mm
+            turn = max(turn, abs(other.rotation_rad - state.rotation_rad) / scale)
+            share = max(share, float(np.abs(off).max() / state.tooth_N_per_mm.sum()))
+        left = {"transmission_error": turn, "load_share": share}
+        estimates.append({**left, "by_source": {"elements": left}})
+    return estimates
+
+
+def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str, dict[str, int]]:
+    """Count what a run will do; exact.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+    position_rad : (P,) array
+
+    Returns
+    -------
+    dict of str to dict of str to int
+        By stages, as `result.cost["stages"]` names them, then by counters.
+    """
+    elements = flank_elements(scene, strip)
+    asked = Asked(scene.effects.land_friction != 0.0, scene.effects.land_lift)
+    torques = [torque for torque in scene.torques_Nm if torque > 0.0]
+    counted = {
+        "compliance body 2": work_of_elements(strip, elements, position_rad, asked),
+        "sweep": work_of_states(strip, elements, position_rad.size * len(scene.torques_Nm)),
+    }
+    if scene.accuracy.estimate and torques:
+        coarse, tried = max(1, elements // 2), position_rad[tried_positions(position_rad)]
+        counted["estimate"] = work_of_elements(strip, coarse, tried, asked) | work_of_states(
+            strip, coarse, tried.size * len(torques)
+        )
+    return counted
+
+
+def tried_positions(position_rad: Floats) -> list[int]:
+    """Positions at which errors are estimated.
+
+    Parameters
+    ----------
+    position_rad : (P,) array
+
+    Returns
+    -------
+    list of int
+    """
+    return sorted({0, position_rad.size // 2})

@@ -1,193 +1,166 @@
-"""What a timing belt does under forces on its teeth, on its lands and at its slack end.
+"""Pieces of a timing belt under forces on their teeth and lands and of the strands.
 
-The strip is solved once: its tight end is held along the strand, its lands are held radially, the
-cord stands in it as bars, and its slack end is pulled. All columns are of unit forces per mm of
-width, spread over the elements as linear hats; the same hats read displacements, so what comes out
-is symmetric. What the lands push back with is read from the same solutions.
+Lands are held radially by hats, the cord stands in the elements as bars; the tight strand holds the
+cord where it begins, the slack strand pulls it. What of the belt lies beyond is there to be
+material beside the last land: nothing pulls it. All columns are of unit
+forces per mm of width, spread over the elements as linear hats; the same hats read displacements.
+
+A piece is condensed to its columns and to its faces in the middles of teeth, which the pieces
+beside it share. Where displacements are held, at lands (by their ways) and by the tight strand, a
+column is what nodes are pulled by when those move: it reads what holds them, with its sign turned
+round. So all that a piece answers is one symmetric matrix.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, hstack
 
-from flankload.belt_columns import Flanks, flank_columns, land_columns
-from flankload.bodies.belt_mesh import BeltMesh, mesh_strip
-from flankload.elasticity import factored, stiffness
+from flankload.belt_columns import FlankLine, Flanks, flank_columns, land_columns
+from flankload.elasticity import condensed, degrees_of, stiffness
+from flankload.sector_closure import RowCell
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.belt import Strip
+    from flankload.bodies.belt_mesh import BeltMesh
     from flankload.cost import Account
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Columns solved at once: with many teeth all of them would not fit into memory.
-BLOCK = 64
+
+class Kind(IntEnum):
+    """What a column is."""
+
+    PAIR = 0
+    SLACK = 1
+    RUB = 2
+    WAY = 3
+    TIGHT = 4
 
 
 @dataclass(frozen=True)
-class LandColumns:
-    """What the h hats of the lands do when they rub, or when they give way.
+class Piece:
+    """A piece of belt by its columns, per mm of width.
 
     Attributes
     ----------
-    recession : (n, h) array
-        Of the flanks under a force along the turn, or per way outwards.
-    reaction : (h, h) array
-        Of the lands.
-    tight : (h,) array
-        Of the tight strand.
-    """
-
-    recession: Floats
-    reaction: Floats
-    tight: Floats
-
-
-@dataclass(frozen=True)
-class StripResponse:
-    """A strip by its forces per mm of width; n pairs, h hats on the lands.
-
-    Attributes
-    ----------
+    cell : RowCell
+        Response of all columns to those of them that are loads, and what they carry to the cuts.
+    kinds : (r,) array
+        `Kind` of each column; loads come first.
     flanks : Flanks
-    compliance : (n, n) array
-        K, by which flanks recede under forces on flanks, mm²/N.
-    by_slack : (n,) array
-        L, the same under the tension of the slack strand.
+        n pairs, in the order of their columns.
+    lines : tuple of FlankLine
+        The flanks on which these stand.
     land : (h,) array
         On which land each hat stands.
-    reaction : (h, n) array
-        P, forces of the lands on the belt under forces on flanks.
-    reaction_by_slack : (h,) array
-    tight, tight_by_slack : (n,) array, float
-        The tension that holds the tight end.
-    rubbing, lifting : LandColumns or None
-        Where they were asked for.
+    land_angle_rad : (h,) array
+        Where it has its end.
     degrees_of_freedom : int
     """
 
+    cell: RowCell
+    kinds: Numbers
     flanks: Flanks
-    compliance: Floats
-    by_slack: Floats
+    lines: tuple[FlankLine, ...]
     land: Numbers
-    reaction: Floats
-    reaction_by_slack: Floats
-    tight: Floats
-    tight_by_slack: float
-    rubbing: LandColumns | None
-    lifting: LandColumns | None
+    land_angle_rad: Floats
     degrees_of_freedom: int
 
 
-def solve_strip(
+def solve_piece(
     strip: Strip,
-    mesh: BeltMesh | None = None,
+    mesh: BeltMesh,
+    cuts: tuple[bool, bool] = (False, False),
     *,
     rubbing: bool = False,
     lifting: bool = False,
     account: Account | None = None,
-) -> StripResponse:
-    """Solve the elements of a belt once.
+) -> Piece:
+    """Solve the elements of a piece of belt once.
 
     Parameters
     ----------
     strip : Strip
-    mesh : BeltMesh, optional
-        Of it.
+    mesh : BeltMesh
+        Of the piece, N nodes.
+    cuts : (bool, bool)
+        Whether another piece goes on at its left and its right face.
     rubbing, lifting : bool
         Also what lands do that rub, or that give way.
     account : Account, optional
 
     Returns
     -------
-    StripResponse
+    Piece
     """
-    mesh = mesh if mesh is not None else mesh_strip(strip)
-    polar = _polar_frames(mesh.nodes)
-    matrix = polar.T @ _stiffness(strip, mesh) @ polar
-    matrix = matrix.tocsc()
-    flanks, columns = flank_columns(strip, mesh)
-    n = flanks.tooth.size
-    land, hats, spread = land_columns(mesh)
-    pull = csc_matrix(([1.0], ([2 * mesh.cord[-1] + 1], [0])), shape=(matrix.shape[0], 1))
-    loads = hstack([polar.T @ columns, pull, *([spread] if rubbing else [])], format="csc")
-    solved = _Solved(strip, mesh, matrix, loads[:, :n], hats, account)
-    if account is not None:
-        account.count(unit_loads_normal=n, unit_loads_tangential=spread.shape[1] * rubbing)
-    forced = solved.under(loads)
-    lifted = solved.giving_way(hats) if lifting else None
-    seen = forced.recession
-    return StripResponse(
-        flanks=flanks,
-        compliance=0.5 * (seen[:, :n] + seen[:, :n].T),
-        by_slack=seen[:, n],
-        land=land,
-        reaction=forced.reaction[:, :n],
-        reaction_by_slack=forced.reaction[:, n],
-        tight=forced.tight[:n],
-        tight_by_slack=float(forced.tight[n]),
-        rubbing=LandColumns(seen[:, n + 1 :], forced.reaction[:, n + 1 :], forced.tight[n + 1 :])
-        if rubbing
-        else None,
-        lifting=lifted,
-        degrees_of_freedom=solved.free.size,
+    flanks, lines, pairs = flank_columns(strip, mesh)
+    lands = land_columns(mesh)
+    basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
+    matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
+    held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
+    pull = csc_matrix(
+        (np.ones(pulled.size), (pulled, np.arange(pulled.size))), (matrix.shape[0], pulled.size)
     )
-
-
-class _Solved:
-    """The factorised strip; columns are solved in blocks, and only what is read of them is kept."""
-
-    def __init__(
-        self,
-        strip: Strip,
-        mesh: BeltMesh,
-        matrix: csc_matrix,
-        flanks: csc_matrix,
-        hats: csc_matrix,
-        account: Account | None,
-    ) -> None:
-        self._matrix, self._flanks, self._hats = matrix, flanks, hats
-        # lands are held outwards, the tight end along the turn
-        along = mesh.tight_end * 2 + 1
-        lands = np.unique(np.concatenate(mesh.lands)) * 2
-        self._held = np.concatenate([lands, along])
-        self.free = np.setdiff1d(np.arange(matrix.shape[0]), self._held)
-        self._solve = factored(matrix[self.free][:, self.free].tocsc(), account)
-        # by its moment, since the strand lies on the pitch line
-        arms = np.linalg.norm(mesh.nodes[mesh.tight_end], axis=1) / strip.pitch_radius_mm
-        self._arms = np.concatenate([np.zeros(lands.size), arms])
-
-    def under(self, loads: csc_matrix) -> LandColumns:
-        """What flanks, lands and the tight strand do under nodal loads."""
-        return self._read(loads, given=False)
-
-    def giving_way(self, ways: csc_matrix) -> LandColumns:
-        """The same where lands give way outwards."""
-        found = self._read(ways, given=True)
-        return replace(found, reaction=0.5 * (found.reaction + found.reaction.T))
-
-    def _read(self, columns: csc_matrix, *, given: bool) -> LandColumns:
-        parts = []
-        for first in range(0, columns.shape[1], BLOCK):
-            block = columns[:, first : first + BLOCK].toarray()
-            moved = block if given else np.zeros_like(block)
-            load = -(self._matrix @ block) if given else block
-            moved[self.free] = self._solve(load[self.free])
-            # what holds: the land pushes outwards, the tight strand pulls against the turn
-            holds = self._matrix[self._held] @ moved
-            if not given:
-                holds -= block[self._held]
-            parts.append(
-                (self._flanks.T @ moved, self._hats[self._held].T @ holds, -self._arms @ holds)
-            )
-        return LandColumns(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
+    given = np.concatenate([lands.degrees, held])
+    forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
+    columns = np.hstack([forces, -matrix[:, given].toarray()])
+    direct = np.zeros((columns.shape[1],) * 2)
+    direct[forces.shape[1] :, : forces.shape[1]] = forces[given]
+    direct[: forces.shape[1], forces.shape[1] :] = forces[given].T
+    direct[forces.shape[1] :, forces.shape[1] :] = -matrix[given][:, given].toarray()
+    kinds = np.repeat(
+        list(Kind),
+        [
+            flanks.tooth.size,
+            pull.shape[1],
+            rubbing * lands.number.size,
+            lands.number.size,
+            held.size,
+        ],
+    )
+    loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.WAY))
+    faces = [
+        degrees_of(face if cut else face[:0])
+        for face, cut in zip((mesh.left, mesh.right), cuts, strict=True)
+    ]
+    cut = np.concatenate(faces)
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([given, cut]))
+    solve, complement = condensed(matrix, inner, cut, account)
+    solved = solve(columns[inner])
+    if account is not None:
+        account.count(
+            unit_loads_normal=int((kinds[loads] != Kind.RUB).sum()),
+            unit_loads_tangential=int((kinds[loads] == Kind.RUB).sum()),
+        )
+        account.workspace_bytes += columns.nbytes + solved.nbytes
+    carried = columns[cut] - matrix[cut][:, inner] @ solved
+    left = faces[0].size
+    return Piece(
+        cell=RowCell(
+            local=columns[inner].T @ solved[:, loads] + direct[:, loads],
+            carried=(carried[:left], carried[left:]),
+            stiffness=(
+                complement[:left, :left],
+                complement[:left, left:],
+                complement[left:, :left],
+                complement[left:, left:],
+            ),
+        ),
+        kinds=kinds,
+        flanks=flanks,
+        lines=lines,
+        land=lands.number,
+        land_angle_rad=lands.angle_rad,
+        degrees_of_freedom=inner.size,
+    )
 
 
 def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
@@ -200,7 +173,7 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
     """Stiffness of quadratic bars along the cord, and of the tension that holds them straight.
 
     The tension resists the slope of the radial displacement alone: the slope of the bar's own
-    normal would resist sliding around the pulley, too.
+    normal would resist sliding around the pulley, too. Only on the pulley: nothing pulls the rest.
 
     Parameters
     ----------
@@ -217,6 +190,8 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
     bars = np.stack([cord[:-2:2], cord[1:-1:2], cord[2::2]], axis=1)
     places = mesh.nodes[bars]
     outwards = places / np.linalg.norm(places, axis=2)[:, :, None]
+    taut = np.zeros(len(bars))
+    taut[mesh.bars] = strip.prestress_N_per_mm
     blocks = np.zeros((len(bars), 6, 6))
     for point in np.array([-1.0, 1.0]) / np.sqrt(3.0):  # two points: no locking in curved bars
         slopes = np.array([point - 0.5, -2.0 * point, point + 0.5])
@@ -224,7 +199,7 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
         length = np.linalg.norm(along, axis=1)
         strain = np.einsum("k,ed->ekd", slopes, along).reshape(-1, 6) / length[:, None] ** 2
         slope = (slopes[:, None] * outwards).reshape(-1, 6) / length[:, None]
-        for part, factor in ((strain, strip.cord_N_per_mm), (slope, strip.prestress_N_per_mm)):
+        for part, factor in ((strain, strip.cord_N_per_mm), (slope, taut)):
             blocks += (factor * length)[:, None, None] * part[:, :, None] * part[:, None, :]
     degrees = (2 * bars[:, :, None] + np.arange(2)).reshape(-1, 6)
     rows = np.repeat(degrees, 6, axis=1).ravel()
@@ -233,12 +208,12 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
     return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
-def _polar_frames(nodes: Floats) -> csc_matrix:
+def _frames(turns_rad: Floats) -> csc_matrix:
     """Columns outwards and along the turn at each node, in x and y."""
-    cosine, sine = (nodes / np.linalg.norm(nodes, axis=1)[:, None]).T
-    first = 2 * np.arange(len(nodes))
+    cosine, sine = np.cos(turns_rad), np.sin(turns_rad)
+    first = 2 * np.arange(turns_rad.size)
     rows = np.concatenate([first, first + 1, first, first + 1])
     columns = np.concatenate([first, first, first + 1, first + 1])
     values = np.concatenate([cosine, sine, -sine, cosine])
-    size = 2 * len(nodes)
+    size = 2 * turns_rad.size
     return coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()

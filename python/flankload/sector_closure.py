@@ -9,6 +9,7 @@ other. Nothing is approximated.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from flankload.cost import Account
 from flankload.elasticity import condensed, degrees_of, factored
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_matrix
@@ -185,11 +186,74 @@ def alike_response(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
     return np.asarray(sector.local + read.T @ np.linalg.solve(sum(stiffness), read[:, :loads]))
 
 
+@dataclass(frozen=True)
+class RowCell:
+    """A condensed cell of a row; cuts as the next cell on each side sees them.
+
+    Attributes
+    ----------
+    local : (r, p) array
+        As of `CondensedSector`.
+    carried : (left, right)
+        Forces on the two cuts, (m, r) each; on an outer end of a row they are not looked at.
+    stiffness : (left-left, left-right, right-left, right-right)
+    """
+
+    local: NDArray[np.float64]
+    carried: tuple[NDArray[np.float64], ...]
+    stiffness: tuple[NDArray[np.float64], ...]
+
+
+def row_response(cells: Sequence[RowCell]) -> NDArray[np.float64]:
+    """Response of all cells of an open row to the loads on each.
+
+    Interface k lies between cells k and k + 1. Their stiffness is block-tridiagonal: eliminated
+    from one end to the other, solved backwards. What holds the outer ends of the first and the last
+    cell, or pulls there, is their own matter.
+
+    Parameters
+    ----------
+    cells : sequence of RowCell
+        They may differ in their loads and readings.
+
+    Returns
+    -------
+    (sum of r, sum of p) array
+        Readings of the first cell first; loads likewise.
+    """
+    loads = [cell.local.shape[1] for cell in cells]
+    ends = np.concatenate([[0], np.cumsum(loads)])
+    found: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    for k, (one, two) in enumerate(pairwise(cells)):
+        # interface k under the loads of the cells up to k + 1, of those before through k - 1
+        pivot = one.stiffness[3] + two.stiffness[0]
+        force = np.zeros((len(pivot), ends[k + 2]))
+        force[:, ends[k] : ends[k + 1]] = one.carried[1][:, : loads[k]]
+        force[:, ends[k + 1] :] = two.carried[0][:, : loads[k + 1]]
+        if k:
+            coupled, known = found[-1]
+            pivot = pivot - one.stiffness[2] @ coupled
+            force[:, : ends[k + 1]] -= one.stiffness[2] @ known
+        solved = np.linalg.solve(pivot, np.hstack([two.stiffness[1], force]))
+        found.append((solved[:, : -force.shape[1]], solved[:, -force.shape[1] :]))
+    parts = [np.zeros((cell.local.shape[0], ends[-1])) for cell in cells]
+    moved = np.zeros((0, ends[-1]))
+    for k in range(len(cells) - 2, -1, -1):
+        coupled, known = found[k]
+        after = moved
+        moved = np.zeros((len(known), ends[-1]))
+        moved[:, : known.shape[1]] = known
+        if k < len(cells) - 2:
+            moved -= coupled @ after
+        parts[k] += cells[k].carried[1].T @ moved
+        parts[k + 1] += cells[k + 1].carried[0].T @ moved
+    for k, cell in enumerate(cells):
+        parts[k][:, ends[k] : ends[k + 1]] += cell.local
+    return np.concatenate(parts)
+
+
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np.float64]:
     """Response of all sectors of an open row to the loads on each, the row's two ends held.
-
-    Interface k lies between sectors k - 1 and k. Their stiffness is block-tridiagonal: eliminated
-    from one end to the other, solved backwards.
 
     Parameters
     ----------
@@ -204,30 +268,10 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np
     (n, n, r, p) array
         [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
     """
-    (left_left, left_right, right_left, right_right), (read_left, read_right) = _turned(
-        sector, turn_rad
-    )
-    m = len(left_left)
+    stiffness, carried = _turned(sector, turn_rad)
+    row = row_response([RowCell(sector.local, carried, stiffness)] * cells)
     readings, loads = sector.local.shape
-    # forces on the interfaces 0 … n, of which the first and the last are held
-    force = np.zeros((cells + 1, m, cells * loads))
-    for j in range(cells):
-        own = slice(j * loads, (j + 1) * loads)
-        force[j, :, own] = read_left[:, :loads]
-        force[j + 1, :, own] = read_right[:, :loads]
-    pivots = [left_left + right_right]
-    for k in range(2, cells):
-        known = np.concatenate([left_right, force[k - 1]], axis=1)
-        carried = right_left @ np.linalg.solve(pivots[-1], known)
-        pivots.append(left_left + right_right - carried[:, :m])
-        force[k] -= carried[:, m:]
-    moved = np.zeros_like(force)
-    for k in range(cells - 1, 0, -1):
-        moved[k] = np.linalg.solve(pivots[k - 1], force[k] - left_right @ moved[k + 1])
-    seen = read_left.T @ moved[:-1] + read_right.T @ moved[1:]
-    response = seen.reshape(cells, readings, cells, loads).transpose(0, 2, 1, 3).copy()
-    response[np.arange(cells), np.arange(cells)] += sector.local
-    return response
+    return row.reshape(cells, readings, cells, loads).transpose(0, 2, 1, 3).copy()
 
 
 def segment_response(sector: CondensedSector, teeth: int, cells: int) -> NDArray[np.float64]:

@@ -17,7 +17,8 @@ import pytest
 from tolerances import ROUND_OFF, SOLVER
 
 from flankload.belt_contact import BeltState, SpringRow, solve_belt, spring_row
-from flankload.belt_strip import StripResponse, cord_stiffness, solve_strip
+from flankload.belt_row import BeltRow, StripResponse, strand_ends, strip_response
+from flankload.belt_strip import cord_stiffness, solve_piece
 from flankload.bodies.belt import Round, Strip, Trapezoid
 from flankload.bodies.belt_mesh import mesh_strip
 from flankload.bodies.body import Material
@@ -25,13 +26,16 @@ from flankload.plane_mesh import jacobians
 
 CORD, FORCE = 25e3, 40.0
 #: Of shares between two programs, points; without the land in series they are 5 to 8 points off.
-SHARES = 0.8
-#: Of shares between a row of springs and the elements from which it comes, points: all teeth carry.
+SHARES = 0.6
+#: Of shares between a row of springs and the elements from which it comes, points.
 ROW = 0.2
-#: The same, where the last tooth touches with the part of its flank that a spring does not know.
-ROW_AT_THE_EDGE = 0.4
-#: Of forces over their sum, where lands that are pairs are held by hats, the others at all nodes.
-LANDS = 1e-4
+#: The same, where the last tooth touches with a part of its flank and nothing holds the cord
+#: straight: its sharp corner at the land recedes, which a spring does not know. Finer elements, and
+#: such that are finer at the corners, come to 0.28, with lands held at nodes, by hats, and with
+#: free corners alike.
+ROW_AT_THE_EDGE = 0.3
+#: Of the same answer by two ways of elimination, on the largest entry.
+ELIMINATION = 1e-10
 #: Of places on arcs that elements follow as parabolas, mm; an arc may begin within an element.
 ARCS = 1e-3
 
@@ -55,7 +59,18 @@ def longer(strip: Strip, difference_um: float) -> Strip:
 
 @cache
 def response(strip: Strip = T10, elements: int = 6, *, lands: bool = True) -> StripResponse:
-    return solve_strip(strip, mesh_strip(strip, elements), rubbing=lands, lifting=lands)
+    return BeltRow(strip, elements, rubbing=lands, lifting=lands).at(0.0)
+
+
+@cache
+def whole(
+    strip: Strip, elements: int, ends: tuple[float, float] = (0.0, 0.0), free: tuple[int, ...] = ()
+) -> StripResponse:
+    """The same belt as one piece, without the lands that are free."""
+    mesh = mesh_strip(strip, elements, ends_rad=ends)
+    lands = {number: nodes for number, nodes in mesh.lands.items() if number not in free}
+    piece = solve_piece(strip, replace(mesh, lands=lands), rubbing=True, lifting=True)
+    return strip_response((piece,))
 
 
 def shares(state: BeltState) -> np.ndarray:
@@ -130,16 +145,27 @@ def test_shares_are_those_of_another_program(difference: float) -> None:
     expected, way = TABLE[difference]
     np.testing.assert_allclose(shares(state), expected, rtol=0.0, atol=SHARES)
     way_um = 1000.0 * state.rotation_rad * strip.pitch_radius_mm
-    np.testing.assert_allclose(way_um, way, rtol=0.015, atol=0.0)
+    np.testing.assert_allclose(way_um, way, rtol=0.01, atol=0.0)
 
 
 @pytest.mark.parametrize(
-    ("difference", "points"), [(0.0, ROW_AT_THE_EDGE), (-10.0, ROW), (-20.0, ROW)]
+    ("prestress", "difference", "points"),
+    [
+        (FORCE, 0.0, ROW),
+        (FORCE, -10.0, ROW),
+        (FORCE, -20.0, ROW),
+        (0.0, 0.0, ROW_AT_THE_EDGE),
+        (0.0, -10.0, ROW),
+        (0.0, -20.0, ROW),
+    ],
 )
-def test_row_of_springs_stands_for_the_elements(difference: float, points: float) -> None:
+def test_row_of_springs_stands_for_the_elements(
+    prestress: float, difference: float, points: float
+) -> None:
+    known = response(replace(T10, prestress_N_per_mm=prestress))
     strip = longer(T10, difference)
-    state = solve_belt(strip, response(), FORCE, 20.0)
-    row = spring_row(strip, response())
+    state = solve_belt(strip, known, FORCE, 20.0)
+    row = spring_row(strip, known)
     springs = row.solve(FORCE, 20.0, strip.pitch_difference_mm)
     np.testing.assert_allclose(
         100.0 * springs.normal_forces / FORCE, shares(state), rtol=0.0, atol=points
@@ -170,7 +196,7 @@ def test_land_is_a_spring_in_series_with_the_cord() -> None:
     wide = land_N_per_mm2(replace(T10, pulley_teeth=48))
     np.testing.assert_allclose(wide, land, rtol=0.1, atol=0.0)
     # the other program: 30.7 to 31.2 on its elements
-    np.testing.assert_allclose(land, 31.0, rtol=0.25, atol=0.0)
+    np.testing.assert_allclose(land, 31.0, rtol=0.03, atol=0.0)
 
 
 def test_prestress_stiffens_cord_and_teeth() -> None:
@@ -179,14 +205,15 @@ def test_prestress_stiffens_cord_and_teeth() -> None:
         spring_row(T10, response(strip, 3, lands=False))
         for strip in (T10, replace(T10, prestress_N_per_mm=FORCE))
     )
-    ratio = taut.cord_N_per_mm / plain.cord_N_per_mm
-    np.testing.assert_allclose(ratio, 1.56 / 1.40, rtol=0.05, atol=0.0)
+    np.testing.assert_allclose(CORD / plain.cord_N_per_mm, 1.56, rtol=0.01, atol=0.0)
+    np.testing.assert_allclose(CORD / taut.cord_N_per_mm, 1.40, rtol=0.01, atol=0.0)
     ratio = taut.tooth_N_per_mm2 / plain.tooth_N_per_mm2
-    np.testing.assert_allclose(ratio, 90.0 / 84.0, rtol=0.03, atol=0.0)
+    np.testing.assert_allclose(ratio, 90.0 / 84.0, rtol=0.01, atol=0.0)
+    np.testing.assert_allclose(plain.tooth_N_per_mm2, 84.0, rtol=0.03, atol=0.0)
 
 
 def test_cord_is_a_taut_bar_around_the_pulley() -> None:
-    """Its energy where it turns, grows and shifts as a whole, half a turn of radius r.
+    """Its energy where it turns, grows and shifts as a whole: half a turn of radius r, two strands.
 
     A taut cord that slides around the pulley costs nothing; shifted by 1 it bends by sin(t)/r.
     """
@@ -196,7 +223,7 @@ def test_cord_is_a_taut_bar_around_the_pulley() -> None:
     x, y = mesh.nodes.T
     turned, grown = np.column_stack([-y, x]).ravel(), mesh.nodes.ravel()
     shifted = np.tile([1.0, 0.0], len(mesh.nodes))
-    length = np.pi * radius
+    length = np.pi * radius + 20.0
     np.testing.assert_allclose(grown @ plain @ grown, CORD * length, rtol=1e-6, atol=0.0)
     np.testing.assert_allclose(shifted @ taut @ shifted, FORCE * np.pi / (2 * radius), rtol=1e-4)
     for matrix, move in ((plain, turned), (plain, shifted), (taut, turned), (taut, grown)):
@@ -234,7 +261,7 @@ def test_response_is_symmetric_and_lands_answer_as_flanks_do() -> None:
 def test_belt_without_teeth_is_a_rope(friction: float, other: float) -> None:
     """T1/T2 = exp(mu theta r_l/r_p): friction acts on the land, the cord lies on the pitch line."""
     bare = replace(T10, tooth=None)
-    known = response(bare)
+    known = whole(bare, 6)
     assert known.rubbing is not None
     held = np.eye(known.land.size) - friction * known.rubbing.reaction
     push = np.linalg.solve(held, known.reaction_by_slack)
@@ -264,7 +291,9 @@ def test_lands_that_need_not_lift_change_nothing() -> None:
     held = solve_belt(TAUT, known, FORCE, 5.0)
     free = solve_belt(TAUT, known, FORCE, 5.0, land_lift=True)
     assert (held.land_N_per_mm > 0).all()
-    np.testing.assert_allclose(free.tooth_N_per_mm, held.tooth_N_per_mm, rtol=0, atol=LANDS * FORCE)
+    np.testing.assert_allclose(
+        free.tooth_N_per_mm, held.tooth_N_per_mm, rtol=0, atol=SOLVER * FORCE
+    )
 
 
 def test_lands_lift_at_the_slack_end_first() -> None:
@@ -282,23 +311,88 @@ def test_lands_lift_at_the_slack_end_first() -> None:
 
 
 def test_land_that_lifts_is_free() -> None:
-    """Lands as pairs are the same as elements of which these lands are not held at all.
-
-    But for the nodes in the middle of edges, which pairs move along with their neighbours.
-    """
+    """Lands as pairs are the same as elements of which these lands are not held at all."""
     state = solve_belt(TAUT, response(TAUT, 3), FORCE, 0.1, land_lift=True)
     free = np.flatnonzero(state.land_N_per_mm < 1e-9)
     assert free.size >= 3
-    mesh = mesh_strip(TAUT, 3)
-    kept = tuple(nodes for k, nodes in enumerate(mesh.lands) if k not in free)
-    known = solve_strip(TAUT, replace(mesh, lands=kept), lifting=True)
-    numbers = np.setdiff1d(np.arange(13), free)
-    known = replace(known, land=numbers[known.land])
+    known = whole(TAUT, 3, free=tuple(free))
     other = solve_belt(TAUT, known, FORCE, 0.1, land_lift=True)
     np.testing.assert_allclose(
-        other.tooth_N_per_mm, state.tooth_N_per_mm, rtol=0, atol=LANDS * FORCE
+        other.tooth_N_per_mm, state.tooth_N_per_mm, rtol=0, atol=SOLVER * FORCE
     )
-    np.testing.assert_allclose(other.rotation_rad, state.rotation_rad, rtol=10 * LANDS, atol=0.0)
+    np.testing.assert_allclose(other.rotation_rad, state.rotation_rad, rtol=SOLVER, atol=0.0)
+
+
+#: Of four teeth; strands begin on lands, one at the edge of one.
+SHORT = replace(TAUT, wrapped_teeth=4)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.11, -0.4])
+def test_row_of_cells_is_the_whole_belt(phase: float) -> None:
+    ends = strand_ends(SHORT, 3, phase * SHORT.pitch_rad)
+    row = BeltRow(SHORT, 3, rubbing=True, lifting=True)
+    found, expected = row._put_together(ends), whole(SHORT, 3, ends)
+    for name in ("compliance", "by_slack", "reaction", "reaction_by_slack", "tight"):
+        one, other = (getattr(known, name) for known in (found, expected))
+        np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
+    for part in ("rubbing", "lifting"):
+        for name in ("recession", "reaction"):
+            one, other = (getattr(getattr(known, part), name) for known in (found, expected))
+            np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
+    for name in ("places", "normals", "levers_mm", "tooth"):
+        one, other = (getattr(known.flanks, name) for known in (found, expected))
+        np.testing.assert_allclose(one, other, rtol=0, atol=ROUND_OFF * np.abs(other).max())
+    np.testing.assert_array_equal(found.land, expected.land)
+    np.testing.assert_allclose(found.land_angle_rad, expected.land_angle_rad, rtol=ROUND_OFF)
+    assert found.tight_by_slack == pytest.approx(1.0, abs=SOLVER)
+
+
+@pytest.mark.parametrize("difference", [0.0, -20.0])
+def test_pitch_later_the_state_is_that_of_the_next_teeth(difference: float) -> None:
+    strip, row = longer(SHORT, difference), BeltRow(SHORT, 3)
+    one, two = (solve_belt(strip, row.at(phase), FORCE, 20.0) for phase in (0.13, 1.13))
+    assert [row.at(phase).first_tooth for phase in (0.13, 1.13, -0.87)] == [0, -1, 1]
+    np.testing.assert_allclose(two.tooth_N_per_mm, one.tooth_N_per_mm, rtol=SOLVER, atol=0.0)
+    np.testing.assert_allclose(two.rotation_rad, one.rotation_rad, rtol=SOLVER, atol=0.0)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.15, 0.3, 0.7, 0.9])
+def test_forces_of_all_positions_hold_each_other(phase: float) -> None:
+    known = BeltRow(TAUT, 3).at(phase)
+    state = solve_belt(TAUT, known, FORCE, 20.0)
+    np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)
+    pushed = -(state.pair_N_per_mm[:, None] * known.flanks.normals).sum(axis=0)
+    middles = np.array([known.land_angle_rad[known.land == k].mean() for k in range(known.lands)])
+    lands = state.land_N_per_mm[:, None] * np.column_stack([np.cos(middles), np.sin(middles)])
+    whole = pushed + lands.sum(axis=0)
+    np.testing.assert_allclose(whole, [0.0, 80.0], rtol=0.0, atol=0.01 * 80.0)
+
+
+def test_strand_stretches_while_a_groove_goes_by() -> None:
+    """Between two lands nothing changes but the length of the tight strand."""
+    row = BeltRow(TAUT, 3)
+    one, two = (solve_belt(TAUT, row.at(phase), FORCE, 20.0) for phase in (0.3, 0.45))
+    np.testing.assert_allclose(two.tooth_N_per_mm, one.tooth_N_per_mm, rtol=SOLVER, atol=0.0)
+    way = 0.15 * TAUT.pitch_mm * 60.0 / TAUT.strand_N_per_mm
+    np.testing.assert_allclose(
+        (two.rotation_rad - one.rotation_rad) * TAUT.pitch_radius_mm, way, rtol=1e-6, atol=0.0
+    )
+
+
+def test_positions_pass_over_into_each_other_but_where_a_tooth_comes() -> None:
+    """Half a pitch on a tooth comes and another one goes; elsewhere a little changes little."""
+    row = BeltRow(TAUT, 3)
+    phases = np.array([0.16, 0.235, 0.498, 0.501, 0.765, 0.84])
+
+    def turns(at: np.ndarray) -> np.ndarray:
+        states = [solve_belt(TAUT, row.at(float(phase)), FORCE, 20.0) for phase in at]
+        return np.array([state.rotation_rad for state in states])
+
+    jumps = np.abs(turns(phases + 1e-3) - turns(phases)) / turns(phases)
+    assert jumps.max() < 1e-3
+    before, after = turns(np.array([0.4999, 0.5001]))
+    # what the tight strand has stretched over a pitch is taken back by the tooth that comes
+    assert after < 0.9 * before
 
 
 HTD = replace(T10, pitch_mm=8.0, tooth=Round(2.575, 3.38), land_distance_mm=0.686, back_mm=2.2)

@@ -15,6 +15,7 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload.cli import main
+from flankload.plot import plot_all
 from flankload.result.belt import BeltDrive
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "belt.toml"
@@ -88,7 +89,7 @@ REFUSED = [
     ({"load": {"slack_tension_N": 0}}, "load.slack_tension_N: expected a number > 0"),
     ({"load": {"slack_tension_N": None}}, "load.slack_tension_N: expected a number > 0: what the"),
     ({"pair": {"face_width_mm": 5}}, "pair: expected nothing: a belt has body_2.width_mm"),
-    ({"positions": {"count": 4}}, "positions.count: expected nothing: a belt is computed where"),
+    ({"positions": {"adaptive": True}}, "positions.adaptive: expected nothing: a belt and its"),
     ({"accuracy": {"modes": 5}}, "accuracy.modes: expected nothing: a belt and its pulley do not"),
     ({"effects": {"friction_coefficient": 0.1}}, "effects.friction_coefficient: expected nothing"),
     (
@@ -180,7 +181,7 @@ def test_torques_share_the_elements_and_one_may_be_none() -> None:
     assert free.site_force_N.max() == 0.0
     np.testing.assert_allclose(drive_of(free).tight_tension_N, 320.0, rtol=SOLVER, atol=0.0)
     assert loaded.rotation_rad[0] > free.rotation_rad[0]
-    assert loaded.cost["fe_factorisations"] == 1
+    assert loaded.cost["fe_factorisations"] == 3
     assert loaded.cost["stages"]["sweep"]["counters"]["states"] == 2
 
 
@@ -270,7 +271,73 @@ def test_costs_are_a_table_without_a_plan() -> None:
     assert isinstance(found, tuple)
     lines = [line.split() for line in found[0].cost_table().splitlines()]
     assert ["states", "2", "2"] in lines
-    assert ["fe", "factorisations", "1", "1"] in lines
+    assert ["fe", "factorisations", "3", "3"] in lines
+
+
+POSITIONS = {"positions": {"angles_deg": [0, 2, 6, 7, 8, 9, 13, 15]}}
+
+
+def test_positions_have_teeth_that_enter_and_leave() -> None:
+    result = solved(**POSITIONS)
+    drive = drive_of(result)
+    force = 1000.0 * result.torque_Nm / result.reference_radius_mm
+    assert result.sites.tolist() == [-1, 0, 1, 2, 3, 4]
+    np.testing.assert_allclose(result.site_force_N.sum(axis=1), force, rtol=SOLVER, atol=0.0)
+    there = np.isfinite(drive.tension_behind_N)
+    assert (there.sum(axis=1) == 5).all()
+    assert there[:4, 1:].all()
+    assert there[4:, :-1].all()
+    assert (result.site_force_N[~there] == 0).all()
+    # six lands: that behind the last tooth is before a tooth of the table, where that has left
+    assert (np.isfinite(drive.lands_N).sum(axis=1) == 6).all()
+    assert np.isfinite(drive.last_land_N).tolist() == [True] * 4 + [False] * 4
+    # one pitch on all is the same, one tooth further
+    np.testing.assert_allclose(
+        result.site_force_N[-1, :-1], result.site_force_N[0, 1:], rtol=SOLVER, atol=SOLVER * force
+    )
+    np.testing.assert_allclose(
+        result.transmission_error_um[-1], result.transmission_error_um[0], rtol=SOLVER, atol=0.0
+    )
+    tree = json.loads(result.to_json())
+    assert tree["drive"]["tension_behind_N"][0][0] is None
+    assert "first tooth" in result.table()
+
+
+def test_single_position_is_the_first_of_many() -> None:
+    one, two = solved(), solved(positions={"count": 2})
+    assert one.position_rad.tolist() == [0.0]
+    np.testing.assert_allclose(two.rotation_rad[0], one.rotation_rad[0], rtol=SOLVER, atol=0.0)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        POSITIONS,
+        {**POSITIONS, "effects": {"land_friction": 0.1}, "accuracy": {"estimate": True}},
+        {**POSITIONS, "effects": {"land_lift": True}, "load": {"torque_Nm": [0, 5]}},
+        {"body_2": {"wrapped_teeth": 1}},
+    ],
+)
+def test_work_is_counted_before_it_is_done(changes: dict[str, Any]) -> None:
+    merged = {
+        table: {**SMALL.get(table, {}), **changes.get(table, {})} for table in {**SMALL, **changes}
+    }
+    found = fl.solve(fl.Scene.from_dict(tables(**merged)))
+    result = found[0] if isinstance(found, tuple) else found
+    for stage in result.cost["stages"].values():
+        spent = {name: n for name, n in stage["counters"].items() if name != "pivots"}
+        counted = {name: n for name, n in stage["predicted"]["counters"].items() if n}
+        assert spent == counted
+
+
+def test_pictures_of_positions(tmp_path: Path) -> None:
+    plot_all(solved(**POSITIONS), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "belt_on_pulley.png",
+        "load_around_wrap.png",
+        "transmission_error.png",
+        "force_through_wrap.png",
+    }
 
 
 @pytest.mark.parametrize("command", [["plan"], ["mesh", "-o", "."]])

@@ -196,6 +196,13 @@ class Strip:
         return self.pulley_teeth * self.pitch_mm / (2 * pi)
 
     @property
+    def strand_N_per_mm(self) -> float:
+        """Tension of a free strand over its strain, per mm of width; its teeth bear nothing."""
+        material = self.material
+        plane = material.young_modulus_MPa / (1 - material.poisson_ratio**2)
+        return self.cord_N_per_mm + plane * self.back_mm
+
+    @property
     def land_radius_mm(self) -> float:
         """Of the pulley's outer circle."""
         return self.pitch_radius_mm - self.land_distance_mm

@@ -9,7 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.plot.belt import plot_belt_on_pulley, plot_load_around_wrap
+from flankload.plot.belt import (
+    plot_belt_on_pulley,
+    plot_force_through_wrap,
+    plot_load_around_wrap,
+)
 from flankload.plot.curves import (
     plot_follower_motion,
     plot_load_sharing,
@@ -41,6 +45,7 @@ __all__ = [
     "plot_flank_forces",
     "plot_flank_pressure",
     "plot_follower_motion",
+    "plot_force_through_wrap",
     "plot_load_around_wrap",
     "plot_load_per_tooth",
     "plot_load_sharing",
@@ -73,7 +78,9 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
         bodies that touch all around load_per_tooth.png, flank_pressure.png,
         loaded_pair.png, and with several positions transmission_error.png. Of all
         root_stress.png where stress is asked for. Of a chain transmission_error.png,
-        chain_on_sprocket.png, tensions.png and stiffness.png.
+        chain_on_sprocket.png, tensions.png and stiffness.png. Of a belt belt_on_pulley.png and
+        load_around_wrap.png, with several positions transmission_error.png and
+        force_through_wrap.png.
 
     Raises
     ------
@@ -108,6 +115,9 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
             "belt_on_pulley.png": plot_belt_on_pulley,
             "load_around_wrap.png": plot_load_around_wrap,
         }
+        if result.position_rad.size > 1:
+            pictures["transmission_error.png"] = plot_transmission_error
+            pictures["force_through_wrap.png"] = plot_force_through_wrap
     elif result.drive is not None:
         pictures = {
             "transmission_error.png": plot_transmission_error,

@@ -28,21 +28,27 @@ def _drive(result: Result) -> BeltDrive:
     return result.drive
 
 
-def plot_belt_on_pulley(result: Result, position: int = 0) -> Figure:
+def _shown(result: Result, position: int | None) -> int:
+    """The position that is drawn; if none is named, that at which a tooth carries most."""
+    return int(np.argmax(result.site_force_N.max(axis=1))) if position is None else position
+
+
+def plot_belt_on_pulley(result: Result, position: int | None = None) -> Figure:
     """Pulley, belt and the circumferential forces of its teeth.
 
     Parameters
     ----------
     result : Result
         Of a belt.
-    position : int
-        Index of the position.
+    position : int, optional
+        Index of the position; if absent, that at which a tooth carries most.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    drive, drawing, p = _drive(result), result.drawing, position
+    drive, drawing, p = _drive(result), result.drawing, _shown(result, position)
+    there = np.flatnonzero(np.isfinite(drive.tension_behind_N[p]))
     radius, wrap = result.reference_radius_mm, drive.wrap_angle_rad
     angles = drawing.angle_1[p] + result.pitch_rad * np.arange(drawing.teeth_1)
     with rc_context(STYLE):
@@ -50,7 +56,7 @@ def plot_belt_on_pulley(result: Result, position: int = 0) -> Figure:
         axes = figure.add_subplot()
         pulley = np.vstack([drawing.outline_1 @ _turn(angle).T for angle in angles])
         axes.fill(*pulley.T, color=STEEL[0], ec="#7a8791", lw=0.8)
-        for angle in angles[: drawing.teeth_2]:
+        for angle in angles[there]:
             axes.fill(*(drawing.outline_2 @ _turn(angle).T).T, color=STEEL[1], ec="#7a6f57", lw=0.6)
         turn = np.linspace(0.0, wrap, 200)
         reach = STRAND_PITCHES * result.pitch_rad * radius
@@ -63,7 +69,7 @@ def plot_belt_on_pulley(result: Result, position: int = 0) -> Figure:
             ]
         )
         axes.plot(*cord.T, color="#404040", lw=1.4)
-        _forces(axes, result, angles[: drawing.teeth_2], p)
+        _forces(axes, result, angles, there, p)
         for (x, y), tension in zip(
             cord[[0, -1]], (drive.tight_tension_N[p], drive.slack_tension_N[p]), strict=True
         ):
@@ -73,25 +79,27 @@ def plot_belt_on_pulley(result: Result, position: int = 0) -> Figure:
         axes.autoscale_view()
         axes.set_xlabel("mm")
         axes.grid(visible=False)
-        _title(figure, result, "Forces on the teeth of the belt")
+        at = f" at {degrees(result.position_rad[p]):.4g}°" if result.position_rad.size > 1 else ""
+        _title(figure, result, f"Forces on the teeth of the belt{at}")
         return figure
 
 
-def plot_load_around_wrap(result: Result, position: int = 0) -> Figure:
+def plot_load_around_wrap(result: Result, position: int | None = None) -> Figure:
     """Forces of the teeth, tension of the cord and forces of the lands around the wrap.
 
     Parameters
     ----------
     result : Result
         Of a belt.
-    position : int
-        Index of the position.
+    position : int, optional
+        Index of the position; if absent, that at which a tooth carries most.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    drive, p = _drive(result), position
+    drive, p = _drive(result), _shown(result, position)
+    there = np.isfinite(drive.tension_behind_N[p])
     with rc_context(STYLE):
         figure = new_figure((SIZE[0], 1.35 * SIZE[1]))
         upper, lower = figure.subplots(2, 1, sharex=True)
@@ -103,8 +111,9 @@ def plot_load_around_wrap(result: Result, position: int = 0) -> Figure:
                 upper.text(site, force, f"{100 * share:.1f}", ha="center", va="bottom", fontsize=8)
         upper.set_ylabel("force of the tooth in N\n(above the bar: share in %)")
         edges = np.append(result.sites, result.sites[-1] + 1) - 0.5
-        tension = np.append(drive.tension_behind_N[p], drive.slack_tension_N[p])
-        lower.plot(edges, tension, marker="o", ms=3.5, color=COLOURS[1], label="tension")
+        tension = np.append(drive.tension_behind_N[p, there], drive.slack_tension_N[p])
+        before = np.append(result.sites[there], result.sites[there][-1] + 1) - 0.5
+        lower.plot(before, tension, marker="o", ms=3.5, color=COLOURS[1], label="tension")
         lands, lifting = drive.lands_N[p], drive.lifting[p]
         lower.plot(edges, lands, marker="s", ms=3.5, color=COLOURS[2], label="force of the land")
         if lifting.any():
@@ -114,14 +123,47 @@ def plot_load_around_wrap(result: Result, position: int = 0) -> Figure:
         lower.set_xlabel("tooth, from the tight strand")
         lower.set_xticks(result.sites)
         lower.legend(ncols=3)
-        _title(figure, result, f"Around {degrees(drive.wrap_angle_rad):.4g}° of wrap")
+        at = f", at {degrees(result.position_rad[p]):.4g}°" if result.position_rad.size > 1 else ""
+        _title(figure, result, f"Around {degrees(drive.wrap_angle_rad):.4g}° of wrap{at}")
         return figure
 
 
-def _forces(axes: object, result: Result, angles: Floats, p: int) -> None:
+def plot_force_through_wrap(result: Result) -> Figure:
+    """Force of a tooth on its way through the wrap, from all positions.
+
+    Parameters
+    ----------
+    result : Result
+        Of a belt, at several positions.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    drive = _drive(result)
+    with rc_context(STYLE):
+        figure = new_figure(SIZE)
+        axes = figure.add_subplot()
+        way = (result.sites + 0.5) + (result.position_rad / result.pitch_rad)[:, None]
+        there = np.isfinite(drive.tension_behind_N)
+        order = np.argsort(way[there], kind="stable")
+        axes.plot(way[there][order], result.site_force_N[there][order], color=COLOURS[0], lw=1.2)
+        axes.plot(way[there], result.site_force_N[there], ".", ms=3.5, color=COLOURS[0])
+        pitches = drive.wrap_angle_rad / result.pitch_rad
+        for end in (0.0, pitches):
+            axes.axvline(end, color=GREY, lw=0.8, linestyle=(0, (6, 3)))
+        axes.set_xlim(-0.4, pitches + 0.4)
+        axes.set_ylim(0, None)
+        axes.set_xlabel("middle of the tooth behind the tight strand's tangent point, in pitches")
+        axes.set_ylabel("force of the tooth in N")
+        _title(figure, result, "A tooth on its way through the wrap")
+        return figure
+
+
+def _forces(axes: object, result: Result, angles: Floats, there: NDArray[np.intp], p: int) -> None:
     """An arrow for each tooth that carries, along the turn."""
-    force, radius = result.site_force_N[p], result.reference_radius_mm
-    most = float(force.max())
+    force, radius = result.site_force_N[p, there], result.reference_radius_mm
+    angles, most = angles[there], float(force.max())
     if most <= 0.0:
         return
     at = (radius + 0.35 * result.pitch_rad * radius) * np.column_stack(
@@ -130,7 +172,7 @@ def _forces(axes: object, result: Result, angles: Floats, p: int) -> None:
     way = np.column_stack([-np.sin(angles), np.cos(angles)])
     tips = at + 2.0 * result.pitch_rad * radius * (force / most)[:, None] * way
     axes.update_datalim(tips)  # type: ignore[attr-defined]
-    for site, start, tip, size in zip(result.sites, at, tips, force, strict=True):
+    for site, start, tip, size in zip(result.sites[there], at, tips, force, strict=True):
         label = 1.12 * start if size > 0 else 1.06 * start
         axes.text(*label, f"{site}", ha="center", va="center", fontsize=8, color=GREY)  # type: ignore[attr-defined]
         if size > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import degrees
+from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -26,6 +26,8 @@ ROUNDING = 1e-9
 class BeltDrive:
     """A belt on its pulley at P positions, S teeth; a land before each tooth and one behind all.
 
+    What is not on the pulley at a position has no number there.
+
     Attributes
     ----------
     wrap_angle_rad : float
@@ -40,7 +42,7 @@ class BeltDrive:
     land_friction_N : (P,) array
         That all lands together take off the teeth, on the pitch circle.
     last_land_N, last_land_lift_um : (P,) arrays
-        Force of the pulley on the land behind the last tooth, and its way off the pulley.
+        Force of the pulley on the land behind the last of the S teeth, and its way off the pulley.
     tension_behind_N : (P, S) array
         Of the cord, or the tight strand, before each tooth.
     land_before_N : (P, S) array
@@ -97,7 +99,7 @@ class BeltDrive:
         return np.asarray((self.lands_N < -least) | ((self.lands_N < least) & (lift > 0)))
 
     def rows(self, result: Result) -> Iterator[str]:
-        """A row per tooth, for a report.
+        """A row per position if there are several, then one per tooth where one carries most.
 
         Parameters
         ----------
@@ -108,22 +110,29 @@ class BeltDrive:
         ------
         str
         """
-        for p in range(result.position_rad.size):
-            yield f"teeth from the tight strand on, at {degrees(result.position_rad[p]):.3f} deg"
-            heads = ("tooth", "   force", "share", "tension before", "land before")
-            units = ("", "N", "%", "N", "N")
-            for texts in (heads, units):
-                yield _line(texts, heads)
-            for s, site in enumerate(result.sites):
-                values = (
-                    f"{site}",
-                    f"{result.site_force_N[p, s]:.1f}",
-                    f"{100 * result.load_share[p, s]:.2f}",
-                    f"{self.tension_behind_N[p, s]:.1f}",
-                    f"{self.land_before_N[p, s]:.1f}",
-                )
-                mark = "  the land lifts here" if self.lifting[p, s] else ""
-                yield _line(values, heads) + mark
+        p = int(np.argmax(result.site_force_N.max(axis=1)))
+        if result.position_rad.size > 1:
+            yield from _rows_of_positions(result, self)
+            yield ""
+        yield f"teeth from the tight strand on, at {degrees(result.position_rad[p]):.3f} deg"
+        heads = ("tooth", "   force", "share", "tension before", "land before")
+        units = ("", "N", "%", "N", "N")
+        for texts in (heads, units):
+            yield _line(texts, heads)
+        for s, site in enumerate(result.sites):
+            if not isfinite(self.land_before_N[p, s]):
+                continue
+            on = isfinite(self.tension_behind_N[p, s])
+            values = (
+                f"{site}" if on else "end",
+                f"{result.site_force_N[p, s]:.1f}" if on else "",
+                f"{100 * result.load_share[p, s]:.2f}" if on else "",
+                f"{self.tension_behind_N[p, s] if on else self.slack_tension_N[p]:.1f}",
+                f"{self.land_before_N[p, s]:.1f}",
+            )
+            mark = "  the land lifts here" if self.lifting[p, s] else ""
+            yield _line(values, heads) + mark
+        if isfinite(self.last_land_N[p]):
             ends = ("end", "", "", f"{self.slack_tension_N[p]:.1f}", f"{self.last_land_N[p]:.1f}")
             yield _line(ends, heads) + ("  the land lifts here" if self.lifting[p, -1] else "")
 
@@ -137,6 +146,30 @@ class BeltDrive:
         if self.land_friction:
             text += f", friction of the lands takes {self.land_friction_N.max():.4g} N"
         return text
+
+
+def _rows_of_positions(result: Result, drive: BeltDrive) -> Iterator[str]:
+    heads = (
+        "position",
+        "transm. error",
+        "first tooth",
+        "teeth loaded",
+        "most on one",
+        "least land",
+    )
+    units = ("deg", "um", "", "", "N", "N")
+    for texts in (heads, units):
+        yield _line(texts, heads)
+    for p in range(result.position_rad.size):
+        values = (
+            f"{degrees(result.position_rad[p]):.3f}",
+            f"{result.transmission_error_um[p]:.3f}",
+            f"{result.sites[np.isfinite(drive.tension_behind_N[p])][0]}",
+            f"{result.loaded_pairs[p]}",
+            f"{result.site_force_N[p].max():.1f}",
+            f"{np.nanmin(drive.lands_N[p]):.1f}",
+        )
+        yield _line(values, heads) + ("  a land lifts" if drive.lifting[p].any() else "")
 
 
 def _line(texts: tuple[str, ...], heads: tuple[str, ...]) -> str:

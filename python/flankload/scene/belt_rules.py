@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: What a belt knows of the tables of all scenes.
 KNOWN = {
     "effects": {"land_friction", "land_lift"},
-    "positions": set[str](),
+    "positions": {"count", "angles_deg", "pitches"},
     "accuracy": {"tolerance", "estimate", "flank_element_mm"},
 }
 #: Beyond this the belt is none for the pulley.
@@ -62,9 +62,7 @@ def check_belt(asked: SceneFile, given: Mapping[str, Any]) -> None:
             if key not in known:
                 _refuse(
                     f"{table}.{key}",
-                    "nothing: a belt and its pulley do not know it"
-                    if table != "positions"
-                    else "nothing: a belt is computed where the strands meet it between two teeth",
+                    "nothing: a belt and its pulley do not know it",
                     shown(value),
                 )
 

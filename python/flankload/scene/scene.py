@@ -151,8 +151,10 @@ class Scene:
 
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
-    """Concentric splines have one position, unless more are asked for."""
-    if asked.body_1.kind != "spline_shaft" or asked.pair is None or asked.pair.axes_apart_mm > 0:
+    """Concentric splines and belts have one position, unless more are asked for."""
+    spline = asked.body_1.kind == "spline_shaft" and asked.pair is not None
+    concentric = spline and asked.pair.axes_apart_mm == 0  # type: ignore[union-attr]
+    if not concentric and asked.body_2.kind != "belt":
         return asked
     if {"count", "angles_deg"} & set(given.get("positions", {})):
         return asked
