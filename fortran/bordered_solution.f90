@@ -8,6 +8,7 @@ module flankload_bordered_solution
     use flankload_contact_problem, only: contact_problem
     use flankload_kept_factor, only: solve_factored, estimate_condition
     use flankload_bordered_system, only: bordered_system
+    use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
     use flankload_lapack, only: solve_lower, continue_lower
     implicit none
     private
@@ -44,6 +45,7 @@ contains
         q = problem%n_motions
         if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
+            if (solved .and. problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
             if (solved .and. present(tangent)) call move_alloc(inverse, tangent)
             return
         end if
@@ -57,6 +59,7 @@ contains
         if (solved) then
             motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
             forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
+            if (problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
             if (present(tangent)) tangent = inverse
         else
             allocate (motion(q), forces(size(system%pairs)), source=0.0_wp)
@@ -203,7 +206,7 @@ contains
         real(wp), intent(in) :: tangent(:, :)
         real(wp) :: condition
 
-        real(wp), allocatable :: stiffness(:, :), scales(:)
+        real(wp), allocatable :: stiffness(:, :), flexibility(:, :), scales(:)
         real(wp) :: norm
         integer :: j
         logical :: solved
@@ -214,12 +217,17 @@ contains
             norm = max(norm, &
                 & scales(j)*sum(abs(compliance(system%pairs, system%pairs(j)))*scales))
         end do
+        flexibility = tangent
+        if (problem%spring > 0.0_wp) then
+            norm = norm + spring_norm(problem, system%pairs)
+            flexibility = at_far_ends(problem, tangent)
+        end if
         condition = estimate_condition(system%factor, norm)
-        stiffness = tangent
+        stiffness = flexibility
         call invert_small(stiffness, solved)
         if (solved) then
             condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
-                & *maxval(sum(abs(tangent), dim=1)))
+                & *maxval(sum(abs(flexibility), dim=1)))
         end if
     end function bordered_condition
 

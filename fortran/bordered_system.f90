@@ -6,6 +6,7 @@ module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew
+    use flankload_load_springs, only: spring_column, spring_row
     use flankload_factor_block, only: extend_block, cut
     implicit none
     private
@@ -65,7 +66,7 @@ contains
         !> False if its row depends on those of the others; the system is then as before
         logical, intent(out) :: accepted
 
-        real(wp) :: own
+        real(wp) :: own, diagonal
         real(wp), allocatable :: scales(:), column(:), row(:)
 
         if (system%pivoted) then
@@ -80,7 +81,13 @@ contains
         else
             row = compliance(pair, system%pairs)*scales
         end if
-        call extend(system%factor, column, row, own**2*compliance(pair, pair), accepted)
+        diagonal = own**2*compliance(pair, pair)
+        if (problem%spring > 0.0_wp) then
+            column = column + spring_column(problem, system%pairs, pair)
+            row = row + spring_row(problem, pair, system%pairs)
+            diagonal = diagonal + sum(spring_column(problem, [pair], pair))
+        end if
+        call extend(system%factor, column, row, diagonal, accepted)
         if (accepted) then
             system%pairs = [system%pairs, pair]
             call watch_growth(system, problem, compliance, accepted)
@@ -136,6 +143,14 @@ contains
         do j = 1, size(rows, 2)
             rows(:, j) = compliance(pairs, before(j))*scales(k + 1:)*scales(j)
         end do
+        if (problem%spring > 0.0_wp) then
+            do j = 1, b
+                columns(:, j) = columns(:, j) + spring_column(problem, system%pairs, pairs(j))
+            end do
+            do j = 1, size(rows, 2)
+                rows(:, j) = rows(:, j) + spring_column(problem, pairs, before(j))
+            end do
+        end if
         call extend_block(system%factor, columns, rows, accepted)
         if (accepted) then
             call watch_growth(system, problem, compliance, accepted)
@@ -271,6 +286,10 @@ contains
         allocate (matrix(k, k))
         do j = 1, k
             matrix(:, j) = compliance(system%pairs, system%pairs(j))*scales*scales(j)
+        end do
+        if (.not. problem%spring > 0.0_wp) return
+        do j = 1, k
+            matrix(:, j) = matrix(:, j) + spring_column(problem, system%pairs, system%pairs(j))
         end do
     end function gather
 

@@ -16,6 +16,8 @@ module flankload_contact_certificate
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     !> Rows with gaps beyond this part of their size are neither closed nor nearly so.
     real(wp), parameter :: near_contact = 1.0e-6_wp
+    !> ρ in W K + ρ R Rᵀ: what the proof of uniqueness adds to K where forces work on the loads
+    real(wp), parameter :: hold_loads = 8.0_wp
     !> What rounding may add to (K F)_i² beside K_ii FᵀKF
     real(wp), parameter :: energy_slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
 
@@ -115,7 +117,9 @@ contains
     !> For two states (F1 - F2)ᵀ W (g1 - g2) <= 0 with any positive row weights W. With W B = R the
     !> motions drop out, and what is left is the symmetric part of W K, which is diag(b) A without
     !> friction: if that is positive definite, both states are the same. One motion has such weights
-    !> where every R_i/B_i > 0; more motions where R = B.
+    !> where every R_i/B_i > 0; more motions where R = B. Both states hold the same loads, so that
+    !> Rᵀ (F1 - F2) = 0, and W K + ρ R Rᵀ proves as much: K of bodies that are free to move with a
+    !> motion may be singular.
     !>
     !> No proof gets by without all of K: two open pairs that drive each other away strongly enough
     !> make a second state. So either every pair is factored, or the caller knows that the matrix is
@@ -129,9 +133,9 @@ contains
         integer, intent(in) :: pairs(:)
         logical :: unique
 
-        integer :: i, j, k, info
+        integer :: i
         logical :: equal
-        real(wp), allocatable :: weights(:), matrix(:, :), rows(:), columns(:)
+        real(wp), allocatable :: weights(:)
 
         allocate (weights(problem%n), source=1.0_wp)
         equal = problem%same_rows
@@ -149,10 +153,31 @@ contains
         end if
         ! The active pairs alone: the Cholesky factor of the loop has shown it already.
         if (equal .and. problem%symmetric .and. problem%definite) return
+        unique = has_factor(problem, compliance, pairs, weights(pairs), 0.0_wp)
+        if (.not. unique) unique = has_factor(problem, compliance, pairs, weights(pairs), hold_loads)
+    end function is_unique
+
+    !> Whether the symmetric part of W K + ρ R Rᵀ has a Cholesky factor: then it is positive definite.
+    pure function has_factor(problem, compliance, pairs, weights, spring) result(definite)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs that are factored
+        integer, intent(in) :: pairs(:)
+        !> W of these pairs
+        real(wp), intent(in) :: weights(:)
+        !> ρ where the largest of each column of R is one
+        real(wp), intent(in) :: spring
+        logical :: definite
+
+        integer :: i, j, k, c, info
+        real(wp), allocatable :: matrix(:, :), rows(:), columns(:), levers(:)
+
         k = size(pairs)
         allocate (matrix(k, k))
         ! Divided by the roots of both weights, so that the diagonal stays near one.
-        rows = sqrt(weights(pairs))
+        rows = sqrt(weights)
         columns = problem%row_scale(pairs)/rows
         rows = problem%row_scale(pairs)*rows
         do j = 1, k
@@ -167,13 +192,24 @@ contains
                         & + columns(i)*rows(j)*compliance(pairs(j), pairs(i)))
                 end do
             end if
-            ! Less what rounding may have added: then the factor's existence is a proof.
+        end do
+        if (spring > 0.0_wp) then
+            do c = 1, problem%n_motions
+                levers = problem%load_rows(pairs, c)/sqrt(weights)
+                levers = levers/max(maxval(abs(levers)), tiny(1.0_wp))
+                do j = 1, k
+                    matrix(j:, j) = matrix(j:, j) + spring*levers(j:)*levers(j)
+                end do
+            end do
+        end if
+        ! Less what rounding may have added: then the factor's existence is a proof.
+        do j = 1, k
             matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
         end do
         call potrf(k, matrix, info)
         ! LAPACK takes a NaN on its diagonal for a positive number.
-        unique = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
-    end function is_unique
+        definite = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
+    end function has_factor
 
     !> Pairs that may carry in any state at all: the others prove nothing and need no proof.
     !>

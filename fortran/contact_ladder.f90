@@ -2,11 +2,13 @@
 !>
 !>     block  →  single  →  single with rows exchanged at every factorisation  →  load path
 !>
-!> Each rung begins with the pairs that the one before has left.
+!> Each rung begins with the pairs that the one before has left. Where these are singular, and only
+!> there, single is tried again with loads that work through springs.
 module flankload_contact_ladder
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, no_contact_state
+    use flankload_error, only: error_type, no_contact_state, singular_contact
     use flankload_contact_problem, only: contact_problem, measure_from_zero
+    use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state
     use flankload_single_loop, only: single_loop
     use flankload_block_loop, only: block_loop
@@ -67,7 +69,7 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        logical :: settled, symmetric
+        logical :: settled, symmetric, singular
         integer :: pivots
         integer, allocatable :: begin(:)
 
@@ -103,7 +105,21 @@ contains
             call single_loop(problem, compliance, begin, .true., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
+            singular = error%code == singular_contact
             call step_down(state, rung_load_path, rung, pivots, begin)
+            if (singular) then
+                problem%symmetric = symmetric
+                call measure_from_zero(problem)
+                call loads_through_springs(problem)
+                call single_loop(problem, compliance, begin, .not. problem%symmetric, state, error)
+                state%pivots = pivots + state%pivots
+                if (.not. allocated(error)) then
+                    rung = rung_pivoted
+                    return
+                end if
+                pivots = state%pivots
+                problem%spring = 0.0_wp
+            end if
         end if
         problem%symmetric = symmetric
         call measure_from_zero(problem)

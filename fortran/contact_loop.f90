@@ -184,6 +184,7 @@ contains
                 return
             end if
             problem%symmetric = symmetric
+            problem%spring = 0.0_wp
             call measure_from_zero(problem)
             call climb(problem, compliance, afresh(next), [integer ::], state, result%rung, part, &
                 & result%none_proven, error)

@@ -36,6 +36,9 @@ module flankload_contact_problem
         logical :: energy_bound = .false.
         !> B = R
         logical :: same_rows = .true.
+        !> Loads work through springs of this compliance where the equations are solved, 0: none (see
+        !> `flankload_load_springs`); the problem is the same
+        real(wp) :: spring = 0.0_wp
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
         real(wp), allocatable :: row_scale(:)
         real(wp), allocatable :: motion_scale(:)

@@ -8,6 +8,7 @@ module flankload_last_rung
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit
     use flankload_contact_problem, only: contact_problem
+    use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state, start_loop, start_warm
     use flankload_single_loop, only: single_loop
     use flankload_final_refinement, only: most_open_pair, finish
@@ -95,7 +96,8 @@ contains
     end subroutine take_last_rung
 
     !> From the pairs that touch to the state. A symmetric K need not be positive definite among
-    !> them: where its Cholesky factor leads to no state, an LU factor may.
+    !> them: where its Cholesky factor leads to no state, an LU factor may. And K may be singular
+    !> among them, which loads that work through springs do not mind.
     pure subroutine settle_pairs(problem, compliance, pairs, state, settled)
         !> The problem
         type(contact_problem), intent(inout) :: problem
@@ -108,11 +110,22 @@ contains
         !> False if they lead to none
         logical, intent(out) :: settled
 
+        logical :: symmetric
+
+        symmetric = problem%symmetric
         call settle_factored(problem, compliance, pairs, state, settled)
-        if (settled .or. .not. problem%symmetric) return
+        if (settled) return
+        if (symmetric) then
+            problem%symmetric = .false.
+            call settle_factored(problem, compliance, pairs, state, settled)
+            if (settled) return
+        end if
+        call loads_through_springs(problem)
         problem%symmetric = .false.
         call settle_factored(problem, compliance, pairs, state, settled)
-        problem%symmetric = .not. settled
+        if (settled) return
+        problem%spring = 0.0_wp
+        problem%symmetric = symmetric
     end subroutine settle_pairs
 
     !> The same with one kind of factor.

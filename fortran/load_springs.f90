@@ -1,0 +1,108 @@
+!> Loads that work through springs, for pairs among which K is singular.
+!>
+!> They may hold every motion all the same, as those of rigid bodies on few springs. With a spring of
+!> compliance ρ between each load and its motion the far end of the spring moves by q + ρ Q, and
+!>
+!>     K F - B q = (K + ρ B Rᵀ) F - B (q + ρ Q),
+!>
+!> so that K + ρ B Rᵀ may be factored in place of K: it is regular wherever the bordered equations
+!> are, but for a few ρ. Forces and gaps are the same.
+module flankload_load_springs
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    implicit none
+    private
+
+    public :: loads_through_springs
+    public :: spring_column, spring_row, spring_norm
+    public :: leave_springs, at_far_ends
+
+    !> ρ on the scale of the problem, where K has a diagonal of one and the largest lever is one. No
+    !> root of a polynomial with whole coefficients, as matrices of whole numbers make them.
+    real(wp), parameter :: spring_compliance = 1.7724538509055161_wp
+
+contains
+
+    !> Let the loads work through springs from now on: the pairs have to be factored anew.
+    pure subroutine loads_through_springs(problem)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+
+        problem%spring = spring_compliance
+        problem%symmetric = problem%symmetric .and. problem%same_rows
+    end subroutine loads_through_springs
+
+    !> What the springs add to a column of the factored matrix.
+    pure function spring_column(problem, pairs, loaded) result(column)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Pairs that move
+        integer, intent(in) :: pairs(:)
+        !> The pair that is loaded
+        integer, intent(in) :: loaded
+        real(wp), allocatable :: column(:)
+
+        column = problem%spring*matmul(problem%motions(pairs, :), problem%load_rows(loaded, :))
+    end function spring_column
+
+    !> What they add to a row.
+    pure function spring_row(problem, pair, loaded) result(row)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The pair that moves
+        integer, intent(in) :: pair
+        !> Pairs that are loaded
+        integer, intent(in) :: loaded(:)
+        real(wp), allocatable :: row(:)
+
+        row = problem%spring*matmul(problem%load_rows(loaded, :), problem%motions(pair, :))
+    end function spring_row
+
+    !> How much they add to the 1-norm of the matrix at most.
+    pure function spring_norm(problem, pairs) result(norm)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The pairs
+        integer, intent(in) :: pairs(:)
+        real(wp) :: norm
+
+        norm = problem%spring*maxval(matmul(abs(problem%load_rows(pairs, :)), &
+            & sum(abs(problem%motions(pairs, :)), dim=1)))
+    end function spring_norm
+
+    !> From the far ends of the springs to the bodies.
+    pure subroutine leave_springs(problem, loads, motion, tangent)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled loads, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), intent(inout) :: motion(:)
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), intent(inout) :: tangent(:, :)
+
+        integer :: c
+
+        motion = motion - problem%spring*loads
+        do c = 1, size(loads)
+            tangent(c, c) = tangent(c, c) - problem%spring
+        end do
+    end subroutine leave_springs
+
+    !> What the far ends do when the loads grow.
+    pure function at_far_ends(problem, tangent) result(flexibility)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), intent(in) :: tangent(:, :)
+        real(wp), allocatable :: flexibility(:, :)
+
+        integer :: c
+
+        flexibility = tangent
+        do c = 1, size(tangent, 1)
+            flexibility(c, c) = flexibility(c, c) + problem%spring
+        end do
+    end function at_far_ends
+
+end module flankload_load_springs
