@@ -45,7 +45,9 @@ contains
         q = problem%n_motions
         if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
-            if (solved .and. problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
+            if (problem%spring > 0.0_wp .and. solved) then
+                call leave_springs(problem, s, motion, inverse)
+            end if
             if (solved .and. present(tangent)) call move_alloc(inverse, tangent)
             return
         end if

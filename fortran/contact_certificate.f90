@@ -153,11 +153,12 @@ contains
         end if
         ! The active pairs alone: the Cholesky factor of the loop has shown it already.
         if (equal .and. problem%symmetric .and. problem%definite) return
-        unique = has_factor(problem, compliance, pairs, weights(pairs), 0.0_wp)
-        if (.not. unique) unique = has_factor(problem, compliance, pairs, weights(pairs), hold_loads)
+        weights = weights(pairs)
+        unique = has_factor(problem, compliance, pairs, weights, 0.0_wp)
+        if (.not. unique) unique = has_factor(problem, compliance, pairs, weights, hold_loads)
     end function is_unique
 
-    !> Whether the symmetric part of W K + ρ R Rᵀ has a Cholesky factor: then it is positive definite.
+    !> Whether the symmetric part of W K + ρ R Rᵀ has a Cholesky factor: it is positive definite.
     pure function has_factor(problem, compliance, pairs, weights, spring) result(definite)
         !> The problem
         type(contact_problem), intent(in) :: problem

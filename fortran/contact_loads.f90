@@ -9,7 +9,8 @@ module flankload_contact_loads
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_loop_start, only: loop_state
     use flankload_block_loop, only: settle_blocks
-    use flankload_contact_loop, only: solve_and_keep, report_state, method_auto, method_block, &
+    use flankload_contact_report, only: report_state, is_in_range
+    use flankload_contact_loop, only: solve_and_keep, method_auto, method_block, &
         & method_cascade
     implicit none
     private
@@ -120,6 +121,7 @@ contains
         call report_state(problem, compliance, state, result)
         ! What the kept factor has lost a new one wins back.
         done = result%backward_error <= row_tolerance
+        if (done) done = is_in_range(problem, state%forces, state%motion, result)
     end subroutine go_on
 
 end module flankload_contact_loads

@@ -4,7 +4,7 @@
 module flankload_contact_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
-        & no_contact_state, pivot_limit
+        & no_contact_state, pivot_limit, out_of_range
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: contact_problem, new_contact_problem, &
         & measure_from_zero, row_tolerance, is_finite_matrix, general_matrix, symmetric_matrix, &
@@ -16,11 +16,12 @@ module flankload_contact_loop
         & method_cascade => rung_cascade, method_primal => rung_primal
     use flankload_paper_loop, only: paper_state, paper_loop
     use flankload_contact_certificate, only: certify
+    use flankload_contact_report, only: report_state, unscale, is_in_range, same_loads
     implicit none
     private
 
     public :: contact_result
-    public :: solve_contact_problem, solve_and_keep, report_state
+    public :: solve_contact_problem, solve_and_keep
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -91,6 +92,10 @@ contains
         call new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, structure, &
             & problem, error)
         if (allocated(error)) return
+        if (.not. same_loads(problem, loads)) then
+            call fatal_error(error, out_of_range, 'other units: these are lost in scaling')
+            return
+        end if
         if (method == method_paper) then
             call run_paper(problem, compliance, result, error)
         else
@@ -171,7 +176,10 @@ contains
         next = 0
         do while (.not. allocated(error))
             call report_state(problem, compliance, state, result)
-            if (result%backward_error <= unmet) return
+            if (result%backward_error <= unmet) then
+                call check_range(problem, state%forces, state%motion, result, error)
+                return
+            end if
             next = next + 1
             pivots = state%pivots
             afresh = rungs_afresh(method)
@@ -197,6 +205,23 @@ contains
         end if
     end subroutine run_ladder
 
+    !> A state that the caller's units have no room for is none.
+    pure subroutine check_range(problem, forces, motion, result, error)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled forces (n) and motion from the start (n_motions)
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: motion(:)
+        !> What the caller sees of it, blank if there is no room
+        type(contact_result), intent(inout) :: result
+        !> No room
+        type(error_type), allocatable, intent(out) :: error
+
+        if (is_in_range(problem, forces, motion, result)) return
+        call blank(result, problem%n, problem%n_motions)
+        call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
+    end subroutine check_range
+
     !> The rungs that begin afresh, one after the other, where what was found misses its equations.
     pure function rungs_afresh(method) result(rungs)
         !> The method that was asked for
@@ -214,26 +239,6 @@ contains
             rungs = [method_single, method_pivoted, method_load_path]
         end select
     end function rungs_afresh
-
-    !> The state of a loop with its certificate, in the caller's units.
-    pure subroutine report_state(problem, compliance, state, result)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> K
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Where the loop ended
-        type(loop_state), intent(in) :: state
-        !> What the caller sees of it; its rung is known already
-        type(contact_result), intent(inout) :: result
-
-        result%pivots = state%pivots
-        result%refactorisations = state%system%refactorisations
-        result%growth = state%system%growth
-        result%condition = state%condition
-        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
-        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
-            & state%system%pairs, result)
-    end subroutine report_state
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)
@@ -259,41 +264,11 @@ contains
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
             & result)
+        call check_range(problem, state%forces, state%motion, result, error)
+        if (allocated(error)) return
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
             call fatal_error(error, negative_force, 'the paper''s final state needs tension')
         end if
     end subroutine run_paper
-
-    !> The state in the caller's units.
-    pure subroutine unscale(problem, forces, gaps, motion, tangent, pairs, result)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Scaled forces, shape (n)
-        real(wp), intent(in) :: forces(:)
-        !> Scaled gaps, shape (n)
-        real(wp), intent(in) :: gaps(:)
-        !> Scaled motion from the start, shape (n_motions)
-        real(wp), intent(in) :: motion(:)
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), intent(in) :: tangent(:, :)
-        !> Pairs whose gap is closed
-        integer, intent(in) :: pairs(:)
-        !> The state
-        type(contact_result), intent(inout) :: result
-
-        integer :: i, q
-
-        q = problem%n_motions
-        result%forces = problem%load_scale*problem%row_scale*forces
-        ! What is left of a closed gap is rounding, already in the backward error.
-        result%gaps = problem%load_scale*gaps/problem%row_scale
-        result%gaps(pairs) = 0.0_wp
-        ! A NaN must not be taken for a closed gap.
-        where (abs(result%gaps) <= huge(1.0_wp)) result%gaps = max(result%gaps, 0.0_wp)
-        result%motion = problem%load_scale*problem%motion_scale*(problem%start_motion + motion)
-        result%tangent = tangent*spread(problem%motion_scale, 2, q) &
-            & *spread(problem%load_row_scale, 1, q)
-        result%active_pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
-    end subroutine unscale
 
 end module flankload_contact_loop

@@ -36,7 +36,7 @@ module flankload_contact_problem
         logical :: energy_bound = .false.
         !> B = R
         logical :: same_rows = .true.
-        !> Loads work through springs of this compliance where the equations are solved, 0: none (see
+        !> Loads work through springs of this compliance where equations are solved, 0: none (see
         !> `flankload_load_springs`); the problem is the same
         real(wp) :: spring = 0.0_wp
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
@@ -310,8 +310,9 @@ contains
 
         total = 0.0_wp
         do k = 1, size(pairs)
-            total = total + abs(compliance(i, pairs(k))*forces(pairs(k))) &
-                & *problem%row_scale(pairs(k))
+            ! In this order nothing overflows that is small when scaled.
+            total = total + abs(compliance(i, pairs(k)) &
+                & *(forces(pairs(k))*problem%row_scale(pairs(k))))
         end do
         total = problem%row_scale(i)*total + min( &
             & abs(problem%gaps(i)) + dot_product(abs(problem%motions(i, :)), abs(motion)), &

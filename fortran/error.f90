@@ -6,7 +6,7 @@ module flankload_error
     public :: error_type, fatal_error, status_text
     public :: refused_argument
     public :: no_contact_state, pivot_limit, singular_contact, invalid_input, &
-        & invalid_scale, negative_force
+        & invalid_scale, negative_force, out_of_range
 
     !> No state of contact holds these loads.
     integer, parameter :: no_contact_state = -1
@@ -20,6 +20,8 @@ module flankload_error
     integer, parameter :: invalid_scale = -5
     !> The final state of the paper's loop needs tension.
     integer, parameter :: negative_force = -6
+    !> Forces, gaps or motions that a double cannot hold in the caller's units.
+    integer, parameter :: out_of_range = -7
 
     !> Arguments that are not valid are counted down from here, where -1 … are taken.
     integer, parameter :: before_arguments = -100
@@ -48,7 +50,7 @@ contains
         error%message = message
     end subroutine fatal_error
 
-    !> `info` of a procedure whose -1 … -6 say why there is no state: -(100 + i) for argument i.
+    !> `info` of a procedure whose -1 … -7 say why there is no state: -(100 + i) for argument i.
     pure function refused_argument(valid) result(info)
         !> Whether each argument is valid, from the first one on
         logical, intent(in) :: valid(:)
@@ -87,6 +89,8 @@ contains
             text = 'a diagonal or row scale that is not positive, or no lever for the torque'
         case (negative_force)
             text = 'the final state of the growing loop needs tension'
+        case (out_of_range)
+            text = 'forces, gaps or motions beyond the range of the numbers in these units'
         case (-11)
             text = 'no circle about O1 cuts two facing flanks: no flank can touch here'
         case (-12)

@@ -1,7 +1,7 @@
 !> Loads that work through springs, for pairs among which K is singular.
 !>
-!> They may hold every motion all the same, as those of rigid bodies on few springs. With a spring of
-!> compliance ρ between each load and its motion the far end of the spring moves by q + ρ Q, and
+!> They may hold every motion all the same, as those of rigid bodies on few springs. With a spring
+!> of compliance ρ between each load and its motion the far end of the spring moves by q + ρ Q, and
 !>
 !>     K F - B q = (K + ρ B Rᵀ) F - B (q + ρ Q),
 !>

@@ -82,7 +82,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     !> Condition, growth, backward error, margin; without a state (info -1) the part of the loads
     !> that can be held; shape (5)
     double precision, intent(out) :: certificate(5)
-    !> Status 0 … 3, or why there is no state, -1 … -6; -100 - i: argument i is not valid (numbers
+    !> Status 0 … 3, or why there is no state, -1 … -7; -100 - i: argument i is not valid (numbers
     !> that are not finite: -4)
     integer, intent(out) :: info
 

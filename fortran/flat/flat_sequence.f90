@@ -45,7 +45,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     integer, intent(out) :: active(n_pairs, n_loads)
     integer, intent(out) :: counters(5, n_loads, n_problems)
     double precision, intent(out) :: certificate(5, n_loads, n_problems)
-    !> Status 0 … 3, or why there is no state, -1 … -6, shape (n_loads, n_problems); all of them
+    !> Status 0 … 3, or why there is no state, -1 … -7, shape (n_loads, n_problems); all of them
     !> -100 - i: argument i is not valid
     integer, intent(out) :: info(n_loads, n_problems)
 

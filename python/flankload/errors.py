@@ -76,7 +76,7 @@ class ContactError(FlankloadError):
     Attributes
     ----------
     code : int
-        The core's code: -1 … -6.
+        The core's code: -1 … -7.
     place : tuple of int
         Of many problems solved at once: numbers of the position and of the torque.
     states : tuple
@@ -134,7 +134,8 @@ class SingularContact(ContactError):  # noqa: N818 - a public name
 class InputError(ContactError, ValueError):
     """Arguments that do not make a contact problem (code -4).
 
-    Code -5 where a row scale is not positive or no lever arm could carry the torque.
+    Code -5 where a row scale is not positive or no lever arm could carry the torque, -7 where a
+    double cannot hold forces, gaps or motions in the given units.
     """
 
     code = -4

@@ -28,6 +28,7 @@ FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -3: (SingularContact, "the equations of the pairs in contact are singular"),
     -4: (InputError, "numbers that do not make a contact problem"),
     -5: (InputError, "no pair could carry the torque"),
+    -7: (InputError, "forces, gaps or rotation beyond the range of a double"),
     -11: (NoContactState, "no circle about O1 cuts two facing flanks: no flank can touch here"),
     -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
     -13: (PivotLimit, "the contact keeps reaching the end of its cells"),

@@ -20,6 +20,9 @@ from flankload.errors import (
 
 Vector = NDArray[np.float64]
 
+#: Code of the core where a double has no room for the state.
+OUT_OF_RANGE = -7
+
 
 class CoreAnswer(NamedTuple):
     """What the core hands back for one state, in its order."""
@@ -114,6 +117,12 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
         return SingularContact(
             f"{problem.names[1]}: the rows of pairs in contact depend on each other, "
             "or a motion is held by no pair"
+        )
+    if code == OUT_OF_RANGE:
+        return InputError(
+            "loads: expected units in which forces, gaps and motions lie within 1e-308 … 1e308 "
+            "beside loads and gaps, found others",
+            code=code,
         )
     return InputError(f"the core refused the problem (code {code})", code=code)
 
