@@ -333,5 +333,8 @@ def test_the_version_stands_in_one_place() -> None:
 
 
 def test_numbers_near_the_smallest_have_their_groups() -> None:
-    state = fl.solve_contact(1e-310 * np.eye(3), np.ones(3), np.zeros(3), 1e-10)
-    np.testing.assert_allclose(state.normal_forces, np.full(3, 1e-10 / 3), rtol=SOLVER)
+    state = fl.solve_contact(1e-310 * np.eye(3), np.ones(3), np.zeros(3), 1e10)
+    np.testing.assert_allclose(state.normal_forces, np.full(3, 1e10 / 3), rtol=SOLVER)
+    # Under 1e-10 N mm the rotation would be 3.3e-321, of which a double keeps three digits.
+    with pytest.raises(errors.InputError, match="units"):
+        fl.solve_contact(1e-310 * np.eye(3), np.ones(3), np.zeros(3), 1e-10)
