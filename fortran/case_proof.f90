@@ -34,7 +34,7 @@ contains
         logical :: proof
 
         integer :: j, n, q
-        real(wp) :: total, terms
+        real(wp) :: total, terms, let_pass
         real(wp), allocatable :: entry(:), y(:), z(:), scaled(:)
 
         n = problem%n
@@ -53,10 +53,13 @@ contains
             & + matmul(abs(problem%motions), abs(problem%start_motion))) &
             & + dot_product(abs(z), abs(problem%loads))
         proof = total < -limit*terms
+        if (.not. proof) return
+        ! The less of v its own terms leave, the less force would make up for it.
+        let_pass = limit*(-total/terms)
         do j = 1, q
             total = dot_product(y, problem%motions(:, j))
             terms = dot_product(abs(y), abs(problem%motions(:, j)))
-            proof = proof .and. abs(total) <= limit*terms
+            proof = proof .and. abs(total) <= let_pass*terms
         end do
         if (.not. proof) return
         scaled = problem%row_scale*y
@@ -66,7 +69,7 @@ contains
                 & - dot_product(problem%load_rows(j, :), z)
             terms = problem%row_scale(j)*dot_product(abs(compliance(:, j)), abs(scaled)) &
                 & + dot_product(abs(problem%load_rows(j, :)), abs(z))
-            proof = proof .and. total <= limit*terms
+            proof = proof .and. total <= let_pass*terms
         end do
     end function is_proof
 

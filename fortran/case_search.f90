@@ -71,7 +71,10 @@ contains
         cases%work = most_work
         call new_table(problem, compliance, table, consistent)
         cases%start = table
-        if (consistent) call search_case(problem, compliance, table, cases)
+        ! The loads are held by the pairs that the loop starts with: what this table makes of levers
+        ! over many decades is rounding, no proof.
+        if (.not. consistent) return
+        call search_case(problem, compliance, table, cases)
         outcome = cases%outcome
         pivots = cases%pivots
         if (outcome == cases_found) pairs = cases%pairs

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import mpmath as mp
 import numpy as np
 import oracle
@@ -18,6 +20,8 @@ METHODS = ("auto", "single", "block", "load_path")
 STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
 #: Rollers in pockets with a second motion on which one rung or another misses its equations.
 SECOND_MOTION = (19, 29, 39, 44, 54)
+#: Levers over many decades that a search of all cases took for loads that no forces hold.
+SCATTERED = (10, 22, 53, 136, 171, 242, 306, 431, 555, 579, 669, 706)
 
 
 def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.ContactState:
@@ -121,6 +125,24 @@ def test_levers_that_are_rounding(method: str) -> None:
             loads,
         )
         assert faults_of_state(problem, solve(problem, method)) == []
+
+
+@pytest.mark.parametrize("seed", SCATTERED)
+def test_levers_over_many_decades_prove_nothing(seed: int) -> None:
+    """Each lever on a decade of its own, 1e-100 … 1: K is positive definite and forces hold the
+    loads, so that a state exists, but what a table makes of these levers is rounding. It was taken
+    for a proof that no forces hold the loads."""
+    rng = np.random.default_rng(seed)
+    q = int(rng.integers(1, 5))
+    n = int(rng.integers(q + 1, 12))
+    root = rng.standard_normal((n, n))
+    compliance = root @ root.T / n + 10.0 ** rng.uniform(-3, 0) * np.eye(n)
+    decades = rng.choice([0, 0, 0, 8, 12, 14, 17, 20, 100], (n, q))
+    levers = rng.standard_normal((n, q)) * 10.0**-decades
+    loads = levers.T @ np.abs(rng.standard_normal(n))
+    problem = Problem(compliance, rng.uniform(-0.3, 1.0, n), levers, levers, loads)
+    with contextlib.suppress(errors.PivotLimit):
+        assert faults_of_state(problem, solve(problem, "auto")) == []
 
 
 def rollers_in_pockets(rng: np.random.Generator, *, second_motion: bool) -> Problem:
