@@ -8,7 +8,7 @@ module flankload_circle_pair
     private
 
     public :: flank_type, pair_type
-    public :: new_flank, pair_on_circle
+    public :: new_flank, pair_on_circle, guessed_s_2
 
     !> A flank with the samples in which minima are first looked for.
     type :: flank_type
@@ -22,6 +22,11 @@ module flankload_circle_pair
         integer, allocatable :: special(:)
         !> First sample from which on the radius grows up to the tip
         integer :: first_rising = 1
+        !> Where smooth roundings begin [mm of arc length], on which side they lie (1: towards
+        !> greater arc length, -1: towards smaller), and by how much the curvature changes there
+        !> [1/mm], shape (roundings)
+        real(wp), allocatable :: roundings(:), rounding_jumps(:)
+        integer, allocatable :: rounding_sides(:)
     end type flank_type
 
     !> A contact pair: the points A and B in which a circle about O1 cuts the two flanks.
@@ -90,7 +95,37 @@ contains
                 flank%first_rising = k + 1
             end if
         end do
+        call find_roundings(flank)
     end function new_flank
+
+    !> Where the curvature changes at once, by much: there the pressure has a peak of its own.
+    pure subroutine find_roundings(flank)
+        !> The flank, its curve given
+        type(flank_type), intent(inout) :: flank
+
+        !> There the flank is so many times as curved, convex.
+        real(wp), parameter :: many_times = 4.0_wp
+        !> Beside a break, relative to the interval.
+        real(wp), parameter :: beside = 1.0e-6_wp
+        integer :: k, n
+        real(wp) :: before, behind, point(2), tangent(2)
+
+        allocate (flank%roundings(0), flank%rounding_jumps(0), flank%rounding_sides(0))
+        associate (breaks => flank%curve%breaks)
+            n = ubound(breaks, 1)
+            do k = 1, n - 1
+                if (flank%curve%corners(k)) cycle
+                call curve_point(flank%curve, breaks(k) - beside*(breaks(k) - breaks(k - 1)), &
+                    & point, tangent, before)
+                call curve_point(flank%curve, breaks(k) + beside*(breaks(k + 1) - breaks(k)), &
+                    & point, tangent, behind)
+                if (max(before, behind) <= many_times*min(abs(before), abs(behind))) cycle
+                flank%roundings = [flank%roundings, breaks(k)]
+                flank%rounding_jumps = [flank%rounding_jumps, abs(behind - before)]
+                flank%rounding_sides = [flank%rounding_sides, merge(1, -1, behind > before)]
+            end do
+        end associate
+    end subroutine find_roundings
 
     !> The pair on the circle through the place s_1 of flank 1.
     pure subroutine pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
@@ -126,5 +161,18 @@ contains
         pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
     end subroutine pair_on_circle
+
+    !> Where flank 2 about meets the circle through another place of flank 1: dr = (P.t) ds/r.
+    pure function guessed_s_2(pair, s_1) result(s_2)
+        !> A pair not far away
+        type(pair_type), intent(in) :: pair
+        !> The place on flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        !> Arc length on flank 2 [mm]
+        real(wp) :: s_2
+
+        s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
+            & /dot_product(pair%point_2, pair%tangent_2)
+    end function guessed_s_2
 
 end module flankload_circle_pair

@@ -7,7 +7,8 @@ module flankload_lumped_position
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
-    use flankload_contact_pairs, only: append_pairs, grid_type, pairs_type, reserve_pairs
+    use flankload_contact_grid, only: grid_type
+    use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs
     use flankload_friction, only: friction_lever
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass

@@ -5,7 +5,7 @@ module flankload_node_cells
     use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
     use flankload_polar_geometry, only: circle_meets_flank
     use flankload_contact_zones, only: zone_type
-    use flankload_contact_pairs, only: grid_type
+    use flankload_contact_grid, only: grid_type
     implicit none
     private
 

@@ -6,8 +6,9 @@ module flankload_position_cells
     use flankload_flank_curve, only: flank_curve_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
-    use flankload_contact_pairs, only: append_pairs, grid_type, lay_cells, pairs_type, &
-        & part_neighbours, reserve_pairs, take_out_of_mirror, wanted_grid, zone_reach
+    use flankload_contact_reach, only: edges_within, zone_reach
+    use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
+    use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: rub_pairs
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
@@ -152,7 +153,10 @@ contains
             & frames_2 => position%frames_2)
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
-                grids(z) = wanted_grid(zones(z), cells%reach(:, z), cells%widths(:, z), &
+                site = zones(z)%site
+                grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
+                    & edges_within(body_1%flank, frames_1(site), body_2%flank, frames_2(site), &
+                    & zones(z), cells%reach(:, z)), cells%widths(:, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
             call part_grids(body_1%flank%curve, body_2%flank%curve, position, cells%joins, grids)

@@ -1,0 +1,331 @@
+!> Cells along flank 1 around each place of least gap: how far they reach and how wide they are.
+module flankload_contact_grid
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type, frame_type
+    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_reach, only: edge_type, is_level
+    implicit none
+    private
+
+    public :: grid_type
+    public :: wanted_grid, part_neighbours, lay_cells
+
+    !> Fine cells around an edge over which a contact reaches.
+    type :: fineness_type
+        !> Arc length of flank 1 [mm]
+        real(wp) :: s = 0.0_wp
+        !> Width of the cells there [mm]
+        real(wp) :: cell = 0.0_wp
+        !> How far they stay so narrow towards smaller and greater arc length [mm]
+        real(wp) :: even(2) = 0.0_wp
+    end type fineness_type
+
+    !> The cells of one zone: equal widths along flank 1, or finer around edges.
+    type :: grid_type
+        !> Number of cells
+        integer :: n = 0
+        !> Width of a cell on flank 1 [mm], the largest, about, where they differ
+        real(wp) :: cell = 0.0_wp
+        !> Centre of the first cell on flank 1 [mm]
+        real(wp) :: first = 0.0_wp
+        !> Edges around which cells are finer, ascending; not allocated where widths are equal
+        type(fineness_type), allocatable :: edges(:)
+        !> Ends of the cells [mm] where their widths differ, shape (n + 1)
+        real(wp), allocatable :: ends(:)
+        !> Where the pairs of these cells stand [mm]; not allocated where it is in the middle
+        real(wp), allocatable :: centers(:)
+        !> Places between which the cells shall lie on flank 1 [mm]
+        real(wp) :: low = 0.0_wp, high = 0.0_wp
+        !> True where the grid stops in the open: a force there asks for a wider grid. False where
+        !> its stretch ends or the cells of another zone begin.
+        logical :: open_low = .false., open_high = .false.
+    end type grid_type
+
+    !> Away from an edge cells get wider by at most this ratio.
+    real(wp), parameter :: growth_ratio = 2.0_wp
+    !> Where the gap is even, the pressure has its peaks at the ends. Cells in the middle are this
+    !> part of the even half over the strips, at a sharp end this part of those in the middle.
+    real(wp), parameter :: middle_part = 2.5_wp, sharp_part = 0.02_wp
+    !> A sharper edge than this, against the cells in the middle, is as good as a corner; no cell
+    !> is narrower than this part of the others.
+    real(wp), parameter :: least_part = 1.0e-3_wp, least_cell = 1.0e-4_wp
+    !> The narrowest are how far the contact digs in beyond an edge, over this part of the strips;
+    !> they stay as narrow a little further than that. Away from edges cells are this part of the
+    !> contact, over the strips: it may end on one side with the pressure of a Hertz contact twice
+    !> as wide.
+    real(wp), parameter :: dig_part = 0.8_wp, beyond_dig = 1.1_wp, contact_part = 0.35_wp
+
+contains
+
+    !> The grid that a zone wants for itself.
+    !>
+    !> Cells are a part of the shorter reach, so that a corner or a kink beside the least gap is
+    !> resolved; where there is no second side, a smaller part of the longer one. Around edges they
+    !> are finer still.
+    pure function wanted_grid(zone, reach, edges, widths, strips, corner_strips) result(grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> How far the contact reaches to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> Edges over which it does; none where the gap is even
+        type(edge_type), intent(in) :: edges(:)
+        !> How far the cells shall reach, in these reaches, shape (2)
+        real(wp), intent(in) :: widths(2)
+        !> Cells on the shorter reach
+        real(wp), intent(in) :: strips
+        !> Cells on the longer reach at the most
+        real(wp), intent(in) :: corner_strips
+        type(grid_type) :: grid
+
+        if (is_level(zone)) then
+            grid = level_grid(zone, reach, widths, strips)
+            return
+        end if
+        grid%cell = max(minval(reach)/strips, maxval(reach)/max(strips, corner_strips))
+        if (size(edges) > 0) then
+            grid%edges = fine_around(edges, zone%nearest%s_1, reach, strips)
+            grid%cell = contact_part*sum(reach)/strips
+        end if
+        ! a few cells beyond a corner see whether it digs in
+        grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
+        grid%high = zone%nearest%s_1 + max(widths(2)*reach(2), 3.0_wp*grid%cell)
+        grid%open_low = grid%low > zone%s_1_low
+        grid%open_high = grid%high < zone%s_1_high
+        grid%low = max(grid%low, zone%s_1_low)
+        grid%high = min(grid%high, zone%s_1_high)
+    end function wanted_grid
+
+    !> How fine cells are around edges.
+    pure function fine_around(edges, nearest, reach, strips) result(fineness)
+        !> The edges
+        type(edge_type), intent(in) :: edges(:)
+        !> Place of least gap [mm]
+        real(wp), intent(in) :: nearest
+        !> How far the contact reaches to both sides of it [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> Cells on what lies beyond an edge
+        real(wp), intent(in) :: strips
+        type(fineness_type) :: fineness(size(edges))
+
+        integer :: k
+        real(wp) :: beyond, digs
+
+        do k = 1, size(edges)
+            if (edges(k)%side > 0) then
+                beyond = nearest + reach(2) - edges(k)%s
+            else
+                beyond = edges(k)%s - (nearest - reach(1))
+            end if
+            digs = digs_in(beyond, 0.5_wp*sum(reach))
+            fineness(k)%s = edges(k)%s
+            fineness(k)%cell = max(digs, least_cell*sum(reach))/(dig_part*strips)
+            fineness(k)%even(merge(2, 1, edges(k)%side > 0)) = beyond_dig*digs
+        end do
+    end function fine_around
+
+    !> How far the contact reaches beyond the edge of a flat stretch that turns into an arc [mm].
+    !>
+    !> Of a flat punch with small rounded edges: M. Ciavarella, D. A. Hills, G. Monno, Proc. Instn
+    !> Mech. Engrs C 212 (1998), 319, with 1/cos(d) = half-width of the contact over that of the
+    !> flat: (2/3) d³ = pi x²/(2 a²), x where the gap has grown by the force times c.
+    elemental function digs_in(beyond, half) result(distance)
+        !> Where beyond the edge the gap has grown by the force times c [mm]
+        real(wp), intent(in) :: beyond
+        !> Half of the contact up to there, about [mm]
+        real(wp), intent(in) :: half
+        real(wp) :: distance
+
+        !> (3 pi/4)^(2/3)/2
+        real(wp), parameter :: factor = 0.5_wp*(0.75_wp*acos(-1.0_wp))**(2.0_wp/3.0_wp)
+
+        distance = beyond*min(1.0_wp, factor*(beyond/half)**(1.0_wp/3.0_wp))
+    end function digs_in
+
+    !> The grid of a zone with even gap: all of the stretch, and some cells beyond its ends.
+    pure function level_grid(zone, reach, widths, strips) result(grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> How far the contact reaches to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> How far the cells shall reach beyond the ends, in what the contact does, shape (2)
+        real(wp), intent(in) :: widths(2)
+        !> Cells on half of the stretch, about
+        real(wp), intent(in) :: strips
+        type(grid_type) :: grid
+
+        !> The cells end where a contact might; where a force at their end has widened them, this
+        !> part of the half further on for each such width.
+        real(wp), parameter :: first_width = 2.5_wp, longer = 0.3_wp
+        real(wp) :: half, beyond(2), digs(2), finest(2)
+
+        half = 0.5_wp*(zone%level_high - zone%level_low)
+        grid%cell = middle_part*half/strips
+        beyond = reach - half
+        where (beyond > least_part*grid%cell)
+            digs = digs_in(beyond, half)
+            finest = max(digs/(dig_part*strips), least_cell*grid%cell)
+        else where
+            digs = 0.0_wp
+            finest = sharp_part*grid%cell
+        end where
+        finest = min(finest, grid%cell)
+        grid%edges = [ &
+            & fineness_type(zone%level_low, finest(1), [beyond_dig*digs(1), 0.0_wp]), &
+            & fineness_type(zone%level_high, finest(2), [0.0_wp, beyond_dig*digs(2)])]
+        beyond = max(0.0_wp, beyond) + longer*half*(widths/first_width - 1.0_wp)
+        beyond = max(beyond, 3.0_wp*finest)
+        grid%low = max(zone%level_low - beyond(1), zone%s_1_low)
+        grid%high = min(zone%level_high + beyond(2), zone%s_1_high)
+        grid%open_low = grid%low > zone%s_1_low
+        grid%open_high = grid%high < zone%s_1_high
+    end function level_grid
+
+    !> Where the grids of two zones of a site would overlap, part them: no place has two cells.
+    !>
+    !> The border is where the gap is greatest between both places: away from either contact.
+    pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> Two zones of a site, the first at smaller arc length
+        type(zone_type), intent(in) :: zone
+        type(zone_type), intent(in) :: next
+        !> Their grids
+        type(grid_type), intent(inout) :: grid
+        type(grid_type), intent(inout) :: next_grid
+
+        !> Halvings: the border is known to a millionth of the distance.
+        integer, parameter :: steps = 20
+        integer :: step
+        real(wp) :: low, high, border
+        type(pair_type) :: pair
+        logical :: found
+
+        if (grid%high <= next_grid%low) return
+        low = zone%level_high
+        high = next%level_low
+        pair = zone%nearest
+        do step = 1, steps
+            border = 0.5_wp*(low + high)
+            pair%s_2 = guessed_s_2(pair, border)
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, border, &
+                & [zone%s_2_low, zone%s_2_high], pair, found)
+            if (.not. found) exit
+            if (pair%slope > 0.0_wp) then
+                low = border
+            else
+                high = border
+            end if
+        end do
+        grid%high = border
+        grid%open_high = .false.
+        next_grid%low = border
+        next_grid%open_low = .false.
+    end subroutine part_neighbours
+
+    !> Lay the cells between the ends of a grid.
+    !>
+    !> A cell begins where the stretch ends and where a sharp corner lies, since there the pressure
+    !> has its edge and the normal jumps; else one is centred on the least gap.
+    pure subroutine lay_cells(zone, grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its grid; ends and width of the cells are given
+        type(grid_type), intent(inout) :: grid
+
+        real(wp) :: length, anchor
+        integer :: n_low, n_high
+
+        if (allocated(grid%edges)) then
+            call lay_graded_cells(grid)
+            return
+        end if
+        length = grid%high - grid%low
+        if (grid%open_low .and. grid%open_high) then
+            anchor = zone%nearest%s_1 - 0.5_wp*grid%cell
+            if (zone%corner > 0) then
+                anchor = zone%nearest%s_1
+            else if (zone%to_corner_low < min(zone%to_corner_high, &
+                & zone%nearest%s_1 - grid%low)) then
+                anchor = zone%nearest%s_1 - zone%to_corner_low
+            else if (zone%to_corner_high < grid%high - zone%nearest%s_1) then
+                anchor = zone%nearest%s_1 + zone%to_corner_high
+            end if
+            n_low = int((anchor - grid%low)/grid%cell)
+            n_high = int((grid%high - anchor)/grid%cell)
+            grid%n = max(1, n_low + n_high)
+            grid%first = anchor + (0.5_wp - n_low)*grid%cell
+            return
+        end if
+        grid%n = max(1, int(length/grid%cell))
+        if (.not. (grid%open_low .or. grid%open_high)) then
+            grid%n = max(1, nint(length/grid%cell))
+            grid%cell = length/grid%n
+        end if
+        grid%cell = min(grid%cell, length)
+        grid%first = grid%low + 0.5_wp*grid%cell
+        if (grid%open_low) grid%first = grid%high - (grid%n - 0.5_wp)*grid%cell
+    end subroutine lay_cells
+
+    !> Lay cells that are finest around edges.
+    pure subroutine lay_graded_cells(grid)
+        !> The grid; ends, edges and width of the cells are given
+        type(grid_type), intent(inout) :: grid
+
+        integer :: k
+        real(wp) :: from, to, middle
+        real(wp), allocatable :: widening(:)
+
+        associate (edges => grid%edges)
+            edges%s = max(grid%low, min(grid%high, edges%s))
+            ! lengths from the fine end of each part
+            widening = graded(edges(1)%s - grid%low, edges(1)%even(1), edges(1)%cell, grid%cell)
+            grid%ends = edges(1)%s - widening(size(widening):1:-1)
+            do k = 1, size(edges)
+                from = edges(k)%s
+                if (k < size(edges)) then
+                    to = edges(k + 1)%s
+                    middle = 0.5_wp*(from + to)
+                    widening = graded(middle - from, edges(k)%even(2), edges(k)%cell, grid%cell)
+                    grid%ends = [grid%ends, from + widening(2:)]
+                    widening = graded(to - middle, edges(k + 1)%even(1), edges(k + 1)%cell, &
+                        & grid%cell)
+                    grid%ends = [grid%ends, to - widening(size(widening) - 1:1:-1)]
+                else
+                    widening = graded(grid%high - from, edges(k)%even(2), edges(k)%cell, grid%cell)
+                    grid%ends = [grid%ends, from + widening(2:)]
+                end if
+            end do
+        end associate
+        grid%n = size(grid%ends) - 1
+    end subroutine lay_graded_cells
+
+    !> Ends of cells on [0, length] that grow from the first one; only 0 where there is no length.
+    pure function graded(length, even, first, largest) result(ends)
+        !> Length of the whole [mm]
+        real(wp), intent(in) :: length
+        !> Length on which all are as wide as the first [mm]
+        real(wp), intent(in) :: even
+        !> Width of the first cell, and the largest width [mm], about
+        real(wp), intent(in) :: first
+        real(wp), intent(in) :: largest
+        real(wp), allocatable :: ends(:)
+
+        real(wp) :: width
+
+        ends = [0.0_wp]
+        width = first
+        ! less than half a cell is spread over the others
+        do while (ends(size(ends)) < length - 0.5_wp*width)
+            ends = [ends, ends(size(ends)) + width]
+            if (ends(size(ends)) >= even) width = min(largest, growth_ratio*width)
+        end do
+        if (size(ends) == 1 .and. length > 0.01_wp*first) ends = [ends, length]
+        if (size(ends) > 1) ends = ends*(length/ends(size(ends)))
+    end function graded
+
+end module flankload_contact_grid

@@ -1,0 +1,220 @@
+!> How far a contact reaches under its force, and over which edges.
+module flankload_contact_reach
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type, placed_point
+    use flankload_polar_geometry, only: circle_meets_flank
+    use flankload_circle_pair, only: flank_type, guessed_s_2, pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
+    implicit none
+    private
+
+    public :: edge_type
+    public :: zone_reach, edges_within, is_level
+
+    !> A place where a flank begins to turn away sharply: the start of a rounding.
+    type :: edge_type
+        !> Arc length of flank 1 [mm]
+        real(wp) :: s = 0.0_wp
+        !> 1: a flank turns away towards greater arc length of flank 1, -1: towards smaller
+        integer :: side = 0
+    end type edge_type
+
+contains
+
+    !> How far from the least gap the gap has grown by a given amount, on both sides.
+    !>
+    !> Where the growth is the force times c of both bodies this is the half-width of a Hertz
+    !> contact, exactly for a parabola; kinks, roundings and corners have theirs by the same rule.
+    pure function zone_reach(flank_1, frame_1, flank_2, frame_2, zone, growth) result(reach)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Growth of the gap along the normal [mm]
+        real(wp), intent(in) :: growth
+        !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
+        real(wp) :: reach(2)
+
+        !> Cells are laid by it: what it may be wrong by shows as a step where the number of rounds
+        !> changes.
+        real(wp), parameter :: tolerance = 1.0e-4_wp
+        integer, parameter :: max_steps = 40
+        !> Only to begin with [1/mm]
+        real(wp), parameter :: least_curvature = 1.0e-3_wp
+        integer :: side, step
+        real(wp) :: room, inner, outer, x, part, part_inner, part_outer
+        type(pair_type) :: pair
+        logical :: found
+
+        do side = 1, 2
+            room = merge(zone%nearest%s_1 - zone%s_1_low, zone%s_1_high - zone%nearest%s_1, &
+                & side == 1)
+            inner = 0.0_wp
+            outer = room
+            part_inner = 0.0_wp
+            part_outer = 0.0_wp
+            x = sqrt(2.0_wp*growth/max(zone%curvature, least_curvature))
+            if (is_level(zone)) then
+                inner = merge(zone%nearest%s_1 - zone%level_low, &
+                    & zone%level_high - zone%nearest%s_1, side == 1)
+                x = inner + 0.01_wp*x
+            end if
+            x = min(room, x)
+            pair = zone%nearest
+            do step = 1, max_steps
+                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
+                    & zone%nearest%s_1 + merge(-x, x, side == 1), &
+                    & [zone%s_2_low, zone%s_2_high], pair, found)
+                if (found) then
+                    part = (pair%gap_angle - zone%gap_angle &
+                        & - zone%tilt*(pair%s_1 - zone%nearest%s_1))*zone%lever/growth
+                    if (part < 1.0_wp) then
+                        if (x >= room) exit
+                        inner = x
+                        part_inner = part
+                    else
+                        outer = x
+                        part_outer = part
+                    end if
+                    if (abs(part - 1.0_wp) <= tolerance) exit
+                    x = next_place()
+                else
+                    outer = x
+                    part_outer = 0.0_wp
+                    x = 0.5_wp*(inner + outer)
+                end if
+            end do
+            reach(side) = x
+        end do
+
+    contains
+
+        !> The next place: the gap as a power of the distance through both that enclose the wanted
+        !> one, halved at times; a parabola through the last one while nothing encloses it.
+        pure function next_place() result(place)
+            real(wp) :: place
+
+            real(wp), parameter :: least = 0.1_wp, largest = 10.0_wp
+
+            if (part_inner > 0.0_wp .and. part_outer > 0.0_wp .and. mod(step, 4) /= 0) then
+                place = inner*(outer/inner)**(-log(part_inner)/log(part_outer/part_inner))
+            else if (part_outer > 0.0_wp .and. inner > 0.0_wp) then
+                place = 0.5_wp*(inner + outer)
+            else
+                place = x*max(least, min(largest, 1.0_wp/sqrt(max(part, tiny(1.0_wp)))))
+                if (place >= outer .and. outer < room) place = 0.5_wp*(inner + outer)
+                if (place <= inner) place = 0.5_wp*(inner + outer)
+            end if
+            place = min(room, place)
+        end function next_place
+
+    end function zone_reach
+
+    !> Where one of the flanks begins to turn away sharply inside the contact.
+    !>
+    !> Sharp corners have no limit under refinement: around them there is nothing to resolve.
+    pure function edges_within(flank_1, frame_1, flank_2, frame_2, zone, reach) result(edges)
+        !> Flank of body 1 and where it stands
+        type(flank_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> How far the contact reaches to both sides [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> First and last edge, or one; without any the shape is (0)
+        type(edge_type), allocatable :: edges(:)
+
+        !> An edge is where the flanks turn away from each other so many times as fast.
+        real(wp), parameter :: many_times = 4.0_wp
+        integer :: k
+        real(wp) :: low, high, s_2
+        type(edge_type) :: edge, first, last
+
+        allocate (edges(0))
+        if (size(flank_1%roundings) + size(flank_2%roundings) == 0) return
+        if (is_level(zone) .or. zone%corner > 0) return
+        if (zone%to_corner_low < reach(1) .or. zone%to_corner_high < reach(2)) return
+        low = zone%nearest%s_1 - reach(1)
+        high = zone%nearest%s_1 + reach(2)
+        first%s = huge(1.0_wp)
+        last%s = -huge(1.0_wp)
+        do k = 1, size(flank_1%roundings)
+            edge = edge_type(flank_1%roundings(k), flank_1%rounding_sides(k))
+            call take(edge, flank_1%rounding_jumps(k), first, last)
+        end do
+        do k = 1, size(flank_2%roundings)
+            s_2 = flank_2%roundings(k)
+            if (flank_2%curve%closed) s_2 = s_2 + curve_length(flank_2%curve) &
+                & *anint((zone%nearest%s_2 - s_2)/curve_length(flank_2%curve))
+            if ((s_2 - zone%s_2_low)*(s_2 - zone%s_2_high) >= 0.0_wp) cycle
+            edge = on_flank_1(s_2, flank_2%rounding_sides(k))
+            call take(edge, flank_2%rounding_jumps(k), first, last)
+        end do
+        if (first%s > last%s) return
+        edges = [first, last]
+        if (.not. last%s > first%s) edges = [first]
+
+    contains
+
+        !> Keep an edge if it is the first or last one inside the contact.
+        pure subroutine take(candidate, jump, lowest, highest)
+            !> The edge
+            type(edge_type), intent(in) :: candidate
+            !> By how much the curvature changes there [1/mm]
+            real(wp), intent(in) :: jump
+            !> The first and the last one so far
+            type(edge_type), intent(inout) :: lowest
+            type(edge_type), intent(inout) :: highest
+
+            real(wp) :: flatter
+
+            if (candidate%s <= low .or. candidate%s >= high) return
+            ! both flanks against each other, on the flatter side of the edge
+            flatter = zone%curvature
+            if (candidate%side*(zone%nearest%s_1 - candidate%s) > 0.0_wp) flatter = flatter - jump
+            if (jump < many_times*abs(flatter)) return
+            if (candidate%s < lowest%s) lowest = candidate
+            if (candidate%s > highest%s) highest = candidate
+        end subroutine take
+
+        !> An edge of flank 2, on flank 1; outside of all where no circle goes through it.
+        pure function on_flank_1(at, side) result(found_edge)
+            !> Its arc length on flank 2 [mm]
+            real(wp), intent(in) :: at
+            !> On which side flank 2 turns away
+            integer, intent(in) :: side
+            type(edge_type) :: found_edge
+
+            real(wp) :: s_1, point_1(2), point_2(2), tangent_1(2), tangent_2(2)
+            logical :: found
+
+            found_edge = edge_type(-huge(1.0_wp), 0)
+            call placed_point(flank_2%curve, frame_2, at, point_2, tangent_2)
+            s_1 = zone%nearest%s_1
+            call circle_meets_flank(flank_1%curve, frame_1, norm2(point_2), zone%s_1_low, &
+                & zone%s_1_high, s_1, point_1, tangent_1, found)
+            if (.not. found) return
+            found_edge%s = s_1
+            found_edge%side = nint(side*sign(1.0_wp, dot_product(point_1, tangent_1) &
+                & *dot_product(point_2, tangent_2)))
+        end function on_flank_1
+
+    end function edges_within
+
+    !> True where the gap is even over a stretch.
+    elemental function is_level(zone) result(level)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        logical :: level
+
+        level = zone%level_high > zone%level_low
+    end function is_level
+
+end module flankload_contact_reach
