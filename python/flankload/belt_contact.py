@@ -13,7 +13,7 @@ but positive definite, and no worse conditioned than that of held lands.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,17 +80,24 @@ class SpringRow:
     cord_N_per_mm : float
         EA_eff, tension over strain from tooth to tooth: the cord, and the land that gives way under
         it and shortens its path, in series.
+    coupling_mm2_per_N : (w - 1,) array
+        By how much a pulley that yields lets teeth go that stand 1, 2, … pitches from a loaded one;
+        empty where it is rigid.
     """
 
     slack_mm2_per_N: Floats
     tooth_N_per_mm2: float
     cord_N_per_mm: float
+    coupling_mm2_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def compliance(self) -> Floats:
         """(w, w) K = L of the tooth that is nearer to the tight end, and 1/k_t of its own."""
         own = np.eye(self.slack_mm2_per_N.size) / self.tooth_N_per_mm2
         order = np.arange(self.slack_mm2_per_N.size)
+        if self.coupling_mm2_per_N.size:
+            apart = np.abs(np.subtract.outer(order, order))
+            own = own + np.append(0.0, self.coupling_mm2_per_N)[apart]
         return np.asarray(self.slack_mm2_per_N[np.minimum.outer(order, order)] + own)
 
     def solve(
@@ -122,7 +129,8 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
 
     Every flank moves as a whole (along its levers), its pairs all in contact:
     A = (Gᵀ K^-1 G)^-1 with the levers over the pitch radius in G; L = A Gᵀ K^-1 by_slack. From
-    these 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth.
+    these 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and where the
+    pulley yields, A_kl - L_k as medians over all that stand equally far apart.
 
     Parameters
     ----------
@@ -141,11 +149,15 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     teeth = np.linalg.inv(reduced[:, :-1])
     slack = teeth @ reduced[:, -1]
     stretch = np.diff(slack) if slack.size > 1 else strip.pitch_mm / strip.cord_N_per_mm
-    return SpringRow(
+    row = SpringRow(
         slack_mm2_per_N=slack,
         tooth_N_per_mm2=float(1.0 / np.median(teeth.diagonal() - slack)),
         cord_N_per_mm=float(strip.pitch_mm / np.median(stretch)),
     )
+    if not response.pulley_yields:
+        return row
+    beside = [np.median(teeth.diagonal(d) - slack[:-d]) for d in range(1, slack.size)]
+    return replace(row, coupling_mm2_per_N=np.array(beside))
 
 
 def solve_belt(
@@ -193,7 +205,7 @@ def solve_belt(
         load_rows=asked.rows,
         # strands that bend at edges of lands push on these, which do nothing to strands
         positive_definite=True
-        if land_friction == 0.0 and not (land_lift and response.phase)
+        if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
         else None,
     )
     n = response.flanks.tooth.size

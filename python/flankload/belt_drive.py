@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from functools import partial
 from math import ceil, degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.belt_contact import BeltState, solve_belt, spring_row
+from flankload.belt_estimate import estimate_belt
+from flankload.belt_pulley import PulleyResponse, rest_on, solve_pulley
 from flankload.belt_result import Standing, result_of_belt
 from flankload.belt_row import BeltRow, StripResponse
-from flankload.belt_work import Asked, work_of_elements, work_of_states
+from flankload.belt_work import Asked, work_of_elements, work_of_pulley, work_of_states
 from flankload.bodies.belt import Strip, build_strip
 from flankload.bodies.belt_mesh import FLANK_ELEMENTS, mesh_strip
+from flankload.bodies.pulley import build_pulley
+from flankload.bodies.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError, NoContactState
+from flankload.mesh_report import quality_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from flankload.belt_estimate import Coarser
     from flankload.result import Result
     from flankload.scene import Scene
 
@@ -64,6 +72,12 @@ def solve_belts(
         position_rad, pitches = positions_of(scene, strip)
         account.bytes = held_bytes(position_rad)
     total = position_rad.size + 1
+    known = None
+    if not scene.body_1.rigid:
+        tell("compliance body 1", 0, total)
+        with stage("compliance body 1") as account:
+            known = _pulley(scene, pulley_mesh(scene), account)
+            account.bytes = held_bytes(known)
     tell("compliance body 2", 0, total)
     with stage("compliance body 2") as account:
         row = _row(scene, strip, flank_elements(scene, strip), account)
@@ -73,7 +87,7 @@ def solve_belts(
     for p, angle in enumerate(position_rad):
         tell("sweep", p + 1, total)
         with stage("compliance body 2") as account:
-            response = row.at(float(angle) / strip.pitch_rad)
+            response = _response(strip, row, known, float(angle))
             springs = springs or spring_row(strip, response)
             account.bytes = max(account.bytes, held_bytes(response))
         with stage("sweep") as account:
@@ -87,7 +101,7 @@ def solve_belts(
     if scene.accuracy.estimate and any(torques):
         tell("estimate", total, total)
         with stage("estimate") as account:
-            estimates = _estimates(scene, strip, position_rad, found, account)
+            estimates = _estimates(scene, strip, (row, known), position_rad, found, account)
     results = tuple(
         result_of_belt(
             scene,
@@ -164,6 +178,46 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
     return max(LEAST_ELEMENTS, ceil(strip.tooth.height_mm / size - 1e-9))
 
 
+def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
+    """Elements of a pulley that yields.
+
+    Parameters
+    ----------
+    scene : Scene
+    elements : int, optional
+        On what a belt's tooth touches; as many as on the tooth if absent.
+
+    Returns
+    -------
+    PulleyMesh
+
+    Raises
+    ------
+    SceneError
+        If no valid mesh can be made.
+    """
+    from flankload.scene import Pulley
+
+    assert isinstance(scene.body_1, Pulley)
+    strip = strip_of(scene)
+    pulley = build_pulley(scene.body_1, strip, scene.accuracy.plane)
+    return mesh_pulley(pulley, elements or flank_elements(scene, strip))
+
+
+def _rows_of_pulley(scene: Scene) -> list[tuple[str, str]]:
+    if scene.body_1.rigid:
+        return [("mesh", "none: rigid")]
+    mesh = pulley_mesh(scene)
+    pulley, sector = mesh.pulley, mesh.sector
+    return [
+        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, held"),
+        ("depth of the grooves", f"{pulley.depth_mm:.4f} mm"),
+        ("Young's modulus", f"{pulley.material.young_modulus_MPa:g} MPa, plane {pulley.plane}"),
+        ("mesh of a sector", f"{len(sector.nodes)} nodes, {len(sector.cells[0][1])} quad9"),
+        *quality_rows(sector.nodes, sector.cells),
+    ]
+
+
 def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
     """What `flankload check` says of a pulley and its belt.
 
@@ -189,6 +243,7 @@ def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
             ("teeth", f"{strip.pulley_teeth}"),
             ("pitch diameter", f"{2 * strip.pitch_radius_mm:.4f} mm"),
             ("outer diameter", f"{2 * strip.land_radius_mm:.4f} mm"),
+            *_rows_of_pulley(scene),
         ],
         "body_2: belt": [
             ("teeth on the pulley", f"{strip.wrapped_teeth}"),
@@ -214,9 +269,28 @@ def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow
         strip,
         elements,
         rubbing=scene.effects.land_friction != 0.0,
-        lifting=scene.effects.land_lift,
+        lifting=_asked(scene).lifting,
         account=account,
     )
+
+
+def _asked(scene: Scene) -> Asked:
+    """A pulley that yields lets lands give way."""
+    return Asked(
+        scene.effects.land_friction != 0.0, scene.effects.land_lift or not scene.body_1.rigid
+    )
+
+
+def _pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
+    return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
+
+
+def _response(
+    strip: Strip, row: BeltRow, known: PulleyResponse | None, angle_rad: float
+) -> StripResponse:
+    """What the belt answers at a position, on a rigid pulley or on one of which this is known."""
+    held = row.at(angle_rad / strip.pitch_rad)
+    return held if known is None else rest_on(held, strip, known)
 
 
 def _state(
@@ -248,32 +322,36 @@ def _state(
 def _estimates(
     scene: Scene,
     strip: Strip,
+    solved: tuple[BeltRow, PulleyResponse | None],
     position_rad: Floats,
     found: list[list[BeltState]],
     account: Account,
 ) -> list[dict[str, object] | None]:
-    """What elements twice as long change at up to two positions.
-
-    At sharp corners errors fall about as elements do.
-    """
-    row = _row(scene, strip, max(1, flank_elements(scene, strip) // 2), account)
-    tried = [
-        (p, row.at(float(position_rad[p]) / strip.pitch_rad)) for p in tried_positions(position_rad)
-    ]
+    """What elements twice as long change at up to two positions."""
+    elements = max(1, flank_elements(scene, strip) // 2)
+    (row, known), coarse = solved, _row(scene, strip, elements, account)
+    pulley = None if known is None else _pulley(scene, pulley_mesh(scene, elements), account)
+    tried: list[tuple[int, list[Coarser]]] = []
+    for p in tried_positions(position_rad):
+        at = partial(_response, strip, angle_rad=float(position_rad[p]))
+        if known is None:
+            tried.append((p, [("elements", None, at(coarse, None))]))
+            continue
+        # what elements and hats of the belt do on a pulley that yields may make up for each other
+        on_both: list[Coarser] = [
+            ("elements body 1", None, at(row, pulley)),
+            ("elements body 2", None, at(coarse, known)),
+            ("elements body 2", at(row, None), at(coarse, None)),
+        ]
+        tried.append((p, on_both))
     estimates: list[dict[str, object] | None] = []
     for torque, states in zip(scene.torques_Nm, found, strict=True):
         if torque == 0.0:
             estimates.append(None)
             continue
-        scale = max(abs(state.rotation_rad) for state in states)
-        turn, share = 0.0, 0.0
-        for p, response in tried:
-            state, other = states[p], _state(scene, strip, response, torque, account)
-            off = other.tooth_N_per_mm - state.tooth_N_per_mm
-            turn = max(turn, abs(other.rotation_rad - state.rotation_rad) / scale)
-            share = max(share, float(np.abs(off).max() / state.tooth_N_per_mm.sum()))
-        left = {"transmission_error": turn, "load_share": share}
-        estimates.append({**left, "by_source": {"elements": left}})
+        solve = partial(_state, scene, strip, torque_Nm=torque, account=account)
+        largest = max(abs(state.rotation_rad) for state in states)
+        estimates.append(estimate_belt([(states[p], by) for p, by in tried], largest, solve))
     return estimates
 
 
@@ -291,18 +369,24 @@ def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str
     dict of str to dict of str to int
         By stages, as `result.cost["stages"]` names them, then by counters.
     """
-    elements = flank_elements(scene, strip)
-    asked = Asked(scene.effects.land_friction != 0.0, scene.effects.land_lift)
+    elements, asked = flank_elements(scene, strip), _asked(scene)
+    yields = not scene.body_1.rigid
     torques = [torque for torque in scene.torques_Nm if torque > 0.0]
     counted = {
         "compliance body 2": work_of_elements(strip, elements, position_rad, asked),
         "sweep": work_of_states(strip, elements, position_rad.size * len(scene.torques_Nm)),
     }
+    if yields:
+        counted["compliance body 1"] = work_of_pulley(pulley_mesh(scene), asked)
     if scene.accuracy.estimate and torques:
         coarse, tried = max(1, elements // 2), position_rad[tried_positions(position_rad)]
-        counted["estimate"] = work_of_elements(strip, coarse, tried, asked) | work_of_states(
-            strip, coarse, tried.size * len(torques)
-        )
+        states = tried.size * len(torques)
+        work = Counter(work_of_elements(strip, coarse, tried, asked))
+        work.update(work_of_states(strip, coarse, states * (2 if yields else 1)))
+        if yields:
+            work.update(work_of_states(strip, elements, 2 * states))
+            work.update(work_of_pulley(pulley_mesh(scene, coarse), asked))
+        counted["estimate"] = dict(work)
     return counted
 
 

@@ -207,6 +207,7 @@ def _drive(
         tension_behind_N=_over_sites(sites, standings, behind, nothing=np.nan),
         land_before_N=_over_sites(sites, standings, lands, nothing=np.nan),
         land_lift_um=_over_sites(sites, standings, lifts, nothing=np.nan),
+        pulley_coupling_um_per_N=UM_PER_MM / width * row.coupling_mm2_per_N,
     )
 
 

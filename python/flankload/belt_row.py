@@ -84,6 +84,8 @@ class StripResponse:
         Where they were asked for.
     degrees_of_freedom : int
         Of all pieces that were solved.
+    pulley_yields : bool
+        Teeth do something to each other through the pulley, too.
     """
 
     phase: float
@@ -104,6 +106,7 @@ class StripResponse:
     rubbing: LandColumns | None
     lifting: LandColumns | None
     degrees_of_freedom: int
+    pulley_yields: bool = False
 
 
 class BeltRow:

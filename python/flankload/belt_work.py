@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.belt import Strip
+    from flankload.bodies.pulley_mesh import PulleyMesh
 
     Floats = NDArray[np.float64]
 
@@ -104,6 +105,31 @@ def work_of_elements(
             pairs + abs(strand) + hats * (1 + asked.rubbing) + (0 if many else kept)
         )
     return counted
+
+
+def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:
+    """Factorisations, columns and solutions of a pulley that yields.
+
+    Parameters
+    ----------
+    mesh : PulleyMesh
+    asked : Asked
+
+    Returns
+    -------
+    dict of str to int
+        As of `work_of_elements`.
+    """
+    kept = 2 * (mesh.sector.left_nodes.size + mesh.sector.right_nodes.size)
+    many = kept > MANY_KEPT
+    normal, along = 2 * mesh.flank.size + mesh.land.size, mesh.land.size * asked.rubbing
+    return {
+        "fe_factorisations": 1 + many,
+        "fe_solutions": normal + along + (0 if many else kept),
+        "cut_columns": 0 if many else kept,
+        "unit_loads_normal": normal,
+        "unit_loads_tangential": along,
+    }
 
 
 def _beyond(land: Floats, end: float) -> int:

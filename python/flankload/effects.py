@@ -233,16 +233,20 @@ def work_in(stage: str, effects: Effects) -> Work:
 
 # --- switches -------------------------------------------------------------------------------------
 def _is_loaded(scene: Scene) -> bool:
-    """By a torque, or by flanks that may press on each other across the teeth without one."""
-    return any(scene.torques_Nm) or scene.effects.coast_flank
+    """By a torque, by flanks that may press on each other across the teeth, or by a taut belt."""
+    taut = isinstance(scene.body_2, Belt)
+    return any(scene.torques_Nm) or scene.effects.coast_flank or taut
 
 
 def _yields(number: int) -> Callable[[Scene], Switch]:
     """A body yields unless it is rigid or nothing loads it."""
 
     def switch(scene: Scene) -> Switch:
-        rigid = (scene.body_1, scene.body_2)[number - 1].rigid
-        if rigid:
+        body = (scene.body_1, scene.body_2)[number - 1]
+        if isinstance(body, Pulley):
+            word = "true" if body.rigid else "false"
+            return Switch(not body.rigid, f"body_{number}.rigid = {word}", not body.rigid)
+        if body.rigid:
             return Switch(False, f"body_{number}.rigid = true", True)
         if not _is_loaded(scene):
             return Switch(False, "load.torque_Nm = 0", True)
@@ -536,7 +540,7 @@ EFFECTS: tuple[Effect, ...] = (
         title="friction on the lands of a belt",
         keys=("effects.land_friction",),
         switch=_quantity("land_friction"),
-        stages=("compliance body 2", "sweep", "estimate"),
+        stages=(*BOTH_BODIES, "sweep", "estimate"),
         work=Work(tangential_loads=1),
         counters=("unit_loads_tangential",),
         size_by="levers",

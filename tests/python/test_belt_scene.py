@@ -19,6 +19,9 @@ from flankload.plot import plot_all
 from flankload.result.belt import BeltDrive
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "belt.toml"
+PLASTIC = EXAMPLE.with_name("belt_plastic_pulley.toml")
+#: A pulley that yields.
+ELASTIC: dict[str, Any] = {"rigid": False, "bore_diameter_mm": 20}
 #: Large elements on few teeth: soon solved.
 SMALL: dict[str, Any] = {
     "body_2": {"wrapped_teeth": 5},
@@ -100,6 +103,33 @@ REFUSED = [
         {"effects": {"land_lift": True}, "body_2": {"prestress_N": 0}},
         "body_2.prestress_N: expected a number > 0 with effects.land_lift",
     ),
+    (
+        {"body_1": {"bore_diameter_mm": 20}},
+        "body_1.rigid: expected true or false beside body_1.bore_diameter_mm, found nothing",
+    ),
+    (
+        {"body_1": {"young_modulus_MPa": 3000}},
+        "body_1.rigid: expected true or false beside body_1.young_modulus_MPa, found nothing",
+    ),
+    (
+        {"body_1": {"rigid": False}},
+        "body_1.bore_diameter_mm: expected a number with body_1.rigid = false, found nothing",
+    ),
+    (
+        {"body_1": ELASTIC | {"bore_diameter_mm": 70}},
+        "body_1.bore_diameter_mm: expected less than the diameter below the grooves (69.21)",
+    ),
+    (
+        {"body_1": ELASTIC | {"groove_depth_mm": 5.2}},
+        "body_1.groove_depth_mm: expected so small that a groove keeps a tenth of its width",
+    ),
+    (
+        {"body_1": ELASTIC | {"groove_width_mm": 9}},
+        "body_1.groove_width_mm: expected at most 8.764: teeth between, found 9",
+    ),
+    ({"body_1": ELASTIC | {"poisson_ratio": 0.5}}, "body_1.poisson_ratio: expected a number"),
+    ({"body_1": ELASTIC | {"young_modulus_MPa": 0}}, "body_1.young_modulus_MPa: expected a"),
+    ({"accuracy": {"plane": "stress"}}, "accuracy.plane: expected nothing: a belt and its pulley"),
 ]
 
 
@@ -244,6 +274,69 @@ def test_round_teeth() -> None:
     assert result.rotation_rad[0] * result.reference_radius_mm > 0.075
 
 
+def test_pulley_that_yields() -> None:
+    """Its twist and its grooves add to the rotation; teeth share more evenly; estimates by body."""
+    rigid = solved(body_1={"rigid": True, "bore_diameter_mm": 20}, accuracy={"estimate": True})
+    assert np.array_equal(rigid.rotation_rad, solved().rotation_rad)
+    assert drive_of(rigid).pulley_coupling_um_per_N.size == 0
+    assert "compliance body 1" not in rigid.cost["stages"]
+    plastic = solved(
+        body_1=ELASTIC | {"young_modulus_MPa": 1000, "poisson_ratio": 0.35},
+        accuracy={"estimate": True},
+    )
+    assert plastic.rotation_rad > 1.5 * rigid.rotation_rad
+    assert plastic.load_share.max() < rigid.load_share.max()
+    drive = drive_of(plastic)
+    np.testing.assert_allclose(
+        drive.tight_tension_N, drive_of(rigid).tight_tension_N, rtol=SOLVER, atol=0.0
+    )
+    assert drive.tooth_stiffness_N_per_mm < drive_of(rigid).tooth_stiffness_N_per_mm
+    assert (np.diff(drive.pulley_coupling_um_per_N) < 0).all()
+    assert plastic.estimate is not None
+    assert set(plastic.estimate["by_source"]) == {"elements body 1", "elements body 2"}
+    assert set(rigid.estimate["by_source"] if rigid.estimate else ()) == {"elements"}
+    assert plastic.cost["degrees_of_freedom"] > rigid.cost["degrees_of_freedom"]
+    # stresses that may leave the plane leave the pulley softer
+    thin = solved(body_1=ELASTIC | {"young_modulus_MPa": 1000}, accuracy={"plane": "stress"})
+    wide = solved(body_1=ELASTIC | {"young_modulus_MPa": 1000})
+    assert thin.rotation_rad > wide.rotation_rad
+
+
+def test_estimate_of_a_pulley_that_yields_is_what_finer_elements_change() -> None:
+    body = ELASTIC | {"young_modulus_MPa": 1000}
+    result = solved(body_1=body, accuracy={"flank_element_mm": 0.625, "estimate": True})
+    finer = solved(body_1=body, accuracy={"flank_element_mm": 0.208, "estimate": False})
+    assert result.estimate is not None
+    off = abs(float(finer.rotation_rad[0] / result.rotation_rad[0]) - 1)
+    assert 0.5 * off < result.estimate["transmission_error"] < 10 * off
+
+
+def test_lands_rub_on_a_pulley_that_yields_and_lift_off_it() -> None:
+    body = ELASTIC | {"young_modulus_MPa": 1000}
+    for coefficient in (0.1, -0.1):
+        result = solved(body_1=body, effects={"land_friction": coefficient})
+        drive = drive_of(result)
+        assert drive.land_friction_N[0] * coefficient > 0
+        whole = result.site_force_N.sum() + drive.land_friction_N[0]
+        np.testing.assert_allclose(whole, drive.tight_tension_N[0] - 320.0, rtol=SOLVER, atol=0)
+    free = drive_of(solved(body_1=body, load={"slack_tension_N": 2}, effects={"land_lift": True}))
+    assert free.last_land_lift_um[0] > 0
+    assert free.lands_N.min() > -1e-6
+
+
+def test_check_and_mesh_show_a_pulley_that_yields(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", str(PLASTIC)]) == 0
+    said = capsys.readouterr().out
+    assert "20.0000 mm, held" in said
+    assert "1000 MPa, plane strain" in said
+    assert main(["mesh", str(PLASTIC), "-o", str(tmp_path)]) == 0
+    assert "one of 24 sectors" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "body_1.msh")]) == 0
+    assert "match when turned by 360/24 deg" in capsys.readouterr().out
+
+
 def test_exports_have_lands(tmp_path: Path) -> None:
     result = solved()
     drive = drive_of(result)
@@ -316,6 +409,8 @@ def test_single_position_is_the_first_of_many() -> None:
         {**POSITIONS, "effects": {"land_friction": 0.1}, "accuracy": {"estimate": True}},
         {**POSITIONS, "effects": {"land_lift": True}, "load": {"torque_Nm": [0, 5]}},
         {"body_2": {"wrapped_teeth": 1}},
+        {**POSITIONS, "body_1": ELASTIC, "effects": {"land_friction": 0.1}},
+        {"body_1": ELASTIC, "accuracy": {"estimate": True}, "load": {"torque_Nm": [0, 5, 10]}},
     ],
 )
 def test_work_is_counted_before_it_is_done(changes: dict[str, Any]) -> None:

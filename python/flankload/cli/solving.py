@@ -187,6 +187,9 @@ def mesh(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    if scene.body_1.kind == "pulley" and not scene.body_1.rigid:
+        _write_pulley(scene, folder, arguments.format)
+        return
     from flankload.assembly import build_bodies
     from flankload.bodies import WholeMesh
     from flankload.bodies.body_file import write_body
@@ -208,6 +211,19 @@ def mesh(arguments: Namespace) -> None:
             flanks = len(body.mesh.flanks)
             part = f"the whole body with {flanks} flank{'s' * (flanks > 1)}"
         print(f"{path}: {len(body.mesh.nodes)} nodes, {part}")
+
+
+def _write_pulley(scene: Scene, folder: Path, suffix: str) -> None:
+    """Write the sector of a pulley, as its first tooth stands; the belt is no body of sectors."""
+    from flankload.belt_drive import pulley_mesh
+    from flankload.bodies.body_file import write_body
+
+    sector = pulley_mesh(scene).sector
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"body_1.{suffix}"
+    write_body(path, sector)
+    print(f"{path}: {len(sector.nodes)} nodes, one of {sector.teeth} sectors")
+    print("body_2: a strip around the pulley, which has no file")
 
 
 def schema(_: Namespace) -> None:

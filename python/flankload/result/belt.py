@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -49,6 +49,9 @@ class BeltDrive:
         Force of the pulley on the land before each tooth; negative: the land lifts here, or would.
     land_lift_um : (P, S) array
         Largest way of that land off the pulley; 0 where lands are held.
+    pulley_coupling_um_per_N : (w - 1,) array
+        Of the row of springs: by how much the pulley lets teeth go that stand 1, 2, … pitches from
+        a loaded one; empty where it is rigid.
     """
 
     wrap_angle_rad: float
@@ -64,6 +67,7 @@ class BeltDrive:
     tension_behind_N: Floats
     land_before_N: Floats
     land_lift_um: Floats
+    pulley_coupling_um_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
     #: What the thing is called in a report.
     name: ClassVar[str] = "belt"
@@ -84,7 +88,7 @@ class BeltDrive:
 
     def as_dict(self) -> dict[str, Any]:
         """As the JSON of a result has it."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {item.name: getattr(self, item.name) for item in fields(self)}
 
     @property
     def lands_N(self) -> Floats:

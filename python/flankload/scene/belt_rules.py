@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi, radians, tan
+from math import pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
@@ -23,6 +23,10 @@ KNOWN = {
 LARGEST_PITCH_DIFFERENCE = 0.02
 #: A tooth of the belt is no wider than this part of the pitch: there must be a land.
 WIDEST_TOOTH = 0.9
+#: A groove of an elastic pulley keeps this part of its width at its bottom.
+LEAST_BOTTOM = 0.1
+#: What the scene of an elastic pulley may name beside.
+ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
 
 
 def check_belt(asked: SceneFile, given: Mapping[str, Any]) -> None:
@@ -56,9 +60,12 @@ def check_belt(asked: SceneFile, given: Mapping[str, Any]) -> None:
         return
     _check_pitch(body_1, body_2)
     _check_tooth(body_1, body_2)
+    _check_elastic(body_1, body_2, given.get("body_1", {}))
     _check_load(asked, body_2)
     for table, known in KNOWN.items():
         for key, value in given.get(table, {}).items():
+            if key == "plane" and not body_1.rigid:
+                continue  # of the pulley
             if key not in known:
                 _refuse(
                     f"{table}.{key}",
@@ -144,6 +151,42 @@ def _check_tooth(pulley: Pulley, belt: Belt) -> None:
         least = getattr(belt, tooth)
         if groove is not None and groove < least:
             _refuse(f"body_1.{key}", f"at least body_2.{tooth} ({least:g})", f"{groove:g}")
+
+
+def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None:
+    """A pulley that yields has a bore, and teeth between its grooves."""
+    named = [key for key in ELASTIC if key in given]
+    if named and "rigid" not in given:
+        _refuse("body_1.rigid", f"true or false beside body_1.{named[0]}", "nothing")
+    if pulley.rigid:
+        return
+    if pulley.bore_diameter_mm is None:
+        _refuse("body_1.bore_diameter_mm", "a number with body_1.rigid = false", "nothing")
+    assert pulley.bore_diameter_mm is not None
+    land = pulley.teeth * pulley.pitch_mm / (2 * pi) - belt.land_distance_mm
+    width = pulley.groove_width_mm or belt.tooth_width_mm
+    widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
+    if width > widest:
+        _refuse("body_1.groove_width_mm", f"at most {widest:.4g}: teeth between", f"{width:g}")
+    deeper = 0.5 * (width - belt.tooth_width_mm) if pulley.profile == "HTD" else 0.0
+    depth = max(pulley.groove_depth_mm or 0.0, belt.tooth_height_mm + deeper)
+    if pulley.profile == "T":
+        angle = pulley.groove_angle_deg
+        angle = angle if angle is not None else belt.flank_angle_deg
+        assert angle is not None
+        if width - 2 * depth * tan(radians(angle)) < LEAST_BOTTOM * width:
+            _refuse(
+                "body_1.groove_depth_mm",
+                "so small that a groove keeps a tenth of its width at the bottom",
+                f"{depth:g}",
+            )
+    bottom = 2 * (sqrt(land**2 - (0.5 * width) ** 2) - depth)
+    if pulley.bore_diameter_mm >= bottom:
+        _refuse(
+            "body_1.bore_diameter_mm",
+            f"less than the diameter below the grooves ({bottom:.4g})",
+            f"{pulley.bore_diameter_mm:g}",
+        )
 
 
 def _check_load(asked: SceneFile, belt: Belt) -> None:

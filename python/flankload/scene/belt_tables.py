@@ -4,14 +4,21 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import EvenBody, Length, NotNegative, about
+from flankload.scene.table import (
+    EvenBody,
+    Length,
+    NotNegative,
+    PoissonRatio,
+    YoungModulus,
+    about,
+)
 
 Pitch = Annotated[Length, about("mm", "pitch")]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
 
 
 class Pulley(EvenBody, frozen=True, kw_only=True, tag="pulley"):
-    """A rigid pulley for timing belts."""
+    """A pulley for timing belts: rigid, or a ring that is held at its bore."""
 
     teeth: Annotated[
         Annotated[int, Meta(ge=6, le=1000)],
@@ -35,22 +42,33 @@ class Pulley(EvenBody, frozen=True, kw_only=True, tag="pulley"):
         ),
     ] = None
     groove_depth_mm: Annotated[
-        Length | None, about("mm", "depth of the grooves; absent = any that is enough")
+        Length | None,
+        about(
+            "mm", "depth of the grooves; absent = any that is enough; elastic: as the belt's teeth"
+        ),
     ] = None
     groove_angle_deg: Annotated[
         FlankAngle | None,
         about("deg", "between flank and centre line of a groove, 'T' only; absent = as the belt's"),
     ] = None
+    rigid: Annotated[
+        bool,
+        about(
+            "",
+            "true: the pulley does not yield; false: it does, needs bore_diameter_mm; per mm of "
+            "width, as wide as the belt",
+        ),
+    ] = True
+    bore_diameter_mm: Annotated[
+        Length | None, about("mm", "diameter of the bore, which is fixed; elastic pulleys need it")
+    ] = None
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
 
     @property
     def number_of_teeth(self) -> int:
         """Teeth, as every kind of body has them."""
         return self.teeth
-
-    @property
-    def rigid(self) -> bool:
-        """A pulley does not yield beside its belt."""
-        return True
 
 
 class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
