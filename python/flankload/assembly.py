@@ -101,7 +101,11 @@ class BodyPair:
 
 
 def bodies_of(
-    scene: Scene, resolution: Resolution, which: tuple[int, ...] = (0, 1)
+    scene: Scene,
+    resolution: Resolution,
+    which: tuple[int, ...] = (0, 1),
+    *,
+    alike: tuple[Body, Body] | None = None,
 ) -> tuple[Body, ...]:
     """Bodies of a scene, each by itself.
 
@@ -111,6 +115,9 @@ def bodies_of(
     resolution : Resolution
     which : tuple of int
         0 is body 1, 1 body 2.
+    alike : two Body, optional
+        The same however finely, where they are there already: their curves tell how far apart
+        nodes that carry forces stand.
 
     Returns
     -------
@@ -125,7 +132,7 @@ def bodies_of(
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
-            element_mm, nodes_mm = None, _nodes_mm(scene, resolution)
+            element_mm, nodes_mm = None, _nodes_mm(scene, resolution, alike)
         bodies = tuple(_body(scene, resolution, z, element_mm, nodes_mm) for z in which)
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
@@ -266,12 +273,15 @@ def _check_nodes(body: Body, key: str) -> None:
         )
 
 
-def _nodes_mm(scene: Scene, resolution: Resolution) -> float | None:
+def _nodes_mm(
+    scene: Scene, resolution: Resolution, alike: tuple[Body, Body] | None
+) -> float | None:
     """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
     if scene.accuracy.flank_element_mm is not None:
         return scene.accuracy.flank_element_mm
-    one, two = (_body(scene, resolution, z, None, None) for z in (0, 1))
-    return spacing_for_loads((one, two), scene.torques_Nm, scene.pair.face_width_mm)
+    if alike is None:
+        alike = _body(scene, resolution, 0, None, None), _body(scene, resolution, 1, None, None)
+    return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
 
 
 def _body(

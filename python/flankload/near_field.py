@@ -231,14 +231,15 @@ def mirrored_loads(
     ValueError
         If a node of the flank has no mirror image.
     """
-    from scipy.spatial import cKDTree
-
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
     cosine, sine = np.cos(2 * axis), np.sin(2 * axis)
     mirror = np.array([[cosine, sine], [sine, -cosine]])
     nodes = np.unique(mesh.flank_edges)
-    apart, image = cKDTree(mesh.nodes).query(mesh.nodes[nodes] @ mirror)
+    images = mesh.nodes[nodes] @ mirror
+    # node by node: to import a tree for this search takes longer than the search
+    image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
+    apart = np.hypot(*(mesh.nodes[image] - images).T)
     if apart.max() > SAME_NODE * float(np.abs(mesh.nodes).max()):
         raise ValueError("mesh: expected a sector whose halves are mirror images")
     mirrored = np.zeros((len(mesh.nodes), 2, loads.shape[1]))

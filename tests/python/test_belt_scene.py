@@ -149,7 +149,10 @@ def test_pulley_and_belt_go_together() -> None:
         fl.Scene.from_dict(scene)
 
 
-@pytest.mark.parametrize("effect", [{"land_friction": 0.1}, {"land_lift": True}])
+@pytest.mark.parametrize(
+    "effect",
+    [{"land_friction": 0.1}, {"land_friction": 0}, {"land_lift": True}, {"land_lift": False}],
+)
 def test_other_pairs_know_no_lands(effect: dict[str, Any]) -> None:
     gear = tomllib.loads((EXAMPLE.parent / "external_gear.toml").read_text())
     gear["effects"] = effect

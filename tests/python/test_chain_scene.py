@@ -85,9 +85,10 @@ def test_other_pairs_know_no_slack_strand() -> None:
     with pytest.raises(fl.SceneError, match="slack_tension_N: expected nothing: a gear has no"):
         fl.Scene.from_dict(gear)
     del gear["load"]["slack_tension_N"]
-    gear["effects"] = {"large_displacement": True}
-    with pytest.raises(fl.SceneError, match="large_displacement: expected nothing, unless"):
-        fl.Scene.from_dict(gear)
+    for large in (True, False):
+        gear["effects"] = {"large_displacement": large}
+        with pytest.raises(fl.SceneError, match="large_displacement: expected nothing, unless"):
+            fl.Scene.from_dict(gear)
     del gear["effects"], gear["pair"]
     with pytest.raises(fl.SceneError, match="pair: expected a table, found nothing"):
         fl.Scene.from_dict(gear)

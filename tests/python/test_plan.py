@@ -158,6 +158,26 @@ def test_sizes_on_the_external_pair() -> None:
     np.testing.assert_allclose(means, (0.08, -0.18), rtol=THIRD, atol=0)
 
 
+def test_coast_flanks_of_a_press_fit_have_a_size() -> None:
+    """No scene has this fit without them: one whose flanks just touch turns as far."""
+    scene, plan = planned("spline_press_fit")
+    touching = replace(
+        scene,
+        body_1=structs.replace(scene.body_1, profile_shift=0.0),
+        effects=structs.replace(scene.effects, coast_flank=False),
+    )
+    unloaded = replace(scene, load=structs.replace(scene.load, torque_Nm=0.0))
+    both, one, preload = (
+        float(solved(each).rotation_rad[0]) for each in (scene, touching, unloaded)
+    )
+    row = plan.effect("coast_flanks")
+    assert row.unknown is None
+    assert row.size is not None
+    assert row.size.rotation_mean is not None
+    ratio = row.size.rotation_mean / ((both - one) / (both - preload))
+    assert 1 / FACTOR < ratio < FACTOR
+
+
 @pytest.mark.parametrize(
     ("element_mm", "rotation", "mean"), [(0.2, 0.0495, -0.0119), (0.1, 0.0195, -0.0071)]
 )

@@ -63,8 +63,10 @@ class Coarse:
         self._matrices: dict[Any, tuple[csc_matrix, float]] = {}
         self._state_s: dict[Scene, float] = {}
         self._solutions: dict[Scene, float] = {}
-        self._fine: dict[Scene, BodyPair] = {}
+        self._fine: dict[Scene, tuple[BodyPair, float]] = {}
+        self._file_s = [0.0, 0.0]
         scene = without_knobs(scene)
+        self._has_coast = scene.effects.coast_flank
         bodies = (self._body(scene, 0), self._body(scene, 1))
         self.position_rad = some_of(build_bodies(scene, COARSE, bodies=bodies).position_rad)
         self.reference_radius_mm = bodies[0].reference_radius_mm
@@ -85,22 +87,40 @@ class Coarse:
         return body_1, body_2
 
     def pair(self, scene: Scene) -> BodyPair:
-        """Bodies of a scene, coarsely meshed."""
+        """Bodies of a scene, coarsely meshed.
+
+        Where the plan's scene has coast flanks, one without them is the same pair that has lost
+        them: teeth may be wider than their spaces, which no scene without coast flanks may have.
+        """
         scene = self.of(scene)
         if scene not in self._pairs:
+            lost = self._has_coast and not scene.effects.coast_flank
             bodies = (self._body(scene, 0), self._body(scene, 1))
-            self._pairs[scene] = build_bodies(scene, COARSE, bodies=bodies)
+            asked = _with_coast(scene) if lost else scene
+            pair = build_bodies(asked, COARSE, bodies=bodies)
+            self._pairs[scene] = _without_coast(pair) if lost else pair
         return self._pairs[scene]
 
     def fine_pair(self, scene: Scene) -> BodyPair:
         """Bodies of a scene as its run meshes them."""
+        return self._timed_pair(scene)[0]
+
+    def fine_pair_seconds(self, scene: Scene) -> float:
+        """CPU seconds that building them takes, with the reading of files."""
+        return self._timed_pair(scene)[1] + sum(self._file_s)
+
+    def _timed_pair(self, scene: Scene) -> tuple[BodyPair, float]:
+        """Bodies as the run meshes them; seconds without those from files, which are there."""
         if scene not in self._fine:
             resolution = choose_resolution(scene)
             made = self.bodies_from_files(scene)
+            alike = self._body(scene, 0), self._body(scene, 1)
+            start = process_time()
             which = tuple(z for z in (0, 1) if made[z] is None)
-            others = dict(zip(which, bodies_of(scene, resolution, which), strict=True))
+            others = dict(zip(which, bodies_of(scene, resolution, which, alike=alike), strict=True))
             one, two = (made[z] or others[z] for z in (0, 1))
-            self._fine[scene] = build_bodies(scene, resolution, bodies=(one, two))
+            pair = build_bodies(scene, resolution, bodies=(one, two))
+            self._fine[scene] = pair, process_time() - start
         return self._fine[scene]
 
     def _body(self, scene: Scene, z: int) -> Body:
@@ -111,7 +131,10 @@ class Coarse:
             key = z, structs.replace(key[1], rigid=False)
         if key not in self._bodies:
             key = z, _placed(spec)
+            start = process_time()
             self._bodies[key] = bodies_of(scene, COARSE, (z,))[0]
+            if spec.kind in FROM_FILES and not self._file_s[z]:
+                self._file_s[z] = process_time() - start
         body = self._bodies[key]
         errors = getattr(spec, "pitch_errors_um", ())
         if spec.kind == "compliance" and not errors:
@@ -280,6 +303,19 @@ def _placed(spec: Any) -> Any:
     if "pitch_errors_um" not in type(spec).__struct_fields__:
         return spec
     return structs.replace(spec, pitch_errors_um=())
+
+
+def _with_coast(scene: Scene) -> Scene:
+    return replace(scene, effects=structs.replace(scene.effects, coast_flank=True))
+
+
+def _without_coast(pair: BodyPair) -> BodyPair:
+    """The pair, its working flanks alone."""
+    return replace(
+        pair,
+        pairing=replace(pair.pairing, coast=None),
+        effects=replace(pair.effects, coast_flanks=False),
+    )
 
 
 def _for_compliance(scene: Scene, *, rubs: bool) -> Scene:

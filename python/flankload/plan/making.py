@@ -5,10 +5,9 @@ from __future__ import annotations
 from time import process_time
 from typing import TYPE_CHECKING
 
-from flankload.assembly import build_bodies, refuse_drives
+from flankload.assembly import refuse_drives
 from flankload.cost import totals
 from flankload.effects import switches_of
-from flankload.plan.chain import plan_chain
 from flankload.plan.choice import asks_for_choice, chosen_scene, without_choice
 from flankload.plan.coarse import Coarse
 from flankload.plan.extras import Extras
@@ -48,6 +47,8 @@ def plan(scene: Scene) -> Plan:
         If a position has no answer.
     """
     if isinstance(scene.body_2, Chain):
+        from flankload.plan.chain import plan_chain
+
         return plan_chain(scene)
     refuse_drives(scene)
     start = process_time()
@@ -89,9 +90,8 @@ def _price(scene: Scene, coarse: Coarse) -> tuple[dict[str, Account], Extras]:
     """Stages of the run, and what each effect adds to them."""
     small = coarse.pair(scene)
     compliances = coarse.compliances(scene, small)
-    start = process_time()
-    pair = build_bodies(scene)
-    stages = price_run(scene, pair, compliances, small, process_time() - start)
+    pair = coarse.fine_pair(scene)
+    stages = price_run(scene, pair, compliances, small, coarse.fine_pair_seconds(scene))
     return stages, Extras(scene, pair, stages, coarse)
 
 

@@ -1,4 +1,4 @@
-"""From what the core found to a result: units of the trade, warnings, a drawing."""
+"""From what the core found to a result: units of the trade, a drawing."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
-from flankload.node_spacing import wide_nodes_notes
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
+from flankload.result.notes import notes_of_result, notes_of_sweep
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
 from flankload.result.root_stress import root_reading
-from flankload.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
@@ -33,9 +32,6 @@ if TYPE_CHECKING:
     from flankload.pairing import Pairing
     from flankload.result.geometry import PairGeometry
     from flankload.sweep import CoastSweep, Sweep
-
-#: In place of a body whose corner works: a lumped contact that no parabola makes.
-OTHER_SHAPE = -2
 
 
 def result_of(
@@ -100,7 +96,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost={},
-        warnings=(*pair.notes, *notes, *_warnings(pair, compliances, found, width)),
+        warnings=(*pair.notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -113,31 +109,10 @@ def result_of(
     )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))
-    elif any(growth is not None for growth in pair.growth):
-        result = replace(result, warnings=(*result.warnings, *_overlaps(result)))
+    result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
-
-
-def _overlaps(result: Result) -> Iterator[str]:
-    """Say that bodies have grown until coast flanks overlap before there is any torque.
-
-    A contact gets stiffer as the torque grows, so that torque over tangent stiffness is the least
-    by which the torque has opened the coast flanks.
-    """
-    gap_um = result.coast_flank_gap_um
-    if gap_um is None:
-        return
-    stiffness = result.stiffness_tangent_Nm_per_rad
-    turned_rad = np.zeros_like(stiffness)
-    np.divide(result.torque_Nm, stiffness, out=turned_rad, where=stiffness > 0)
-    overlap_um = np.nanmax(1000.0 * result.reference_radius_mm * turned_rad - gap_um, initial=0.0)
-    if overlap_um > 0.0:
-        yield (
-            f"growth takes up the backlash: without torque coast flanks overlap by {overlap_um:.1f}"
-            " um or more; only the working flanks are looked at (effects.coast_flank)"
-        )
 
 
 def _coast(
@@ -216,70 +191,6 @@ def _friction(
         over_period=over_period,
     )
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
-
-
-def _warnings(
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    found: Sweep,
-    face_width_mm: float,
-) -> Iterator[str]:
-    yield from wide_nodes_notes(
-        (pair.body_1, pair.body_2),
-        (compliances[0].nodes, compliances[1].nodes),
-        found.torque_Nmm / 1000.0,
-        face_width_mm,
-    )
-    corner = np.flatnonzero((found.site_corner > 0).any(axis=1))
-    if corner.size:
-        yield (
-            f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip "
-            "corner: its peak pressure grows with the resolution and is no number to design by; a "
-            "tip radius or chamfer cures it"
-        )
-    shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
-    if shaped:
-        yield (
-            f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
-            "beside a lumped contact: its peak pressure is that of a Hertz contact of its width "
-            'and may be half of the true one (effects.contact = "pairs" follows it)'
-        )
-    left_out = np.flatnonzero((found.site_corner == END_WOULD_TOUCH).any(axis=1))
-    if left_out.size:
-        yield (
-            f"at {left_out.size} of {found.status.size} positions a tip or fillet that "
-            "effects.tip_contact = false leaves out would touch: there the rotation is too large"
-        )
-    for z, body in enumerate((pair.body_1, pair.body_2)):
-        modes = compliances[z].smooth.shape[1] if compliances[z].nodes is None else 0
-        if body.mesh is not None and 2 * (modes - 1) > body.mesh.flank_elements:
-            yield (
-                f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
-                f"body_{z + 1}: more than half as many degrees as elements make the result worse"
-            )
-        alone = _beside_unnamed(pair, found) if body.named_teeth else []
-        if alone:
-            yield (
-                f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
-                "no flank in its file and may carry, too: name their flanks"
-            )
-        low = body.mode_range_mm[0]
-        places = found.pairs.column(f"s_{z + 1}")
-        below = (places < low - 1e-9) & (found.pairs.column("force") > 0)
-        if below.any():
-            deepest = low - float(places[below].min())
-            yield (
-                f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
-                "smooth compliance of its lower end is taken there"
-                + (", the stress in its root too" if compliances[z].root is not None else "")
-            )
-
-
-def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
-    """Pairs that carry although a neighbour of theirs is not looked at."""
-    sites = pair.pairing.sites
-    carrying = sites[(found.site_force_N > 0).any(axis=0)]
-    return [int(j) for j in carrying if not np.isin([j - 1, j + 1], sites).all()]
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:

@@ -50,13 +50,9 @@ def check_belt(asked: SceneFile, given: Mapping[str, Any]) -> None:
             f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
         )
     if not isinstance(body_1, Pulley) or not isinstance(body_2, Belt):
-        for key in KNOWN["effects"]:
-            if getattr(asked.effects, key):
-                _refuse(
-                    f"effects.{key}",
-                    "nothing, unless body_2.kind is 'belt'",
-                    shown(getattr(asked.effects, key)),
-                )
+        for key, value in given.get("effects", {}).items():
+            if key in KNOWN["effects"]:
+                _refuse(f"effects.{key}", "nothing, unless body_2.kind is 'belt'", shown(value))
         return
     _check_pitch(body_1, body_2)
     _check_tooth(body_1, body_2)

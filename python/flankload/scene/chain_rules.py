@@ -43,7 +43,7 @@ def check_chain(asked: SceneFile, given: Mapping[str, Any]) -> None:
             f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
         )
     if not isinstance(body_1, Sprocket) or not isinstance(body_2, Chain):
-        _refuse_drive_keys(asked)
+        _refuse_drive_keys(asked, given)
         return
     for key in ("pitch_mm", "roller_diameter_mm"):
         own, other = getattr(body_1, key), getattr(body_2, key)
@@ -83,7 +83,7 @@ def check_chain(asked: SceneFile, given: Mapping[str, Any]) -> None:
                 )
 
 
-def _refuse_drive_keys(asked: SceneFile) -> None:
+def _refuse_drive_keys(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Only drives have a slack strand and rollers that move far."""
     if asked.load.slack_tension_N is not None and not isinstance(asked.body_2, Belt):
         refuse(
@@ -91,11 +91,8 @@ def _refuse_drive_keys(asked: SceneFile) -> None:
             f"nothing: a {asked.body_2.kind} has no slack strand",
             f"{asked.load.slack_tension_N:g}",
         )
-    if asked.effects.large_displacement:
-        refuse(
-            "effects.large_displacement",
-            "nothing, unless body_2.kind is 'chain'",
-            "true",
-        )
+    for key, value in given.get("effects", {}).items():
+        if key in KNOWN["effects"]:
+            refuse(f"effects.{key}", "nothing, unless body_2.kind is 'chain'", shown(value))
     if asked.pair is None and not isinstance(asked.body_2, Belt):
         refuse("pair", "a table", "nothing")
