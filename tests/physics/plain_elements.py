@@ -19,8 +19,8 @@ import numpy as np
 import flankload as fl
 from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import Body, SectorMesh, sector_breaks
-from flankload.compliance import close_ring, condense
 from flankload.elasticity import stiffness
+from flankload.sector_closure import close_ring, condense
 
 FILE = Path(__file__).parents[1] / "reference_solutions" / "internal_pair.json"
 

@@ -13,8 +13,8 @@ from plain_elements import Hats, blind_pairs, fine_bodies, hat_loads
 import flankload as fl
 from flankload.assembly import BodyPair
 from flankload.bodies import Body
-from flankload.compliance import close_ring, condense
 from flankload.elasticity import stiffness
+from flankload.sector_closure import close_ring, condense
 
 
 @dataclass(frozen=True)

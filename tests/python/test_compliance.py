@@ -11,10 +11,11 @@ from tolerances import ROUND_OFF
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.gear import build_gear
 from flankload.bodies.ring import build_ring
-from flankload.compliance import close_ring, condense, flank_compliance
+from flankload.compliance import flank_compliance
 from flankload.elasticity import degrees_of, stiffness
 from flankload.near_field import mode_loads
 from flankload.scene import Gear, Ring
+from flankload.sector_closure import close_ring, condense
 
 #: Wanted of the ring closure: identical to the meshed ring but for rounding.
 CLOSURE = 1e-10

@@ -20,11 +20,12 @@ import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.bodies.body import Material
 from flankload.cli import main
-from flankload.compliance import close_ring, condense, flank_compliance
+from flankload.compliance import flank_compliance
 from flankload.elasticity import degrees_of, factored, stiffness
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mesh_io import read_mesh, write_mesh
 from flankload.near_field import jump_strength, mode_loads, mode_norms, projected_sign
+from flankload.sector_closure import close_ring, condense
 from flankload.whole_body import unit_loads
 
 RUBS = {"friction_coefficient": 0.1}

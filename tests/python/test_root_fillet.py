@@ -19,7 +19,7 @@ from flankload.assembly import build_bodies
 from flankload.bodies import Body
 from flankload.bodies.gear import build_gear
 from flankload.bodies.ring import build_ring
-from flankload.compliance import close_ring, condense, flank_compliance
+from flankload.compliance import flank_compliance
 from flankload.elasticity import stiffness
 from flankload.errors import SceneError
 from flankload.mesh_io import read_mesh, write_mesh
@@ -28,6 +28,7 @@ from flankload.result import Result
 from flankload.result.root_stress import _peak
 from flankload.root_fillet import root_fillets
 from flankload.scene import Gear, Ring
+from flankload.sector_closure import close_ring, condense
 
 PROFILE = {"module_mm": 4.5, "profile_shift": 0.182, "tip_diameter_mm": 82.46}
 GEAR = {"kind": "gear", "teeth": 16, "bore_diameter_mm": 30.0, **PROFILE}
