@@ -4,7 +4,7 @@
 module flankload_contact_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
-        & no_contact_state, pivot_limit, out_of_range
+        & no_contact_state, pivot_limit, singular_contact, out_of_range
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: contact_problem, new_contact_problem, &
         & measure_from_zero, row_tolerance, is_finite_matrix, general_matrix, symmetric_matrix, &
@@ -199,10 +199,11 @@ contains
             state%pivots = state%pivots + pivots
         end do
         result%pivots = state%pivots
-        if (error%code == no_contact_state) then
+        ! Of the rungs only the choice of the first pairs ends in the latter: a motion is loose.
+        if (error%code == no_contact_state .or. error%code == singular_contact) then
             result%motion = problem%load_row_scale*state%motion
-            result%largest_part = part
         end if
+        if (error%code == no_contact_state) result%largest_part = part
     end subroutine run_ladder
 
     !> A state that the caller's units have no room for is none.

@@ -12,7 +12,7 @@ module flankload_error
     integer, parameter :: no_contact_state = -1
     !> The loop used up its pivots.
     integer, parameter :: pivot_limit = -2
-    !> The equations of the pairs in contact are singular.
+    !> A motion that no pair holds, or singular equations of the pairs in contact.
     integer, parameter :: singular_contact = -3
     !> Shapes that do not fit, NaN or infinity, negative torque.
     integer, parameter :: invalid_input = -4
@@ -82,7 +82,7 @@ contains
         case (pivot_limit)
             text = 'the loop used up its pivots'
         case (singular_contact)
-            text = 'the equations of the pairs in contact are singular'
+            text = 'no pair holds a motion, or the pairs in contact depend on each other'
         case (invalid_input)
             text = 'numbers that do not make a contact problem'
         case (invalid_scale)

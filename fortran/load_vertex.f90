@@ -38,7 +38,8 @@ contains
         !> Their scaled forces, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
         !> Scaled motion at which these pairs just touch; where the loads cannot be held: a motion
-        !> that opens no gap less and on which the loads do work, shape (n_motions)
+        !> that opens no gap less and on which the loads do work, where one is loose: that motion,
+        !> shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
         integer, intent(out) :: outcome
@@ -135,7 +136,7 @@ contains
         integer, allocatable, intent(out) :: pairs(:)
         !> Their scaled forces, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, else zero
+        !> A motion that shows that the loads cannot be held, or that is loose, else zero
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
         integer, intent(out) :: outcome
@@ -182,7 +183,7 @@ contains
         integer, allocatable, intent(out) :: pairs(:)
         !> Their forces, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, else zero
+        !> A motion that shows that the loads cannot be held, or that is loose, else zero
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
         integer, intent(out) :: outcome
@@ -200,7 +201,7 @@ contains
             call basis_inverse(rows, pairs, inverse, solved)
             forces = matmul(inverse, loads)
             if (sum(forces, mask=pairs < 0) <= tolerance*sum(loads)) then
-                call fill_basis(rows, pairs, inverse, outcome)
+                call fill_basis(rows, pairs, inverse, motion, outcome)
                 forces = max(matmul(inverse, loads), 0.0_wp)
                 return
             end if
@@ -249,13 +250,15 @@ contains
     end function blocking_row
 
     !> Put pairs without force in the place of artificial forces that are zero.
-    pure subroutine fill_basis(rows, basis, inverse, outcome)
+    pure subroutine fill_basis(rows, basis, inverse, motion, outcome)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> The basis
         integer, intent(inout) :: basis(:)
         !> Inverse of its load rows
         real(wp), allocatable, intent(inout) :: inverse(:, :)
+        !> A motion that is loose: only the artificial force works on it; else as it was
+        real(wp), intent(inout) :: motion(:)
         !> Found, or loose where no pair can take the place
         integer, intent(out) :: outcome
 
@@ -278,6 +281,7 @@ contains
             end do
             if (best == 0) then
                 outcome = vertex_loose
+                motion = inverse(c, :)
                 return
             end if
             basis(c) = best

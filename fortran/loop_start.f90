@@ -62,6 +62,7 @@ contains
             state%motion = motion
             call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
         else if (outcome /= vertex_found) then
+            state%motion = motion
             call fatal_error(error, singular_contact, 'a motion is held by no pair')
         else
             ! Where a pair of them has no lever that closes it, the motion takes it to no contact.

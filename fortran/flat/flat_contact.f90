@@ -70,7 +70,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     double precision, intent(out) :: forces(n)
     !> Final gaps [mm], shape (n)
     double precision, intent(out) :: gaps(n)
-    !> Motions, shape (n_motions); without a state (info -1) a motion that shows why
+    !> Motions, shape (n_motions); without a state (info -1, -3) a motion that shows why
     double precision, intent(out) :: motion(n_motions)
     !> d motion / d load, shape (n_motions, n_motions)
     double precision, intent(out) :: tangent(n_motions, n_motions)

@@ -126,9 +126,19 @@ class PivotLimit(ContactError):  # noqa: N818 - a public name
 
 
 class SingularContact(ContactError):  # noqa: N818 - a public name
-    """The equations of the pairs in contact are singular (code -3)."""
+    """No pair holds a motion, or the rows of the pairs in contact depend on each other (code -3).
+
+    Attributes
+    ----------
+    motion : ndarray of shape (q,)
+        A motion on which no force works, its largest part 1; zero where none was met.
+    """
 
     code = -3
+
+    def __init__(self, message: str, *, motion: NDArray[np.float64] | None = None) -> None:
+        super().__init__(message)
+        self.motion = np.empty(0) if motion is None else motion
 
 
 class InputError(ContactError, ValueError):

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 FAILURES: dict[int, tuple[type[ContactError], str]] = {
     -1: (NoContactState, "no state of contact was found for this torque"),
     -2: (PivotLimit, "the contact loop used up its pivots"),
-    -3: (SingularContact, "the equations of the pairs in contact are singular"),
+    -3: (
+        SingularContact,
+        "no pair holds the rotation, or the pairs in contact depend on each other",
+    ),
     -4: (InputError, "numbers that do not make a contact problem"),
     -5: (InputError, "no pair could carry the torque"),
     -7: (InputError, "forces, gaps or rotation beyond the range of a double"),

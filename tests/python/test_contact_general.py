@@ -310,11 +310,37 @@ def test_a_pair_whose_normal_meets_the_axis_carries_its_overlap() -> None:
     np.testing.assert_allclose(state.rotation, 10.0 * 2e-4 / 30.0, rtol=ROUND_OFF, atol=0)
 
 
-def test_a_motion_that_no_pair_holds_is_singular() -> None:
-    with pytest.raises(errors.SingularContact):
+@pytest.mark.parametrize("method", ["auto", "block", "load_path"])
+def test_a_motion_that_no_pair_holds_is_named(method: str) -> None:
+    rows = np.column_stack([np.ones(3), np.zeros(3)])
+    with pytest.raises(errors.SingularContact, match=r"^motions: .* along 0, 1$") as caught:
+        fl.solve_contact_general(np.eye(3), np.zeros(3), rows, [1.0, 0.0], method=method)
+    assert caught.value.motion.tolist() == [0.0, 1.0]
+    with pytest.raises(errors.SingularContact, match=r"^load_rows: .* along 0, 1$"):
         fl.solve_contact_general(
-            np.eye(3), np.zeros(3), np.column_stack([np.ones(3), np.zeros(3)]), [1.0, 0.0]
+            np.eye(3), np.zeros(3), np.ones((3, 2)), [1.0, 0.0], load_rows=rows, method=method
         )
+
+
+def test_a_motion_on_which_no_force_works_is_found_in_any_units() -> None:
+    """Fewer pairs than motions: the one that is named does no work on any force."""
+    rng = np.random.default_rng(17)
+    for _ in range(50):
+        q = int(rng.integers(2, 5))
+        rows = rng.normal(size=(int(rng.integers(1, q)), q)) * 10.0 ** rng.uniform(-20, 20, q)
+        n = len(rows)
+        loads = rng.uniform(1, 2, n) @ rows
+        with pytest.raises(errors.SingularContact) as caught:
+            fl.solve_contact_general(np.eye(n), np.zeros(n), rows, loads)
+        motion = caught.value.motion
+        assert motion.max() == np.abs(motion).max() == 1.0
+        work = np.abs(rows * motion).sum(axis=1)
+        np.testing.assert_array_less(np.abs(rows @ motion), ROUND_OFF * work)
+
+
+def test_one_motion_without_levers_is_named() -> None:
+    with pytest.raises(errors.SingularContact, match=r"^motions: .* along 1$"):
+        fl.solve_contact_general(np.eye(2), [-1.0, 0.0], [0.0, 0.0], 0.0)
 
 
 def test_a_load_against_all_levers_has_no_state() -> None:

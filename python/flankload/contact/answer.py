@@ -114,10 +114,7 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
     if code == PivotLimit.code:
         return PivotLimit(f"no state of contact reached after {int(answer.counters[0])} pivots")
     if code == SingularContact.code:
-        return SingularContact(
-            f"{problem.names[1]}: the rows of pairs in contact depend on each other, "
-            "or a motion is held by no pair"
-        )
+        return _singular(problem, answer.motion)
     if code == OUT_OF_RANGE:
         return InputError(
             "loads: expected units in which forces, gaps and motions lie within 1e-308 … 1e308 "
@@ -125,6 +122,23 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
             code=code,
         )
     return InputError(f"the core refused the problem (code {code})", code=code)
+
+
+def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
+    """The error that names the motion that is loose, or the matrix."""
+    largest = motion[np.abs(motion).argmax()]
+    if not abs(largest) > 0.0:
+        return SingularContact(
+            f"{problem.names[1]}: the rows of pairs in contact depend on each other",
+            motion=np.zeros(motion.size),
+        )
+    loose = motion / largest + 0.0
+    name = "motions" if np.array_equal(problem.load_rows, problem.motions) else "load_rows"
+    return SingularContact(
+        f"{name}: expected pairs that hold every motion, found none along "
+        + ", ".join(f"{part:g}" for part in loose),
+        motion=loose,
+    )
 
 
 def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
