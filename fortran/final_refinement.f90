@@ -3,10 +3,11 @@ module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & least_row_sizes, row_tolerance
-    use flankload_zero_force, only: pulls, is_noticed
+    use flankload_zero_force, only: pulls
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
+    use flankload_force_remains, only: clear_remains, clear_rounding
     use flankload_extended_residual, only: extended_lack
     implicit none
     private
@@ -21,11 +22,6 @@ module flankload_final_refinement
     !> at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
-    !> A force so much less than the largest (without loads: than what closes the largest gap),
-    !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
-    !> limit.
-    real(wp), parameter :: no_force = 1.0e-24_wp
-    real(wp), parameter :: no_force_limit = 1.0e-18_wp
 
 contains
 
@@ -185,11 +181,13 @@ contains
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
             if (state%condition > ill_conditioned) call refine_extended(problem, compliance, state)
             call clear_remains(problem, state)
+            call clear_rounding(problem, compliance, state)
             return
         end do
         if (done) then
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
             call clear_remains(problem, state)
+            call clear_rounding(problem, compliance, state)
             return
         end if
         ! A force that was positive before the refinement is negative after it.
@@ -198,29 +196,6 @@ contains
         call drop_pair(state%system, problem, compliance, leaving, solved)
         state%pivots = state%pivots + 1
     end subroutine finish
-
-    !> Pairs that only hold a motion in place, with no load on it, carry nothing.
-    pure subroutine clear_remains(problem, state)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> The state
-        type(loop_state), intent(inout) :: state
-
-        real(wp) :: largest
-        logical, allocatable :: remains(:)
-
-        largest = maxval(state%forces)
-        if (all(abs(problem%loads) <= 0.0_wp)) then
-            largest = max(largest, maxval(abs(problem%normal_gaps)))
-        end if
-        associate (pairs => state%system%pairs)
-            remains = state%forces(pairs) <= min(no_force*state%condition, no_force_limit)*largest
-            if (.not. any(remains)) return
-            remains = remains .and. .not. &
-                & is_noticed(problem, pairs, state%forces(pairs), remains)
-            state%forces(pack(pairs, remains)) = 0.0_wp
-        end associate
-    end subroutine clear_remains
 
     !> Refine on in twice the working precision: forces that no equation within rounding of these
     !> would tell apart get the digits of the very numbers given. Kept only where every force stays

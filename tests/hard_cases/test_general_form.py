@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
@@ -16,6 +17,8 @@ import flankload as fl
 from flankload import errors
 
 METHODS = ("auto", "single", "block", "load_path")
+#: What rounding may leave in a row or load, relative to its own size: as the core takes it.
+ROW_TOLERANCE = 10 * EPS
 #: Of a truss of links [N/mm], along the chain and across it: between rollers, to the ground.
 STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
 #: Rollers in pockets with a second motion on which one rung or another misses its equations.
@@ -101,6 +104,66 @@ def test_a_state_is_found_exactly_where_forces_can_hold_the_loads(seed: int) -> 
         sizes = {size for motions, size in solved if motions == q}
         assert q in sizes
         assert max(sizes) >= 20
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_load_along_one_pair(method: str) -> None:
+    """Loads that one pair can hold alone, whole numbers: what rounding leaves on the pairs that
+    only hold the other motions is no force, though on their loads nothing else works."""
+    solved = 0
+    for seed in range(300):
+        rng = np.random.default_rng(seed)
+        q = int(rng.integers(2, 5))
+        n = int(rng.integers(q, q + 4))
+        levers = rng.integers(-2, 3, (n, q)).astype(float)
+        root = rng.integers(-3, 4, (n, n)).astype(float)
+        loads = levers[int(rng.integers(n))]
+        if np.linalg.matrix_rank(levers) < q or not loads.any():
+            continue
+        gaps = rng.integers(0, 4, n).astype(float)
+        problem = Problem(root @ root.T + np.eye(n), gaps, levers, levers, loads)
+        assert largest_lack(problem, solve(problem, method)) <= ROW_TOLERANCE
+        solved += 1
+    assert solved > 200
+
+
+def test_a_load_along_one_of_two_pairs_that_could_jam() -> None:
+    """Forces on pairs 2 and 4 together hold no load; K is not definite, pair 1 carries alone."""
+    compliance = [[1, 0, -3, -2, -2], [0, 4, 4, 4, 4], [-3, 4, 5, -3, -3], [-2, 4, -3, 5, 2]]
+    levers = [[-1, -1, 2, 0], [-2, 0, 0, 1], [1, 1, 1, 1], [0, 0, 1, 1], [-2, -2, -2, -2]]
+    problem = Problem(
+        np.array([*compliance, [-2, 4, -3, 2, 2]], dtype=float),
+        np.array([3.0, 1.0, 0.0, 1.0, 2.0]),
+        np.array(levers, dtype=float),
+        np.array(levers, dtype=float),
+        np.array([-2.0, 0.0, 0.0, 1.0]),
+    )
+    for method in METHODS:
+        state = solve(problem, method)
+        assert state.normal_forces.tolist() == [0.0, 1.0, 0.0, 0.0, 0.0]
+        assert largest_lack(problem, state) <= ROW_TOLERANCE
+
+
+def largest_lack(problem: Problem, state: fl.ContactState) -> Fraction:
+    """What rows and loads lack, each relative to its own size, in exact numbers."""
+
+    def lack(terms: list[Fraction], *, closed: bool) -> Fraction:
+        total, size = sum(terms), sum(map(abs, terms))
+        return (abs(total) if closed else max(-total, Fraction(0))) / size if size else Fraction(0)
+
+    forces, motions = (
+        [Fraction(float(x)) for x in numbers] for numbers in (state.normal_forces, state.motions)
+    )
+    worst = Fraction(0)
+    for i, gap in enumerate(problem.gaps):
+        terms = [Fraction(float(k)) * f for k, f in zip(problem.compliance[i], forces, strict=True)]
+        terms += [-Fraction(float(b)) * m for b, m in zip(problem.motions[i], motions, strict=True)]
+        worst = max(worst, lack([*terms, Fraction(float(gap))], closed=forces[i] > 0))
+    for c, load in enumerate(problem.loads):
+        rows = problem.load_rows[:, c]
+        terms = [Fraction(float(r)) * f for r, f in zip(rows, forces, strict=True)]
+        worst = max(worst, lack([*terms, -Fraction(float(load))], closed=True))
+    return worst
 
 
 @pytest.mark.parametrize("method", METHODS)
