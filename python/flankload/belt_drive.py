@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from functools import partial
 from math import ceil, degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,12 +19,12 @@ from flankload.bodies.belt import Strip, build_strip
 from flankload.bodies.belt_mesh import FLANK_ELEMENTS, mesh_strip
 from flankload.bodies.pulley import build_pulley
 from flankload.bodies.pulley_mesh import PulleyMesh, mesh_pulley
-from flankload.cost import Account, held_bytes
+from flankload.cost import Account, beside_plan, held_bytes
 from flankload.errors import ContactError, NoContactState
 from flankload.mesh_report import quality_rows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -39,7 +39,9 @@ LEAST_ELEMENTS = 2
 
 
 def solve_belts(
-    scene: Scene, progress: Callable[[str, int, int], None] | None = None
+    scene: Scene,
+    progress: Callable[[str, int, int], None] | None = None,
+    guessed: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> tuple[Result, ...]:
     """Forces of a timing belt on its pulley at all positions of a scene.
 
@@ -49,6 +51,8 @@ def solve_belts(
         With a pulley and a belt.
     progress : callable, optional
         As for `solve`.
+    guessed : mapping, optional
+        What a plan of the scene says, by stages.
 
     Returns
     -------
@@ -56,6 +60,8 @@ def solve_belts(
 
     Raises
     ------
+    InputError
+        If the plan is one of another scene.
     NoContactState
         If the belt has no state under a torque.
     """
@@ -71,12 +77,13 @@ def solve_belts(
         strip = strip_of(scene)
         position_rad, pitches = positions_of(scene, strip)
         account.bytes = held_bytes(position_rad)
+    predicted = beside_plan(predicted_work(scene, strip, position_rad), guessed)
     total = position_rad.size + 1
     known = None
     if not scene.body_1.rigid:
         tell("compliance body 1", 0, total)
         with stage("compliance body 1") as account:
-            known = _pulley(scene, pulley_mesh(scene), account)
+            known = solved_pulley(scene, pulley_mesh(scene), account)
             account.bytes = held_bytes(known)
     tell("compliance body 2", 0, total)
     with stage("compliance body 2") as account:
@@ -87,16 +94,15 @@ def solve_belts(
     for p, angle in enumerate(position_rad):
         tell("sweep", p + 1, total)
         with stage("compliance body 2") as account:
-            response = _response(strip, row, known, float(angle))
+            response = response_at(strip, row, known, float(angle))
             springs = springs or spring_row(strip, response)
             account.bytes = max(account.bytes, held_bytes(response))
         with stage("sweep") as account:
             for torque, states in zip(torques, found, strict=True):
-                states.append(_state(scene, strip, response, torque, account))
+                states.append(state_under(scene, strip, response, torque, account))
             standings.append(Standing.of(response))
     stages["sweep"].bytes = held_bytes(found, standings)
     assert springs is not None
-    predicted = predicted_work(scene, strip, position_rad)
     estimates: list[dict[str, object] | None] = [None] * len(torques)
     if scene.accuracy.estimate and any(torques):
         tell("estimate", total, total)
@@ -269,23 +275,24 @@ def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow
         strip,
         elements,
         rubbing=scene.effects.land_friction != 0.0,
-        lifting=_asked(scene).lifting,
+        lifting=asked_of(scene).lifting,
         account=account,
     )
 
 
-def _asked(scene: Scene) -> Asked:
-    """A pulley that yields lets lands give way."""
+def asked_of(scene: Scene) -> Asked:
+    """What lands are asked for by a scene; a pulley that yields lets them give way."""
     return Asked(
         scene.effects.land_friction != 0.0, scene.effects.land_lift or not scene.body_1.rigid
     )
 
 
-def _pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
+def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
+    """What a pulley that yields does under forces on its grooves and lands."""
     return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
 
 
-def _response(
+def response_at(
     strip: Strip, row: BeltRow, known: PulleyResponse | None, angle_rad: float
 ) -> StripResponse:
     """What the belt answers at a position, on a rigid pulley or on one of which this is known."""
@@ -293,9 +300,30 @@ def _response(
     return held if known is None else rest_on(held, strip, known)
 
 
-def _state(
+def state_under(
     scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, account: Account
 ) -> BeltState:
+    """State of a belt under a torque.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+    response : StripResponse
+        With what lands do that rub or lift, where the scene asks for that.
+    torque_Nm : float
+    account : Account
+        Where the work is counted.
+
+    Returns
+    -------
+    BeltState
+
+    Raises
+    ------
+    NoContactState
+        If there is none.
+    """
     slack = scene.load.slack_tension_N
     assert slack is not None
     try:
@@ -330,10 +358,10 @@ def _estimates(
     """What elements twice as long change at up to two positions."""
     elements = max(1, flank_elements(scene, strip) // 2)
     (row, known), coarse = solved, _row(scene, strip, elements, account)
-    pulley = None if known is None else _pulley(scene, pulley_mesh(scene, elements), account)
+    pulley = None if known is None else solved_pulley(scene, pulley_mesh(scene, elements), account)
     tried: list[tuple[int, list[Coarser]]] = []
     for p in tried_positions(position_rad):
-        at = partial(_response, strip, angle_rad=float(position_rad[p]))
+        at = partial(response_at, strip, angle_rad=float(position_rad[p]))
         if known is None:
             tried.append((p, [("elements", None, at(coarse, None))]))
             continue
@@ -349,7 +377,7 @@ def _estimates(
         if torque == 0.0:
             estimates.append(None)
             continue
-        solve = partial(_state, scene, strip, torque_Nm=torque, account=account)
+        solve = partial(state_under, scene, strip, torque_Nm=torque, account=account)
         largest = max(abs(state.rotation_rad) for state in states)
         estimates.append(estimate_belt([(states[p], by) for p, by in tried], largest, solve))
     return estimates
@@ -369,10 +397,11 @@ def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str
     dict of str to dict of str to int
         By stages, as `result.cost["stages"]` names them, then by counters.
     """
-    elements, asked = flank_elements(scene, strip), _asked(scene)
+    elements, asked = flank_elements(scene, strip), asked_of(scene)
     yields = not scene.body_1.rigid
     torques = [torque for torque in scene.torques_Nm if torque > 0.0]
-    counted = {
+    counted: dict[str, dict[str, int]] = {
+        "bodies": {},
         "compliance body 2": work_of_elements(strip, elements, position_rad, asked),
         "sweep": work_of_states(strip, elements, position_rad.size * len(scene.torques_Nm)),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -67,7 +67,7 @@ def result_of_belt(
     pitches: int | None,
     torque_Nm: float,
     stages: dict[str, Account],
-    predicted: dict[str, dict[str, int]],
+    predicted: dict[str, dict[str, Any]],
     estimate: dict[str, object] | None,
 ) -> Result:
     """All positions under one torque as a result.
@@ -85,8 +85,8 @@ def result_of_belt(
     torque_Nm : float
     stages : dict of str to Account
         What the run has spent.
-    predicted : dict of str to dict of str to int
-        What it was to count, by stages.
+    predicted : dict of str to dict
+        What it was to spend, by stages.
     estimate : dict or None
         Error estimates, as the result shows them.
 
@@ -138,7 +138,7 @@ def result_of_belt(
             "largest_condition": max(info.condition for info in passes),
             "bytes": sum(account.bytes for account in stages.values()),
             "stages": {
-                name: account.as_dict() | {"predicted": {"counters": predicted.get(name, {})}}
+                name: account.as_dict() | {"predicted": predicted.get(name, {})}
                 for name, account in stages.items()
             },
         },

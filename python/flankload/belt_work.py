@@ -59,6 +59,62 @@ def distinct_ends(strip: Strip, elements: int, position_rad: Floats) -> tuple[se
     return {tight for tight, _ in both}, {slack for _, slack in both}
 
 
+@dataclass(frozen=True)
+class PieceWork:
+    """A piece of belt that is solved once.
+
+    Attributes
+    ----------
+    pairs, hats : int
+        On its flank, on its lands.
+    held, pulled : int
+        Whether the tight strand holds it, whether the slack one pulls it: 0 or 1.
+    kept : int
+        Unknowns of its cuts.
+    """
+
+    pairs: int
+    hats: int
+    held: int
+    pulled: int
+    kept: int
+
+    @property
+    def cut_solutions(self) -> int:
+        """Solutions for the unknowns of its cuts; of many a second factorisation is cheaper."""
+        return 0 if self.kept > MANY_KEPT else self.kept
+
+    def columns(self, asked: Asked) -> int:
+        """Solutions for its columns."""
+        return self.pairs + self.held + self.pulled + self.hats * (1 + asked.rubbing)
+
+
+def pieces_of(strip: Strip, elements: int, position_rad: Floats) -> list[PieceWork]:
+    """Pieces that are solved for all positions: the cell, the tight ends, the slack ends.
+
+    Parameters
+    ----------
+    strip : Strip
+    elements : int
+        On a flank.
+    position_rad : (P,) array
+
+    Returns
+    -------
+    list of PieceWork
+    """
+    land = half_land(strip, elements)
+    face = 2 * (cord_rows(strip, elements) + 2 * elements)
+    half, pairs = land.size - 1, elements + 1
+    tight, slack = distinct_ends(strip, elements, position_rad)
+    cell = [PieceWork(pairs, 2 * half + 1, 0, 0, 2 * face)] if strip.wrapped_teeth > 1 else []
+    return [
+        *cell,
+        *(PieceWork(pairs, half + 1 + _beyond(land, -end), 1, 0, face) for end in sorted(tight)),
+        *(PieceWork(0, half + 1 + _beyond(land, end), 0, 1, face) for end in sorted(slack)),
+    ]
+
+
 def work_of_elements(
     strip: Strip, elements: int, position_rad: Floats, asked: Asked
 ) -> dict[str, int]:
@@ -77,34 +133,17 @@ def work_of_elements(
     dict of str to int
         By the names of `flankload.cost.COUNTERS`.
     """
-    land = half_land(strip, elements)
-    face = 2 * (cord_rows(strip, elements) + 2 * elements)
-    half = land.size - 1
-    tight, slack = distinct_ends(strip, elements, position_rad)
-    # flanks, hats on lands, what strands do, unknowns of the cuts
-    pieces = [(1, 2 * half + 1, 0, 2 * face)] if strip.wrapped_teeth > 1 else []
-    pieces += [(1, half + 1 + _beyond(land, -end), 1, face) for end in tight]
-    pieces += [(0, half + 1 + _beyond(land, end), -1, face) for end in slack]
-    counted = dict.fromkeys(
-        (
-            "fe_factorisations",
-            "fe_solutions",
-            "cut_columns",
-            "unit_loads_normal",
-            "unit_loads_tangential",
-        ),
-        0,
-    )
-    for flanks, hats, strand, kept in pieces:
-        pairs, many = flanks * (elements + 1), kept > MANY_KEPT
-        counted["fe_factorisations"] += 1 + many
-        counted["cut_columns"] += 0 if many else kept
-        counted["unit_loads_normal"] += pairs + (strand < 0) + asked.lifting * hats
-        counted["unit_loads_tangential"] += asked.rubbing * hats
-        counted["fe_solutions"] += (
-            pairs + abs(strand) + hats * (1 + asked.rubbing) + (0 if many else kept)
-        )
-    return counted
+    pieces = pieces_of(strip, elements, position_rad)
+    hats = sum(piece.hats for piece in pieces)
+    cuts = sum(piece.cut_solutions for piece in pieces)
+    return {
+        "fe_factorisations": sum(1 + (piece.kept > MANY_KEPT) for piece in pieces),
+        "fe_solutions": cuts + sum(piece.columns(asked) for piece in pieces),
+        "cut_columns": cuts,
+        "unit_loads_normal": sum(piece.pairs + piece.pulled for piece in pieces)
+        + asked.lifting * hats,
+        "unit_loads_tangential": asked.rubbing * hats,
+    }
 
 
 def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:

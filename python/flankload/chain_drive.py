@@ -7,7 +7,7 @@ truss. What is left of the way of all other pairs is the contact loop and the re
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,11 +16,11 @@ from flankload.bodies.sprocket import Sprocket, build_sprocket
 from flankload.chain_contact import STANDS, WrapState, solve_wrap, work_of
 from flankload.chain_result import result_of_chain
 from flankload.chain_wrap import Wrap, wrap_at
-from flankload.cost import Account, held_bytes
+from flankload.cost import Account, beside_plan, held_bytes
 from flankload.errors import ContactError, NoContactState, SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
@@ -31,12 +31,16 @@ if TYPE_CHECKING:
 
 #: Length of the free strands in pitches, where a scene names none.
 SPAN_PITCHES = 40.0
+#: Contact problems of a linear state: for itself, and for its stiffness.
+LINEAR_PASSES = 2
 #: A link that pushes with more than this part of the tight tension does not exist.
 LEAST_TENSION = -1e-6
 
 
 def solve_chain(
-    scene: Scene, progress: Callable[[str, int, int], None] | None = None
+    scene: Scene,
+    progress: Callable[[str, int, int], None] | None = None,
+    guessed: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> tuple[Result, ...]:
     """Forces of a chain on its sprocket at all positions of a scene.
 
@@ -46,6 +50,8 @@ def solve_chain(
         With a sprocket and a chain.
     progress : callable, optional
         As for `solve`.
+    guessed : mapping, optional
+        What a plan of the scene says, by stages.
 
     Returns
     -------
@@ -55,6 +61,8 @@ def solve_chain(
     ------
     SceneError
         If the rollers do not fit the sprocket.
+    InputError
+        If the plan is one of another scene.
     NoContactState
         If a position has no state; the message names the tension below which chains jump.
     """
@@ -65,6 +73,7 @@ def solve_chain(
         position_rad, pitches = _positions(scene, sprocket)
         wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
         account.bytes = held_bytes(position_rad, wraps)
+    predicted = beside_plan(predicted_work(scene, len(wraps)), guessed)
     found: list[list[WrapState]] = []
     with stages["sweep"] as account:
         for torque in scene.torques_Nm:
@@ -87,7 +96,7 @@ def solve_chain(
             ]
     results = tuple(
         result_of_chain(
-            scene, chain, wraps, states, position_rad, pitches, torque, stages, estimate
+            scene, chain, wraps, states, position_rad, pitches, torque, stages, predicted, estimate
         )
         for torque, states, estimate in zip(scene.torques_Nm, found, estimates, strict=True)
     )
@@ -95,6 +104,27 @@ def solve_chain(
         whole = len(wraps) * len(results)
         progress("done", whole, whole)
     return results
+
+
+def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
+    """Count what a run will do.
+
+    Parameters
+    ----------
+    scene : Scene
+    positions : int
+
+    Returns
+    -------
+    dict of str to dict of str to int
+        By stages, then by counters: those that are known. Of rollers that are followed it is not
+        known how often.
+    """
+    counted = {"states": positions * len(scene.torques_Nm)}
+    if not scene.effects.large_displacement:
+        counted["contact_passes"] = LINEAR_PASSES * counted["states"]
+    none: dict[str, dict[str, int]] = {"estimate": {}} if scene.accuracy.estimate else {}
+    return {"bodies": {}, "sweep": counted, **none}
 
 
 def _estimate(

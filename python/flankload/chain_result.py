@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 #: Up to this wear one linear solution is right to about 1 % of the tight tension.
 LINEAR_WEAR = 0.01
-#: Contact problems of a linear state: for itself, and for its stiffness.
-LINEAR_PASSES = 2
 
 
 def result_of_chain(
@@ -42,6 +40,7 @@ def result_of_chain(
     pitches: int | None,
     torque_Nm: float,
     stages: dict[str, Account],
+    predicted: dict[str, dict[str, Any]],
     estimate: dict[str, object] | None,
 ) -> Result:
     """All positions under one torque as a result.
@@ -57,6 +56,8 @@ def result_of_chain(
     torque_Nm : float
     stages : dict of str to Account
         What the run has spent.
+    predicted : dict of str to dict
+        What it was to spend, by stages.
     estimate : dict or None
         Error estimates, as the result shows them.
 
@@ -94,10 +95,6 @@ def result_of_chain(
         force_angle_deg=angle,
     )
     pitch = 2 * sprocket.half_pitch_rad
-    counted = {"states": len(wraps) * len(scene.torques_Nm)}
-    if not scene.effects.large_displacement:
-        counted["contact_passes"] = LINEAR_PASSES * counted["states"]
-    predicted: dict[str, Any] = {"bodies": {"counters": {}}, "sweep": {"counters": counted}}
     result = make_result(
         name=scene.name,
         torque_Nm=torque_Nm,

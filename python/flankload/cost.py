@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.errors import InputError
+
 if TYPE_CHECKING:
     from types import TracebackType
 
@@ -105,6 +107,43 @@ def totals(stages: Mapping[str, Account]) -> dict[str, int]:
     """
     accounts = stages.values()
     return {name: sum(account.counters.get(name, 0) for account in accounts) for name in COUNTERS}
+
+
+def beside_plan(
+    counted: Mapping[str, Mapping[str, int]],
+    guessed: Mapping[str, Mapping[str, Any]] | None = None,
+) -> dict[str, dict[str, Any]]:
+    """What stands in the costs of a run beside what it spends.
+
+    Parameters
+    ----------
+    counted : mapping of str to mapping
+        By stages, what is known before a run of what it will count.
+    guessed : mapping of str to mapping, optional
+        By stages, what a plan of the scene says of seconds, bytes and all counters.
+
+    Returns
+    -------
+    dict of str to dict
+        By stages: "counters", and what else is guessed.
+
+    Raises
+    ------
+    InputError
+        If the plan is one of another scene: it counts what is known otherwise.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for stage, known in counted.items():
+        plan = (guessed or {}).get(stage, {})
+        counters = plan.get("counters", {})
+        for name, number in known.items():
+            if guessed is not None and counters.get(name, 0) != number:
+                raise InputError(
+                    f"plan: expected a plan of this scene, {number} {name} in the stage {stage}, "
+                    f"found {counters.get(name, 0)}"
+                )
+        found[stage] = {**plan, "counters": {**counters, **known}}
+    return found
 
 
 def held_bytes(*things: object) -> int:

@@ -8,19 +8,16 @@ solved, so that every run can have it.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
-from flankload.errors import InputError
 from flankload.estimate import n_sweeps
 from flankload.stages import modes_of
 from flankload.tangent import SIDES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.assembly import BodyPair
     from flankload.bodies import Body
     from flankload.effects import Work
@@ -63,44 +60,6 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
                 else _sector(body.mesh, work, modes, growth, places)
             )
     return stages | _sweeps(scene, pair)
-
-
-def predicted_costs(
-    scene: Scene, pair: BodyPair, guessed: Mapping[str, Mapping[str, Any]] | None = None
-) -> dict[str, dict[str, Any]]:
-    """What stands in the costs of a run beside what it spends.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Its bodies, before the run has added positions.
-    guessed : mapping of str to mapping, optional
-        By stages, what a plan of the scene says of seconds, bytes and all counters.
-
-    Returns
-    -------
-    dict of str to dict
-        By stages: "counters", and what else is guessed.
-
-    Raises
-    ------
-    InputError
-        If the plan is one of another scene: it counts what is known otherwise.
-    """
-    counted = predicted_work(scene, pair)
-    found: dict[str, dict[str, Any]] = {}
-    for stage, known in counted.items():
-        plan = (guessed or {}).get(stage, {})
-        counters = plan.get("counters", {})
-        for name, number in known.items():
-            if guessed is not None and counters.get(name, 0) != number:
-                raise InputError(
-                    f"plan: expected a plan of this scene, {number} {name} in the stage {stage}, "
-                    f"found {counters.get(name, 0)}"
-                )
-        found[stage] = {**plan, "counters": {**counters, **known}}
-    return found
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:

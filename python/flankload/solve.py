@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptively
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, no_compliance
-from flankload.cost import Account, held_bytes
+from flankload.cost import Account, beside_plan, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import MOST_SWEEPS, Estimate, estimate_errors
-from flankload.prediction import predicted_costs
+from flankload.prediction import predicted_work
 from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
@@ -143,15 +143,16 @@ def solve_with(
     -------
     Result, or a tuple of Results
     """
+    guessed = None if plan is None else plan.predicted["stages"]
     if scene.body_2.kind == "chain":
         from flankload.chain_drive import solve_chain
 
-        drives = solve_chain(scene, progress)
+        drives = solve_chain(scene, progress, guessed)
         return drives if scene.has_torque_list else drives[0]
     if scene.body_2.kind == "belt":
         from flankload.belt_drive import solve_belts
 
-        drives = solve_belts(scene, progress)
+        drives = solve_belts(scene, progress, guessed)
         return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
@@ -167,8 +168,7 @@ def solve_with(
         pair = build_bodies(scene, resolution)
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
-    guessed = None if plan is None else plan.predicted["stages"]
-    predicted = predicted_costs(scene, pair, guessed)
+    predicted = beside_plan(predicted_work(scene, pair), guessed)
     compliances = _compliances(scene, pair, clock, kept)
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)

@@ -316,7 +316,7 @@ def test_the_page_on_costs_names_all_counters_and_stages() -> None:
     assert {name for name in names if f"`{name}`" not in page} == set()
 
 
-@pytest.mark.parametrize("kind", ["chain", "cam"])
+@pytest.mark.parametrize("kind", ["chain", "belt", "cam"])
 def test_costs_of_other_kinds_are_printed_too(
     kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

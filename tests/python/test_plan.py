@@ -308,8 +308,14 @@ def test_a_chain_has_a_plan_of_its_own() -> None:
     )
     share = np.abs(one.load_share - other.load_share).max()
     np.testing.assert_allclose(size.load_share, share, rtol=1.0, atol=0)
-    assert plan.predicted["counters"]["states"] == len(one.position_rad)
     assert "of the rotation at a position" in plan.remarks[0]
+    spent = one.cost["stages"]
+    assert plan.predicted["stages"].keys() == spent.keys()
+    predicted = plan.predicted["stages"]
+    for name in ("bodies", "sweep"):
+        np.testing.assert_allclose(predicted[name]["bytes"], spent[name]["bytes"], rtol=0.1, atol=0)
+    for name in ("states", "contact_passes"):
+        assert predicted["sweep"]["counters"][name] == spent["sweep"]["counters"][name]
 
 
 def test_an_impossible_scene_is_refused_like_a_run() -> None:

@@ -54,10 +54,8 @@ def run(arguments: Namespace) -> None:
         print("\n\n".join(texts))
 
 
-def _plan(scene: Scene, progress: Progress) -> Plan | None:
-    """What the run is predicted to take; of a drive no more than what every run knows before."""
-    if scene.body_2.kind in ("chain", "belt"):
-        return None
+def _plan(scene: Scene, progress: Progress) -> Plan:
+    """What the run is predicted to take."""
     from flankload.plan import plan
 
     progress.tell("plan", 0, 1)

@@ -63,7 +63,7 @@ def quantity(key: str) -> Callable[[Scene], Switch]:
 
     def switch(scene: Scene) -> Switch:
         asked = getattr(scene.effects, key, None)
-        if asked is None:
+        if asked is None or (not asked and key not in scene.named_effects):
             return Switch(False, f"effects.{key} absent", False)
         numbers = asked if isinstance(asked, tuple) else (asked,)
         return Switch(any(numbers), f"effects.{key} = {_shown(asked)}", True)

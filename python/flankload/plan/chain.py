@@ -6,7 +6,7 @@ several torques. Positions cost the same each, so that a few of them tell what a
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -14,23 +14,24 @@ import numpy as np
 from msgspec import structs
 
 from flankload.chain_drive import build_drive, solve_chain
-from flankload.effects import EFFECTS, switches_of
+from flankload.cost import Account
 from flankload.errors import FlankloadError
-from flankload.plan.planned import QUARTER, Plan, PlannedEffect
-from flankload.plan.remarks import remarked
+from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
+from flankload.plan.measuring import Measured
 from flankload.plan.sizes import Size, States, size_of
 from flankload.scene.pair_tables import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.plan.planned import Plan
     from flankload.result import Result
     from flankload.scene import Scene
 
-#: Effects that a chain knows.
-KNOWN = ("several_torques", "large_displacement")
-#: Positions over a pitch that are tried; the estimate of a run takes two.
-TRIED, ESTIMATED = 6, 2
+#: Positions of the estimate of a run.
+ESTIMATED = 2
+#: CPU seconds of a wrap: where its rollers stand.
+BODIES_S = 5e-5
 
 
 def plan_chain(scene: Scene) -> Plan:
@@ -56,62 +57,47 @@ def plan_chain(scene: Scene) -> Plan:
     sprocket, _ = build_drive(scene)
     few = _at_few_positions(scene, 2 * np.pi / sprocket.teeth)
     large = scene.effects.large_displacement
-    mine, state_s, counters = _tried(few)
-    size, unknown, other_s = None, None, state_s
+    mine, tried = _tried(few)
+    found, other_tried = Measured(), tried
     try:
-        other, other_s, _ = _tried(_large(few, large=not large))
-        unloaded, _, _ = _tried(replace(few, load=structs.replace(few.load, torque_Nm=0.0)))
-        size = _size(*((mine, other) if large else (other, mine)), mine, unloaded)
+        other, other_tried = _tried(_large(few, large=not large))
+        unloaded, _ = _tried(replace(few, load=structs.replace(few.load, torque_Nm=0.0)))
+        found = Measured(_size(*((mine, other) if large else (other, mine)), mine, unloaded))
     except FlankloadError as error:
-        unknown = " ".join(str(error).split())
+        found = Measured(unknown=" ".join(str(error).split()))
     torques, positions = len(scene.torques_Nm), _count(scene)
     states = torques * positions
-    sweep_s = state_s * states
-    stages = {"bodies": 1e-3, "sweep": sweep_s}
-    if scene.accuracy.estimate:
-        stages["estimate"] = 0.0 if large else other_s * torques * min(ESTIMATED, positions)
-    extra_s = {
-        "several_torques": state_s * positions * (torques - 1 if torques > 1 else 1),
-        "large_displacement": (state_s - other_s) * (1 if large else -1) * states,
+    stages = {
+        "bodies": Account(cpu_s=BODIES_S * positions, bytes=round(tried.wrap_bytes * positions)),
+        "sweep": Account(
+            cpu_s=tried.state_s * states,
+            bytes=round(tried.state_bytes * states),
+            counters={name: round(number * states) for name, number in tried.counters.items()},
+        ),
     }
-    counted = {name: round(number * states) for name, number in counters.items()}
-    switches = switches_of(scene)
-    rows = []
-    for effect in (effect for effect in EFFECTS if effect.name in KNOWN):
-        switch, own = switches[effect.name], effect.name == "large_displacement"
-        matters = own and size is not None and size.largest > QUARTER * scene.accuracy.tolerance
-        row = PlannedEffect(
-            name=effect.name,
-            title=effect.title,
-            on=switch.on,
-            because=switch.because,
-            named=switch.named,
-            stages=effect.stages,
-            extra_s=extra_s[effect.name],
-            extra_bytes=0,
-            size=size if own else None,
-            unknown=unknown if own else None,
-            matters=matters,
-        )
-        rows.append(remarked(row, effect) if matters and not switch.on else row)
-    return Plan(
-        name=scene.name,
-        tolerance=scene.accuracy.tolerance,
-        effects=tuple(rows),
-        predicted={
-            "stages": {
-                name: {
-                    "cpu_s": seconds,
-                    "bytes": 0,
-                    "workspace_bytes": 0,
-                    "counters": counted if name == "sweep" else {},
-                }
-                for name, seconds in stages.items()
+    if scene.accuracy.estimate:
+        again = 0 if large else torques * min(ESTIMATED, positions)
+        stages["estimate"] = Account(
+            cpu_s=other_tried.state_s * again,
+            counters={
+                name: round(number * again)
+                for name, number in other_tried.counters.items()
+                if again
             },
-            "counters": counted,
-        },
-        cpu_s=process_time() - start,
-    )
+        )
+    more = torques - 1 if torques > 1 else 1
+    extra = {
+        "several_torques": (
+            more * tried.state_s * positions,
+            round(more * tried.state_bytes * positions),
+        ),
+        "large_displacement": (
+            (tried.state_s - other_tried.state_s) * (1 if large else -1) * states,
+            round((tried.state_bytes - other_tried.state_bytes) * (1 if large else -1) * states),
+        ),
+    }
+    measured = {"several_torques": Measured(), "large_displacement": found}
+    return plan_of(scene, measured, extra, stages, process_time() - start)
 
 
 def _count(scene: Scene) -> int:
@@ -126,12 +112,10 @@ def _at_few_positions(scene: Scene, pitch_rad: float) -> Scene:
     angles = scene.positions.angles_deg
     if angles is None:
         angles = tuple(float(angle) for angle in np.degrees(pitch_rad) * np.arange(TRIED) / TRIED)
-    step = -(-len(angles) // TRIED)
-    loads = (min(scene.torques_Nm), max(scene.torques_Nm))
     return replace(
         scene,
-        positions=Positions(angles_deg=angles[::step]),
-        load=structs.replace(scene.load, torque_Nm=tuple(dict.fromkeys(loads))),
+        positions=Positions(angles_deg=angles[few_of(len(angles))]),
+        load=structs.replace(scene.load, torque_Nm=few_torques(scene)),
         accuracy=structs.replace(scene.accuracy, estimate=False),
     )
 
@@ -140,14 +124,30 @@ def _large(scene: Scene, *, large: bool) -> Scene:
     return replace(scene, effects=structs.replace(scene.effects, large_displacement=large))
 
 
-def _tried(scene: Scene) -> tuple[tuple[Result, ...], float, dict[str, float]]:
-    """Results, CPU seconds of a state and what is counted in one."""
+@dataclass(frozen=True)
+class _Tried:
+    """What a state took: CPU seconds, bytes, counters; bytes of a wrap at a position."""
+
+    state_s: float
+    state_bytes: float
+    wrap_bytes: float
+    counters: dict[str, float]
+
+
+def _tried(scene: Scene) -> tuple[tuple[Result, ...], _Tried]:
+    """Results of few positions, and what a state took there."""
     start = process_time()
     results = solve_chain(scene)
-    number = len(results) * len(results[0].position_rad)
-    counters = results[0].cost["stages"]["sweep"]["counters"]
-    seconds = (process_time() - start) / number
-    return results, seconds, {name: count / number for name, count in counters.items()}
+    spent = process_time() - start
+    positions = len(results[0].position_rad)
+    states = len(results) * positions
+    bodies, sweep = (results[0].cost["stages"][name] for name in ("bodies", "sweep"))
+    return results, _Tried(
+        spent / states,
+        sweep["bytes"] / states,
+        bodies["bytes"] / positions,
+        {name: count / states for name, count in sweep["counters"].items()},
+    )
 
 
 def _size(

@@ -5,21 +5,18 @@ from __future__ import annotations
 from time import process_time
 from typing import TYPE_CHECKING
 
-from flankload.assembly import refuse_drives
-from flankload.cost import totals
 from flankload.effects import switches_of
 from flankload.plan.choice import asks_for_choice, chosen_scene, without_choice
 from flankload.plan.coarse import Coarse
+from flankload.plan.drive import predicted_of
 from flankload.plan.extras import Extras
 from flankload.plan.measuring import Measured, Sizes, rows
 from flankload.plan.planned import QUARTER, Chosen, Plan, PlannedEffect
 from flankload.plan.price import price_run
 from flankload.plan.remarks import remarked
-from flankload.scene import Chain
+from flankload.scene import Belt, Chain
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.cost import Account
     from flankload.effects import Effect, Switch
     from flankload.scene import Scene
@@ -50,7 +47,10 @@ def plan(scene: Scene) -> Plan:
         from flankload.plan.chain import plan_chain
 
         return plan_chain(scene)
-    refuse_drives(scene)
+    if isinstance(scene.body_2, Belt):
+        from flankload.plan.belt import plan_belt
+
+        return plan_belt(scene)
     start = process_time()
     plain = without_choice(scene)
     coarse = Coarse(plain)
@@ -79,7 +79,7 @@ def plan(scene: Scene) -> Plan:
         name=scene.name,
         tolerance=scene.accuracy.tolerance,
         effects=effects,
-        predicted=_predicted(stages),
+        predicted=predicted_of(stages),
         choice=choice,
         left_out=left_out,
         cpu_s=process_time() - start,
@@ -93,21 +93,6 @@ def _price(scene: Scene, coarse: Coarse) -> tuple[dict[str, Account], Extras]:
     pair = coarse.fine_pair(scene)
     stages = price_run(scene, pair, compliances, small, coarse.fine_pair_seconds(scene))
     return stages, Extras(scene, pair, stages, coarse)
-
-
-def _predicted(stages: Mapping[str, Account]) -> dict[str, object]:
-    return {
-        "stages": {
-            name: {
-                "cpu_s": account.cpu_s,
-                "bytes": account.bytes,
-                "workspace_bytes": account.workspace_bytes,
-                "counters": dict(account.counters),
-            }
-            for name, account in stages.items()
-        },
-        "counters": totals(stages),
-    }
 
 
 def _planned(

@@ -20,6 +20,7 @@ ASSUMED: dict[str, dict[str, Any]] = {
     "thermal_growth": {"temperature_rise_K": 50.0},
     "centrifugal_growth": {"speed_rpm": 3000.0},
     "segment": {"segment_teeth": 5},
+    "land_friction": {"land_friction": 0.1},
 }
 #: Values of [effects] by which an effect is on and off, where a level is chosen by one key.
 LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
@@ -35,10 +36,12 @@ LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "tip_contact": ({"tip_contact": True}, {"tip_contact": False}),
     "coast_flanks": ({"coast_flank": True}, {"coast_flank": False}),
     "large_displacement": ({"large_displacement": True}, {"large_displacement": False}),
+    "land_lift": ({"land_lift": True}, {"land_lift": False}),
 }
 #: Keys of a quantity of [effects]: without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "friction": ("friction_coefficient",),
+    "land_friction": ("land_friction",),
     "thermal_growth": (
         "temperature_rise_K",
         "thermal_expansion_per_K",

@@ -97,7 +97,7 @@ class Scene:
             name=self.name,
             body_1=self.body_1,
             body_2=self.body_2,
-            pair=self.pair,
+            pair=None if self.pair is NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
             effects=self.effects,
