@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.belt_contact import BeltState, solve_belt, spring_row
+from flankload.belt_contact import BeltState, spring_row
 from flankload.belt_estimate import estimate_belt
 from flankload.belt_pulley import PulleyResponse, rest_on, solve_pulley
 from flankload.belt_result import Standing, result_of_belt
 from flankload.belt_row import BeltRow, StripResponse
+from flankload.belt_states import state_under
 from flankload.belt_work import Asked, work_of_elements, work_of_pulley, work_of_states
 from flankload.bodies.belt import Strip, build_strip
 from flankload.bodies.belt_mesh import FLANK_ELEMENTS, mesh_strip
 from flankload.bodies.pulley import build_pulley
 from flankload.bodies.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.cost import Account, beside_plan, held_bytes
-from flankload.errors import ContactError, NoContactState
 from flankload.mesh_report import quality_rows
 
 if TYPE_CHECKING:
@@ -298,53 +298,6 @@ def response_at(
     """What the belt answers at a position, on a rigid pulley or on one of which this is known."""
     held = row.at(angle_rad / strip.pitch_rad)
     return held if known is None else rest_on(held, strip, known)
-
-
-def state_under(
-    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, account: Account
-) -> BeltState:
-    """State of a belt under a torque.
-
-    Parameters
-    ----------
-    scene : Scene
-    strip : Strip
-    response : StripResponse
-        With what lands do that rub or lift, where the scene asks for that.
-    torque_Nm : float
-    account : Account
-        Where the work is counted.
-
-    Returns
-    -------
-    BeltState
-
-    Raises
-    ------
-    NoContactState
-        If there is none.
-    """
-    slack = scene.load.slack_tension_N
-    assert slack is not None
-    try:
-        state = solve_belt(
-            strip,
-            response,
-            1000.0 * torque_Nm / (strip.pitch_radius_mm * strip.width_mm),
-            slack / strip.width_mm,
-            land_friction=scene.effects.land_friction,
-            land_lift=scene.effects.land_lift,
-        )
-    except ContactError as error:
-        text = f"{torque_Nm:g} N m, slack strand {slack:g} N: {error}"
-        raise NoContactState(text) from error
-    account.count(
-        states=1,
-        contact_passes=1,
-        influence_columns=state.pair_N_per_mm.size,
-        pivots=state.contact.info.pivots,
-    )
-    return state
 
 
 def _estimates(

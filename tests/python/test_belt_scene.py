@@ -259,6 +259,24 @@ def test_land_that_would_lift_is_named_and_may_lift() -> None:
     assert drive_of(free).lands_N.min() > -1e-6
 
 
+def test_belt_jumps_below_the_limit_that_is_named() -> None:
+    lifts = {"effects": {"land_lift": True}}
+    with pytest.raises(fl.NoContactState, match="more than teeth are high; belts of this") as found:
+        solved(load={"torque_Nm": 60, "slack_tension_N": 8}, **lifts)
+    line = str(found.value)
+    assert line.startswith("60 N m, slack strand 8 N: the land before tooth 5 lifts 3.94 mm")
+    limit = float(line.rpartition("about ")[2].removesuffix(" N"))
+    held = solved(load={"torque_Nm": 60, "slack_tension_N": 1.01 * limit}, **lifts)
+    assert 2000 < drive_of(held).last_land_lift_um[0] < 2500
+    with pytest.raises(fl.NoContactState):
+        solved(load={"torque_Nm": 60, "slack_tension_N": 0.99 * limit}, **lifts)
+
+
+def test_lands_that_rub_more_than_the_torque_say_so() -> None:
+    with pytest.raises(fl.NoContactState, match=r"land_friction = 0.9 carry .* N m without any"):
+        solved(effects={"land_friction": 0.9}, load={"torque_Nm": 0.5})
+
+
 def test_round_teeth() -> None:
     result = solved(
         body_1={"profile": "HTD", "pitch_mm": 8, "groove_width_mm": 5.3},

@@ -18,11 +18,11 @@ from flankload.belt_drive import (
     pulley_mesh,
     response_at,
     solved_pulley,
-    state_under,
     strip_of,
 )
 from flankload.belt_pulley import rest_on
 from flankload.belt_row import BeltRow
+from flankload.belt_states import state_under
 from flankload.belt_work import Asked
 from flankload.cost import Account
 from flankload.effects import switches_of
