@@ -16,12 +16,12 @@ import flankload as fl
 from flankload.accuracy.knobs import FINEST_MODES
 from flankload.accuracy.observed import CORNER, HEADS
 from flankload.accuracy.runs import Runs
-from flankload.accuracy.setting import Setting
 from flankload.accuracy.study_text import KNOBS, NAMED
 from flankload.accuracy.truth import Truth
 from flankload.plot.style import png_of
 from flankload.plot.work_precision import plot_work_precision
 from flankload.result import write_atomically
+from flankload.setting import Setting
 
 DOCS = Path(__file__).parent
 SCENES = DOCS.parent / "examples" / "scenes"

@@ -184,6 +184,21 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
     return max(LEAST_ELEMENTS, ceil(strip.tooth.height_mm / size - 1e-9))
 
 
+def default_element_mm(scene: Scene) -> float | None:
+    """Length of the elements on the flank of a tooth by default; None where flanks are bare.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    float or None
+    """
+    strip = strip_of(scene)
+    return None if strip.tooth is None else strip.tooth.height_mm / FLANK_ELEMENTS
+
+
 def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
     """Elements of a pulley that yields.
 

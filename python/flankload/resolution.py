@@ -1,4 +1,4 @@
-"""How finely a scene is resolved: the knobs that it names, the rest from its tolerance."""
+"""How finely a scene is resolved: the knobs that it names, the rest by default."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Resolution:
-    """The knobs of accuracy, as chosen by the scene's tolerance or named in it.
+    """The knobs of accuracy.
 
     Attributes
     ----------
@@ -55,20 +55,10 @@ class Resolution:
     grid: Grid
 
 
-#: (tolerance, resolution), coarse to fine: the first whose tolerance is not above the wanted one.
-#: Measured on the FZG type C pair (module 4.5) against 0.2 mm, 9 modes, 40 and 120 strips; largest
-#: error of the rotation at interior / tip-corner positions, of the load share there, of the peak
-#: pressure: 0.03 / 0.22 %, 0.25 points, 0.10 % - 0.04 / 0.15 %, 0.16 points, 0.05 % -
-#: 0.01 / 0.08 %, 0.07 points, 0.02 %.
-RESOLUTIONS: tuple[tuple[float, Resolution], ...] = (
-    (2e-3, Resolution(1.0 / 4.5, 5, Grid())),
-    (1.5e-3, Resolution(0.5 / 4.5, 6, Grid(16.0, 48.0))),
-    (0.0, Resolution(0.35 / 4.5, 8, Grid(24.0, 72.0))),
-)
-
-
-#: The knobs of a scene that names neither them nor a tolerance.
-DEFAULT = RESOLUTIONS[0][1]
+#: The knobs of a scene that names none. Measured on the FZG type C pair (module 4.5) against 0.2
+#: mm, 9 modes, 40 and 120 strips; largest error of the rotation at interior / tip-corner positions,
+#: of the load share there, of the peak pressure: 0.03 / 0.22 %, 0.25 points, 0.10 %.
+DEFAULT = Resolution(1.0 / 4.5, 5, Grid())
 
 #: Part of the scene's tolerance that positions may use up: solving a few more costs little.
 POSITIONS_PART = 0.3
@@ -84,14 +74,12 @@ def choose_resolution(scene: Scene) -> Resolution:
     Returns
     -------
     Resolution
-        What [accuracy] names; the rest from its tolerance.
+        What [accuracy] names; the rest by default.
     """
-    accuracy = scene.accuracy
-    chosen = next(knobs for bound, knobs in RESOLUTIONS if accuracy.tolerance >= bound)
-    grid = chosen.grid
+    accuracy, grid = scene.accuracy, DEFAULT.grid
     return Resolution(
-        flank_element_parts=chosen.flank_element_parts,
-        modes=accuracy.modes or chosen.modes,
+        flank_element_parts=DEFAULT.flank_element_parts,
+        modes=accuracy.modes or DEFAULT.modes,
         grid=Grid(
             accuracy.strips_per_half_width or grid.strips_per_half_width,
             accuracy.corner_strips_per_half_width or grid.corner_strips_per_half_width,

@@ -19,6 +19,7 @@ from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
 from flankload.stages import compliance_of, grown_pair, sweep_of
+from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents
 
@@ -116,7 +117,14 @@ def solve(
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
-    return solve_with(scene, {}, progress, plan=plan)
+    if not scene.steers:
+        return solve_with(scene, {}, progress, plan=plan)
+    plans = iter((plan,))  # of the first run
+
+    def run(scene: Scene, kept: Kept, progress: Progress | None) -> Result | tuple[Result, ...]:
+        return solve_with(scene, kept, progress, plan=next(plans, None))
+
+    return solve_to_tolerance(scene, run, progress)
 
 
 def solve_with(

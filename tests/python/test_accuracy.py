@@ -20,11 +20,11 @@ from flankload.accuracy.ladder import limit_of
 from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.accuracy.observed import common, errors_of, from_tree, observed, to_tree
 from flankload.accuracy.runs import Run, Runs, fingerprint
-from flankload.accuracy.setting import Setting, scene_at
 from flankload.accuracy.study import Row
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
+from flankload.setting import Setting, scene_at
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 #: A budget that is never spent, CPU seconds.

@@ -25,7 +25,9 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
     "no_torque": {"load": {"torque_Nm": 0.0}},
     "two_torques": {"load": {"torque_Nm": [30.0, 302.0]}},
     "plane_stress": {"accuracy": {"plane": "stress"}},
-    "fine": {"accuracy": {"tolerance": 0.002}},
+    "fine": {
+        "accuracy": {"flank_element_mm": 0.5, "modes": 6, "strips_per_half_width": 16.0},
+    },
     "tip_radius": {"body_1": {"tip_radius_mm": 0.3}, "body_2": {"tip_radius_mm": 0.3}},
     "tip_relief": {
         "body_1": {"tip_relief_um": 25.0, "tip_relief_start_diameter_mm": 79.0},

@@ -11,8 +11,8 @@ from flankload.accuracy.knobs import ADAPTIVE, ADAPTIVE_START
 if TYPE_CHECKING:
     from flankload.accuracy.knobs import Knobs
     from flankload.accuracy.runs import Run
-    from flankload.accuracy.setting import Setting
     from flankload.accuracy.truth import Truth
+    from flankload.setting import Setting
 
 #: Part of a tolerance that each knob may use up in the first guess.
 FIRST_PART = 0.5

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flankload.accuracy.setting import Setting
 from flankload.assembly import build_bodies
-from flankload.bodies import SPLINE_PART
-from flankload.bodies.given import ModalCompliance
-from flankload.resolution import RESOLUTIONS
+from flankload.resolution import DEFAULT
 from flankload.scene import ComplianceBody, MeshBody, SplineShaft
+from flankload.setting import Setting
+from flankload.steering.knobs import default_length, most_modes
 
 if TYPE_CHECKING:
-    from flankload.bodies import Body
-    from flankload.scene import BodySpec, Scene
+    from flankload.scene import Scene
 
 #: Kinds that have neither pairs of flanks on circles nor pressure modes.
 DRIVES = ("chain", "belt")
@@ -97,13 +95,13 @@ def knobs_of(scene: Scene) -> Knobs:
     elastic = [(spec, body) for spec, body in bodies if not body.rigid]
     ladders: dict[str, tuple[float, ...]] = {}
     meshed = [
-        _default_length(spec, body)
+        default_length(spec, body)
         for spec, body in elastic
         if not isinstance(spec, MeshBody | ComplianceBody)
     ]
     if meshed:
         ladders["flank_element_mm"] = tuple(_rounded(min(meshed) * part) for part in ELEMENTS)
-    most = min((_most_modes(spec, body) for spec, body in elastic), default=0)
+    most = min((most_modes(spec, body) for spec, body in elastic), default=0)
     if modes := tuple(mode for mode in MODES if mode <= most):
         ladders["modes"] = modes
     ladders["strips_per_half_width"] = STRIPS
@@ -112,7 +110,7 @@ def knobs_of(scene: Scene) -> Knobs:
         ladders["count"] = _counts(scene)
     base = Setting(
         flank_element_mm=ladders["flank_element_mm"][1] if meshed else None,
-        modes=max((m for m in modes if m <= RESOLUTIONS[0][1].modes), default=None),
+        modes=max((m for m in modes if m <= DEFAULT.modes), default=None),
         strips_per_half_width=10.0,
         zone_half_widths=2.5,
         count=scene.positions.count if "count" in ladders else None,
@@ -187,29 +185,8 @@ def affordable(knobs: Knobs, stages: dict[str, float], budget_s: float) -> Knobs
     return finest_within(knobs, fineness)
 
 
-def _default_length(spec: BodySpec, body: Body) -> float:
-    """Length of elements along the flank by default, mm."""
-    module = getattr(spec, "module_mm", None)
-    if module is not None:
-        part = SPLINE_PART if getattr(spec, "kind", "").startswith("spline") else 1.0
-        return float(RESOLUTIONS[0][1].flank_element_parts * module * part)
-    low, high = body.mode_range_mm
-    assert body.mesh is not None
-    return float((high - low) / body.mesh.flank_elements)
-
-
 def _rounded(length: float) -> float:
     return float(f"{length:.3g}")
-
-
-def _most_modes(spec: BodySpec, body: Body) -> int:
-    """Modes that a body's file allows: as many as it holds, or as its elements bear."""
-    if isinstance(body.given, ModalCompliance):
-        return int(body.given.smooth.shape[1])
-    nodes = body.given or (body.mesh if isinstance(spec, MeshBody) else None)
-    if nodes is not None:
-        return nodes.flank_elements // 2 + 1
-    return max(MODES)
 
 
 def can_lump(scene: Scene) -> bool:

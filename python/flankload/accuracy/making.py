@@ -13,12 +13,12 @@ from flankload.accuracy.knobs import affordable, can_lump, knobs_of
 from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.accuracy.observed import MEASURES
 from flankload.accuracy.runs import Run, Runs
-from flankload.accuracy.setting import Setting
 from flankload.accuracy.study import Row, Study
 from flankload.accuracy.truth import Truth, at_default, ladder
 from flankload.errors import SceneError
 from flankload.plan import choose_effects
 from flankload.scene.effect_tables import EffectsAsked
+from flankload.setting import Setting
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

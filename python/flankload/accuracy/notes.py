@@ -11,9 +11,9 @@ from flankload.accuracy.observed import CORNER
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flankload.accuracy.setting import Setting
     from flankload.accuracy.study import Row
     from flankload.scene import Scene
+    from flankload.setting import Setting
 
 #: What kinds of bodies bring along.
 FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.accuracy.observed import Observed, from_tree, observed, to_tree
-from flankload.accuracy.setting import Setting, scene_at
 from flankload.cost import Account
 from flankload.errors import FlankloadError, SceneError
 from flankload.result import write_atomically
+from flankload.setting import Setting, scene_at
 from flankload.solve import solve_with
+from flankload.steering import first_scene
 
 if TYPE_CHECKING:
     from flankload.compliance import BodyCompliance
@@ -119,7 +120,8 @@ class Runs:
         return self.done[setting]
 
     def _solved(self, setting: Setting, progress: Progress | None) -> Run:
-        scene = scene_at(self.scene, setting)
+        as_it_is = first_scene(self.scene) if setting.as_it_stands else self.scene
+        scene = scene_at(as_it_is, setting)
         try:
             run = _measured(setting, scene, self._compliances(setting), progress)
             if run.cpu_s < REPEATED_BELOW_S:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flankload.accuracy.knobs import Knobs
     from flankload.accuracy.ladder import Limit
     from flankload.accuracy.runs import Run
-    from flankload.accuracy.setting import Setting
+    from flankload.setting import Setting
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flankload.accuracy.ladder import Limit
     from flankload.accuracy.observed import Observed
     from flankload.accuracy.runs import Run
-    from flankload.accuracy.setting import Setting
+    from flankload.setting import Setting
 
 
 def ladder(knobs: Knobs, knob: str) -> Iterator[Setting]:

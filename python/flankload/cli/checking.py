@@ -35,7 +35,10 @@ def _check_scene(path: Path) -> None:
     from flankload.gear_mesh import describe_mesh
     from flankload.spline_fit import describe_fit
     from flankload.stages import compliance_of
+    from flankload.steering import first_pick, first_scene
 
+    picked = first_pick(scene).setting.tables() if scene.steers else {}
+    scene = first_scene(scene)
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):
         if body.given is not None:
@@ -53,6 +56,9 @@ def _check_scene(path: Path) -> None:
             *(describe_fit(fit) if fit is not None else ()),
         ],
     )
+    if picked:
+        keys = [(key, f"{value}") for table in picked.values() for key, value in table.items()]
+        _print_rows(f"knobs that a tolerance of {scene.accuracy.tolerance:g} begins with", keys)
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     rows = [row for row in EFFECTS if has_teeth or not row.of_teeth]

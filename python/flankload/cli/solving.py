@@ -191,8 +191,9 @@ def mesh(arguments: Namespace) -> None:
     from flankload.assembly import build_bodies
     from flankload.bodies import WholeMesh
     from flankload.bodies.body_file import write_body
+    from flankload.steering import first_scene
 
-    pair = build_bodies(scene)
+    pair = build_bodies(first_scene(scene))
     folder.mkdir(parents=True, exist_ok=True)
     for name, body, turn in (
         ("body_1", pair.body_1, pair.turn_1),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from flankload.plan.planned import QUARTER, Chosen, Plan, PlannedEffect
 from flankload.plan.price import price_run
 from flankload.plan.remarks import remarked
 from flankload.scene import Belt, Chain
+from flankload.steering import first_pick, first_scene
 
 if TYPE_CHECKING:
     from flankload.cost import Account
@@ -47,11 +49,13 @@ def plan(scene: Scene) -> Plan:
         from flankload.plan.chain import plan_chain
 
         return plan_chain(scene)
+    start = process_time()
+    picked = first_pick(scene).as_dict() if scene.steers else None
+    scene = first_scene(scene)
     if isinstance(scene.body_2, Belt):
         from flankload.plan.belt import plan_belt
 
-        return plan_belt(scene)
-    start = process_time()
+        return replace(plan_belt(scene), picked=picked)
     plain = without_choice(scene)
     coarse = Coarse(plain)
     sizes, switches = Sizes(plain, coarse), switches_of(plain)
@@ -82,6 +86,7 @@ def plan(scene: Scene) -> Plan:
         predicted=predicted_of(stages),
         choice=choice,
         left_out=left_out,
+        picked=picked,
         cpu_s=process_time() - start,
     )
 

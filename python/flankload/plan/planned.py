@@ -119,6 +119,10 @@ class Plan:
         What `effects.choose = "auto"` has decided on.
     left_out : Size or None
         What all that is changed by the choice together makes.
+    picked : mapping or None
+        What a tolerance that the scene names begins with: "keys" of the knobs by table, "errors"
+        that are expected, "dominant_source" of the largest. The price is that of this run; a finer
+        one may follow it.
     cpu_s : float
         What the plan itself took.
     """
@@ -129,6 +133,7 @@ class Plan:
     predicted: Mapping[str, Any]
     choice: tuple[Chosen, ...] = ()
     left_out: Size | None = None
+    picked: Mapping[str, Any] | None = None
     cpu_s: float = 0.0
 
     @property

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flankload.plan.planned import Plan, PlannedEffect
 
 MEGABYTE = 1e6
@@ -35,6 +37,8 @@ def plan_text(plan: Plan) -> str:
     quarter = _percent(0.25 * plan.tolerance)
     title = f"{plan.name}: what exceeds {quarter}, a quarter of the tolerance, matters"
     parts = [[title], _effects(plan), _stages(plan)]
+    if plan.picked is not None:
+        parts.append(_picked(plan.tolerance, plan.picked))
     if plan.choice:
         lines = [f"chosen by effects.choose: {chosen}" for chosen in plan.choice]
         if plan.left_out is not None:
@@ -54,6 +58,16 @@ def plan_text(plan: Plan) -> str:
     if plan.remarks:
         parts.append(list(plan.remarks))
     return "\n\n".join("\n".join(lines) for lines in parts)
+
+
+def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
+    keys = [f"{key} = {value}" for table in picked["keys"].values() for key, value in table.items()]
+    expected = f"expected error {_percent(max(picked['errors'].values()))}"
+    after = "where the estimate of that run exceeds the tolerance, a finer one follows it, once"
+    return [
+        f"accuracy.tolerance = {tolerance:g} begins with {', '.join(keys) or 'the knobs named'}",
+        f"{expected}, most of it from {picked['dominant_source']}; {after}",
+    ]
 
 
 def _effects(plan: Plan) -> list[str]:

@@ -160,6 +160,8 @@ def _tree(result: Result) -> dict[str, Any]:
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
+    if result.accuracy is not None:
+        tree["accuracy"] = result.accuracy
     if result.drive is not None:
         tree["drive"] = result.drive.as_dict()
     tree |= {name: values for name, (values, _) in _arrays_asked_for(result).items()}

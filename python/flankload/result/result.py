@@ -73,6 +73,8 @@ class Result(ContactQuantities):
         Estimated relative errors.
     cost : dict
         Seconds by stage and counters.
+    accuracy : dict or None
+        What a tolerance that the scene names has bought: which knob stands where and for what.
     warnings : tuple of str
     drawing : PairDrawing
     friction : FrictionResult or None
@@ -115,6 +117,7 @@ class Result(ContactQuantities):
     follower_angle_rad: Floats | None = None
     drive: ChainDrive | BeltDrive | None = None
     coast: CoastContact | None = None
+    accuracy: Mapping[str, Any] | None = None
 
     @property
     def coast_force_N(self) -> Floats | None:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.accuracy_lines import accuracy_lines
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -216,6 +218,11 @@ def _footer(result: Result) -> Iterator[str]:
         if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
             text = _estimate({key.split("_", 2)[-1]: error for key, error in left.items()})
             yield _labelled("left by positions", text)
+    if result.accuracy is not None:
+        first, *more = accuracy_lines(result.accuracy)
+        yield _labelled("tolerance", first)
+        for text in more:
+            yield _labelled("", text)
     yield _labelled("cost", _cost(result.cost))
     for status, words in STATUS_WORDS.items():
         positions = np.flatnonzero(result.status == status)

@@ -41,6 +41,8 @@ class Scene:
         The scene's file.
     named_effects : frozenset of str
         Keys of [effects] that are named, not left to their defaults.
+    named_knobs : frozenset of str
+        The same of [accuracy] and of [positions], as "accuracy.modes".
     """
 
     name: str
@@ -53,6 +55,12 @@ class Scene:
     accuracy: Accuracy
     file: Path | None = None
     named_effects: frozenset[str] = frozenset()
+    named_knobs: frozenset[str] = frozenset()
+
+    @property
+    def steers(self) -> bool:
+        """Whether the scene names a tolerance, which then decides on the knobs that it leaves."""
+        return "accuracy.tolerance" in self.named_knobs
 
     @property
     def folder(self) -> Path:
@@ -147,6 +155,9 @@ class Scene:
             accuracy=asked.accuracy,
             file=path,
             named_effects=frozenset(d.get("effects", {})),
+            named_knobs=frozenset(
+                f"{table}.{key}" for table in ("accuracy", "positions") for key in d.get(table, {})
+            ),
         )
 
 

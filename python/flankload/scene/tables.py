@@ -26,7 +26,12 @@ class Accuracy(Table, frozen=True, kw_only=True):
     """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
 
     tolerance: Annotated[
-        Annotated[float, Meta(ge=1e-4, le=0.1)], about("-", "wanted relative error")
+        Annotated[float, Meta(ge=1e-4, le=0.1)],
+        about(
+            "-",
+            "wanted relative error of transmission error, load share, peak pressure off sharp "
+            "corners and secant stiffness; named, it decides on the knobs that are not",
+        ),
     ] = 0.01
     plane: Annotated[
         Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")

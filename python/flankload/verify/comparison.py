@@ -13,6 +13,7 @@ import numpy as np
 from flankload.errors import OtherProgramError, SceneError
 from flankload.plan import choose_effects
 from flankload.solve import solve
+from flankload.steering import first_scene
 from flankload.verify.calculix import JOB, Answer, find_program, run_deck
 from flankload.verify.deck import deck_text
 from flankload.verify.model import check_bodies, model_of
@@ -154,7 +155,7 @@ def verify(
     OtherProgramError
         If CalculiX is missing or has no answer; its files stay where `folder` of the error says.
     """
-    scene, _ = choose_effects(scene)
+    scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     result = _result(scene, position)
     model = model_of(

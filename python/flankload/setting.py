@@ -1,4 +1,4 @@
-"""Settings: what of a scene a study varies, and how a scene looks at one of them."""
+"""Settings: the knobs of accuracy as one thing, and how a scene looks at them."""
 
 from __future__ import annotations
 
@@ -134,7 +134,29 @@ def scene_at(scene: Scene, setting: Setting) -> Scene:
     plain = EffectsAsked()
     reset = {key: getattr(plain, key) for key in LEVELS_AND_EXTRAS if hasattr(plain, key)}
     quiet = {} if setting.as_it_stands else reset
-    accuracy = structs.replace(scene.accuracy, estimate=False, **setting.accuracy_keys)
+    return with_setting(
+        replace(
+            scene,
+            accuracy=structs.replace(scene.accuracy, estimate=False),
+            effects=structs.replace(scene.effects, **quiet),
+        ),
+        setting,
+    )
+
+
+def with_setting(scene: Scene, setting: Setting) -> Scene:
+    """The scene with the knobs of a setting named, all else as it stands.
+
+    Parameters
+    ----------
+    scene : Scene
+    setting : Setting
+
+    Returns
+    -------
+    Scene
+    """
+    accuracy = structs.replace(scene.accuracy, **setting.accuracy_keys)
     if setting.level == "lumped":
         accuracy = structs.replace(
             accuracy,
@@ -147,6 +169,6 @@ def scene_at(scene: Scene, setting: Setting) -> Scene:
         scene,
         accuracy=accuracy,
         positions=structs.replace(scene.positions, **(even | setting.position_keys)),
-        effects=structs.replace(scene.effects, **(quiet | setting.effect_keys)),
-        named_effects=scene.named_effects | setting.effect_keys.keys(),
+        effects=structs.replace(scene.effects, **setting.effect_keys),
+        named_effects=scene.named_effects.union(setting.effect_keys),
     )

@@ -1,0 +1,58 @@
+"""What a tolerance has bought, as a few lines of text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
+    """Verdict, knobs, what was tightened, what is missed.
+
+    Parameters
+    ----------
+    found : mapping
+        `Result.accuracy`.
+
+    Returns
+    -------
+    list of str
+    """
+    lines = [f"{percent(found['tolerance'])}: {_verdict(found)}"]
+    words = ", ".join(_words(knob, row) for knob, row in found["knobs"].items())
+    if words:
+        lines.append(words)
+    if found["tightened"]:
+        steps = ", ".join(
+            f"{knob} {one} -> {two}" for knob, (one, two) in found["tightened"].items()
+        )
+        lines.append(f"tightened once: {steps}")
+    lines += [
+        f"missed: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, most of it from "
+        f"{one['source']}: {one['why']}"
+        for one in found["missed"]
+    ]
+    return lines
+
+
+def percent(part: float) -> str:
+    """Two digits."""
+    return f"{float(f'{100 * part:.2g}'):g} %"
+
+
+def _verdict(found: Mapping[str, Any]) -> str:
+    if found["met"] is None:
+        return str(found["unchecked"])
+    largest = max(found["errors"], key=lambda name: found["errors"][name])
+    state = "met" if found["met"] else "not met"
+    return f"{state}, {largest.replace('_', ' ')} {percent(found['errors'][largest])} at most"
+
+
+def _words(knob: str, row: Mapping[str, Any]) -> str:
+    value = row["value"]
+    text = f"{knob} {value:g}" if isinstance(value, float) else f"{knob} {value}"
+    if row["error"] is None:
+        return text
+    return f"{text} ({row['source']} {percent(row['error'])})"

@@ -1,0 +1,169 @@
+"""What a tolerance has bought: which knob stands where, for which error, and what is missed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flankload.steering.knobs import SOURCES
+from flankload.steering.laws import UNRESOLVED
+from flankload.steering.pick import STRIPS, finest_part
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.steering.knobs import Knobs
+    from flankload.steering.pick import Pick
+
+    Table = Mapping[str, Mapping[str, float]]
+
+#: Sources that no knob answers for, and what does.
+LEFT_BY = {
+    "lumped": "effects.contact = 'lumped' leaves it",
+    "one solution": "effects.large_displacement = false leaves it",
+}
+
+
+def bought(
+    scene: Scene,
+    knobs: Knobs,
+    picks: Sequence[Pick],
+    results: Sequence[Result],
+    errors: Sequence[Mapping[str, float]],
+    by_source: Table,
+) -> dict[str, Any]:
+    """All of it as plain data, the form of `result.accuracy`.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it asks.
+    knobs : Knobs
+    picks : sequence of Pick
+        What was run, one after the other.
+    results : sequence of Result
+        Of the last one.
+    errors : sequence of mapping of str to float
+        What the estimate of each run tells, by bound quantity; empty where there is none.
+    by_source : mapping
+        The same of the last one by source.
+
+    Returns
+    -------
+    dict
+    """
+    tolerance, last, left = scene.accuracy.tolerance, picks[-1], errors[-1]
+    rows = {
+        knob: _row(knob, knobs, last, results, by_source)
+        for knob in SOURCES
+        if _value(knob, knobs, last, results) is not None
+    }
+    found: dict[str, Any] = {
+        "tolerance": tolerance,
+        "met": max(left.values()) <= tolerance if left else None,
+        "largest_error": max(left.values(), default=None),
+        "errors": dict(left),
+        "knobs": rows,
+        "keys": last.setting.tables(),
+        "tightened": _tightened(picks),
+        "errors_before": dict(errors[0]) if len(errors) > 1 else None,
+        "missed": [
+            _missed(quantity, error, tolerance, knobs, last, results, by_source)
+            for quantity, error in left.items()
+            if error > tolerance
+        ],
+    }
+    if not left:
+        found["unchecked"] = _unchecked(results)
+    return found
+
+
+def _unchecked(results: Sequence[Result]) -> str:
+    if not any(result.torque_Nm > 0 for result in results):
+        return "without torque nothing is approximated"
+    return "knobs as predicted, not checked (accuracy.estimate = false)"
+
+
+def _value(knob: str, knobs: Knobs, pick: Pick, results: Sequence[Result]) -> float | int | None:
+    if knob == "positions":
+        return int(results[0].position_rad.size)
+    if knobs.kind == "chains":
+        return None
+    if knob == "flank_element_mm":
+        if pick.setting.flank_element_mm is not None:
+            return pick.setting.flank_element_mm
+        length = knobs.element_mm
+        return None if length is None else float(f"{knobs.part * length:.3g}")
+    if knobs.kind == "belts":
+        return None
+    return pick.modes if knob == "modes" else pick.strips
+
+
+def _row(
+    knob: str, knobs: Knobs, pick: Pick, results: Sequence[Result], by_source: Table
+) -> dict[str, Any]:
+    source = SOURCES[knob]
+    errors = by_source.get(source)
+    return {
+        "value": _value(knob, knobs, pick, results),
+        "source": source,
+        "error": max(errors.values()) if errors else None,
+        "left_as_it_is": knobs.closed.get(knob),
+    }
+
+
+def _tightened(picks: Sequence[Pick]) -> dict[str, list[float | int | None]]:
+    first, last = picks[0].setting, picks[-1].setting
+    steps: dict[str, list[float | int | None]] = {
+        "flank_element_mm": [first.flank_element_mm, last.flank_element_mm],
+        "modes": [first.modes, last.modes],
+        "strips_per_half_width": [first.strips_per_half_width, last.strips_per_half_width],
+        "positions.tolerance": [first.adaptive, last.adaptive],
+    }
+    return {knob: both for knob, both in steps.items() if both[0] != both[1]}
+
+
+def _missed(
+    quantity: str,
+    error: float,
+    tolerance: float,
+    knobs: Knobs,
+    pick: Pick,
+    results: Sequence[Result],
+    by_source: Table,
+) -> dict[str, Any]:
+    source = max(by_source, key=lambda name: by_source[name].get(quantity, 0.0))
+    return {
+        "quantity": quantity,
+        "error": error,
+        "source": source,
+        "why": _why(source, by_source[source][quantity], tolerance, knobs, pick, results),
+    }
+
+
+def _why(
+    source: str,
+    error: float,
+    tolerance: float,
+    knobs: Knobs,
+    pick: Pick,
+    results: Sequence[Result],
+) -> str:
+    """Why a source is as large as it is."""
+    knob = next((knob for knob, name in SOURCES.items() if name == source), None)
+    if knob is None:
+        return LEFT_BY.get(source, "no knob answers for it")
+    if knob in knobs.closed:
+        return knobs.closed[knob]
+    if source == "strips" and error > UNRESOLVED:
+        return "a rounding, a chamfer or a kink smaller than the strips can be"
+    ends = {
+        "elements": pick.part <= finest_part(tolerance),
+        "modes": pick.modes >= knobs.most_modes,
+        "strips": pick.strips >= STRIPS[-1],
+    }
+    why = "the finest step of its ladder" if ends.get(source) else "more than could be foreseen"
+    if any(result.corner_contact.any() for result in results):
+        why += "; pairs work on sharp corners, beside which all converges slowly (tip_radius_mm)"
+    return why

@@ -1,0 +1,236 @@
+"""Laws of the error estimate and of CPU seconds, by the knobs.
+
+What the estimate tells of a source goes with a power of its knob; how much it is at the default
+knobs was measured on scenes drawn from a seed (`./dev bench tolerance` draws the same ones). Of a
+run that is done the estimate itself says how much it is, and the laws only how it will change.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: What a tolerance binds.
+BOUND = (
+    "transmission_error",
+    "transmission_error_mean",
+    "transmission_error_peak_to_peak",
+    "load_share",
+    "peak_pressure",
+    "stiffness_secant",
+)
+#: Knobs that the amounts of the laws are told at, and the strips of the default.
+AT_MODES, AT_STRIPS = 5, 10.0
+#: Elements that are too coarse for the highest modes show in those, too: this part of their error.
+MODES_BY_ELEMENTS = 1.6
+#: Strips: error by a power of their width; where a peak is not resolved they help more slowly.
+STRIPS_ORDER, UNRESOLVED_ORDER, UNRESOLVED = 2.0, 1.0, 0.012
+#: Seconds: elements by a power of their length over what they take in any case, modes, strips.
+ELEMENTS_COST, ELEMENTS_COST_ORDER, MODES_COST = 0.7, 1.65, 0.03
+STRIPS_COST, STRIPS_COST_ORDER = 0.4, 1.4
+
+
+@dataclass(frozen=True)
+class Law:
+    """Errors told by the estimate, and seconds.
+
+    Attributes
+    ----------
+    elements, modes, strips, rest : dict of str to float
+        What each source leaves of each bound quantity with default elements, 5 modes, 10 strips;
+        rest: sources that no knob of these answers for.
+    series : tuple of float
+        What 3, 4, … 12 modes leave, over what 5 leave.
+    order, by_modes : float
+        Elements: error by a power of their length, and of the modes that they have to bear.
+    strips_order : dict of str to float
+    elements_s : float
+        CPU seconds of default elements; 0 where they need not be solved.
+    state_s : float
+        Of a position under a torque, with its tangent and its part of the estimate.
+    """
+
+    elements: Mapping[str, float]
+    modes: Mapping[str, float]
+    strips: Mapping[str, float]
+    series: tuple[float, ...]
+    order: float
+    by_modes: float
+    elements_s: float
+    state_s: float
+    rest: Mapping[str, float]
+    strips_order: Mapping[str, float]
+
+    def sources(
+        self, quantity: str, part: Floats, modes: Floats, strips: Floats
+    ) -> dict[str, Floats]:
+        """What each source leaves of a quantity.
+
+        Parameters
+        ----------
+        quantity : str
+        part : array
+            Length of elements over the default.
+        modes, strips : arrays that broadcast with it
+
+        Returns
+        -------
+        dict of str to array
+        """
+        elements = self.elements[quantity] * part**self.order * (modes / AT_MODES) ** self.by_modes
+        left = self.modes[quantity] * np.asarray(self.series)[np.asarray(modes, dtype=int) - 3]
+        order = self.strips_order[quantity]
+        return {
+            "elements": elements,
+            "modes": np.hypot(left, MODES_BY_ELEMENTS * elements),
+            "strips": self.strips[quantity] * (AT_STRIPS / strips) ** order,
+            "rest": np.asarray(self.rest[quantity]),
+        }
+
+    def errors(self, quantity: str, part: Floats, modes: Floats, strips: Floats) -> Floats:
+        """What all sources leave of a quantity; their squares add up."""
+        found = self.sources(quantity, part, modes, strips).values()
+        return np.asarray(np.sqrt(sum(error**2 for error in found)))
+
+    def elements_seconds(self, part: Floats, modes: Floats) -> Floats:
+        """CPU seconds of elements."""
+        return np.asarray(self.elements_s * elements_cost(part, modes))
+
+    def states_seconds(self, strips: Floats, states: float) -> Floats:
+        """CPU seconds of all states."""
+        return np.asarray(states * self.state_s * states_cost(strips))
+
+
+def elements_cost(part: Floats | float, modes: Floats | float) -> Floats:
+    """Seconds of elements over those of the default."""
+    size = 1.0 - ELEMENTS_COST + ELEMENTS_COST * part**-ELEMENTS_COST_ORDER
+    return np.asarray(size * (1.0 + MODES_COST * (modes - AT_MODES)))
+
+
+def states_cost(strips: Floats | float) -> Floats:
+    """Seconds of a state over those on 10 strips."""
+    return np.asarray(1.0 - STRIPS_COST + STRIPS_COST * (strips / AT_STRIPS) ** STRIPS_COST_ORDER)
+
+
+def as_told(
+    law: Law,
+    told: Mapping[str, Mapping[str, float]],
+    *,
+    part: float,
+    modes: int,
+    strips: float,
+) -> Law:
+    """The law with its amounts from what an estimate tells at some knobs.
+
+    Parameters
+    ----------
+    law : Law
+    told : mapping of str to mapping
+        By source and bound quantity.
+    part, modes, strips
+        The knobs of that run.
+
+    Returns
+    -------
+    Law
+    """
+    shape = part**law.order * (modes / AT_MODES) ** law.by_modes
+    series = law.series[modes - 3] if modes >= 3 else 1.0
+    known = {source: dict.fromkeys(BOUND, 0.0) for source in ("elements", "modes", "strips")}
+    rest, order = dict.fromkeys(BOUND, 0.0), dict.fromkeys(BOUND, STRIPS_ORDER)
+    for quantity in BOUND:
+        elements = told.get("elements", {}).get(quantity, 0.0)
+        in_modes = told.get("modes", {}).get(quantity, 0.0)
+        in_strips = told.get("strips", {}).get(quantity, 0.0)
+        # of what shows in the modes, some is the elements'; the rest is at least a part of it
+        own = max(in_modes**2 - (MODES_BY_ELEMENTS * elements) ** 2, (0.3 * in_modes) ** 2) ** 0.5
+        if in_strips > UNRESOLVED:
+            order[quantity] = UNRESOLVED_ORDER
+        known["elements"][quantity] = elements / shape
+        known["modes"][quantity] = own / series
+        known["strips"][quantity] = in_strips * (strips / AT_STRIPS) ** order[quantity]
+        others = (told[source].get(quantity, 0.0) for source in told if source not in known)
+        rest[quantity] = sum(error**2 for error in others) ** 0.5
+    return replace(
+        law,
+        elements=known["elements"],
+        modes=known["modes"],
+        strips=known["strips"],
+        rest=rest,
+        strips_order=order,
+    )
+
+
+def _law(
+    elements: tuple[float, ...],
+    modes: tuple[float, ...],
+    strips: tuple[float, ...],
+    series: tuple[float, ...],
+    powers: tuple[float, float],
+    seconds: tuple[float, float],
+) -> Law:
+    return Law(
+        dict(zip(BOUND, elements, strict=True)),
+        dict(zip(BOUND, modes, strict=True)),
+        dict(zip(BOUND, strips, strict=True)),
+        series,
+        *powers,
+        *seconds,
+        rest=dict.fromkeys(BOUND, 0.0),
+        strips_order=dict.fromkeys(BOUND, STRIPS_ORDER),
+    )
+
+
+NONE = (0.0,) * len(BOUND)
+#: By kind of pair, amounts in the order of `BOUND`: what six of ten of the drawn scenes stay below.
+LAWS = {
+    "gears": _law(
+        elements=(1.1e-3, 3e-4, 6e-5, 1.1e-3, 2e-3, 3e-4),
+        modes=(5.2e-3, 3e-4, 8e-4, 4.8e-3, 7e-3, 3e-4),
+        strips=(1.2e-4, 4e-5, 5e-5, 1.1e-4, 3.1e-3, 4e-5),
+        series=(38.0, 7.5, 1.0, 0.75, 0.42, 0.32, 0.26, 0.22, 0.19, 0.17),
+        powers=(1.7, 2.8),
+        seconds=(0.15, 2e-3),
+    ),
+    "splines": _law(
+        elements=(1e-4, 5e-5, 0.0, 1e-5, 7e-3, 5e-5),
+        modes=(1.2e-4, 2e-5, 0.0, 1e-5, 1e-2, 2e-5),
+        strips=(1e-5, 1e-5, 0.0, 1e-5, 3.1e-3, 1e-5),
+        series=(20.0, 5.0, 1.0, 0.7, 0.5, 0.4, 0.3, 0.3, 0.3, 0.3),
+        powers=(1.6, 2.0),
+        seconds=(0.33, 1.5e-2),
+    ),
+    "cams": _law(
+        elements=(5e-4, 3e-4, 1e-6, 0.0, 1e-5, 3e-4),
+        modes=(5e-4, 2e-4, 1e-4, 0.0, 1e-3, 2e-4),
+        strips=(1e-5, 1e-5, 0.0, 0.0, 2.8e-3, 1e-5),
+        series=(100.0, 10.0, 1.0, 0.75, 0.45, 0.35, 0.25, 0.2, 0.15, 0.12),
+        powers=(0.2, 0.0),
+        seconds=(0.3, 2e-3),
+    ),
+    "belts": _law(
+        elements=(1e-2, 0.0, 0.0, 1e-2, 0.0, 0.0),
+        modes=NONE,
+        strips=NONE,
+        series=(1.0,) * 10,
+        powers=(1.0, 0.0),
+        seconds=(0.2, 1e-3),
+    ),
+    "chains": _law(
+        elements=NONE,
+        modes=NONE,
+        strips=NONE,
+        series=(1.0,) * 10,
+        powers=(1.0, 0.0),
+        seconds=(0.0, 1e-3),
+    ),
+}

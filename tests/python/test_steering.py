@@ -1,0 +1,294 @@
+"""A named tolerance: knobs that are picked, checked, tightened once, and what is said of them."""
+
+import itertools
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from test_cli import SCENE
+from tolerances import ROUND_OFF
+
+import flankload as fl
+from flankload.cli import main
+from flankload.result.accuracy_lines import accuracy_lines
+from flankload.setting import Setting
+from flankload.steering import first_pick, first_scene
+from flankload.steering.knobs import MOST_MODES, knobs_of
+from flankload.steering.laws import BOUND, LAWS, as_told
+from flankload.steering.pick import PARTS, STRIPS, cheapest, finest_part
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
+#: Seconds of a setting may be beaten by this part: two orders of the same sums.
+SECONDS = 1e-12
+
+
+def small(**accuracy: Any) -> dict[str, Any]:
+    """A gear on a rigid wheel, six positions."""
+    tree = tomllib.loads(SCENE)
+    tree["body_2"]["rigid"] = True
+    tree["positions"]["count"] = 6
+    tree["accuracy"] = accuracy
+    return tree
+
+
+def solved(tree: dict[str, Any]) -> fl.Result:
+    result = fl.solve(fl.Scene.from_dict(tree))
+    assert isinstance(result, fl.Result)
+    return result
+
+
+def said(result: fl.Result) -> dict[str, Any]:
+    assert result.accuracy is not None
+    return dict(result.accuracy)
+
+
+@pytest.fixture(scope="module")
+def tight() -> fl.Result:
+    """A tolerance that the first setting misses."""
+    return solved(small(tolerance=0.008))
+
+
+def written_out(tree: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
+    """The scene with the knobs that were bought, and no tolerance."""
+    tables = {name: {**tree.get(name, {}), **keys} for name, keys in found["keys"].items()}
+    tables["accuracy"].pop("tolerance")
+    return {**tree, **tables}
+
+
+def assert_same(one: fl.Result, two: fl.Result) -> None:
+    for name in ("position_rad", "rotation_rad", "site_force_N", "peak_pressure_MPa"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+    assert one.estimate == two.estimate
+
+
+# --- without the key ------------------------------------------------------------------------------
+def test_without_the_key_nothing_is_steered() -> None:
+    scene = fl.Scene.from_dict(small(modes=4, estimate=False))
+    assert not scene.steers
+    assert first_scene(scene) is scene
+    result = fl.solve(scene)
+    assert isinstance(result, fl.Result)
+    assert result.accuracy is None
+    assert "accuracy" not in json.loads(result.to_json())
+    assert "steering" not in result.cost["stages"]
+
+
+# --- what is run ----------------------------------------------------------------------------------
+def test_result_is_that_of_the_knobs_written_out() -> None:
+    tree = small(tolerance=0.1)
+    result = solved(tree)
+    assert said(result)["tightened"] == {}
+    assert_same(result, solved(written_out(tree, said(result))))
+
+
+def test_tightened_result_is_that_of_the_knobs_written_out(tight: fl.Result) -> None:
+    found = said(tight)
+    assert found["tightened"]
+    assert_same(tight, solved(written_out(small(tolerance=0.008), found)))
+
+
+def test_tightening_helps(tight: fl.Result) -> None:
+    found = said(tight)
+    assert max(found["errors_before"].values()) > found["tolerance"]
+    assert found["largest_error"] < max(found["errors_before"].values())
+
+
+def test_what_is_said_is_what_the_estimate_tells(tight: fl.Result) -> None:
+    found, estimate = said(tight), tight.estimate
+    assert estimate is not None
+    curve = tight.transmission_error_um
+    part = np.ptp(curve) / np.abs(curve).max()
+    for quantity in BOUND:
+        scale = part if quantity.endswith("peak_to_peak") else 1.0
+        assert found["errors"][quantity] == pytest.approx(
+            scale * estimate[quantity], rel=ROUND_OFF, abs=0.0
+        )
+    assert found["met"] == (max(found["errors"].values()) <= found["tolerance"])
+    assert {one["quantity"] for one in found["missed"]} == {
+        quantity for quantity, error in found["errors"].items() if error > found["tolerance"]
+    }
+
+
+def test_first_run_is_counted(tight: fl.Result) -> None:
+    """A body's elements twice, the first time in a stage of its own."""
+    stages = tight.cost["stages"]
+    assert stages["first run"]["counters"]["fe_factorisations"] == 1
+    assert tight.cost["fe_factorisations"] == 2
+    states = sum(stage["counters"].get("states", 0) for stage in stages.values())
+    assert tight.cost["states"] == states
+
+
+def test_elements_are_kept_where_strips_are_tightened() -> None:
+    result = solved(small(tolerance=0.003))
+    assert list(said(result)["tightened"]) == ["strips_per_half_width"]
+    assert "fe_factorisations" not in result.cost["stages"]["first run"]["counters"]
+    assert result.cost["fe_factorisations"] == 1
+
+
+def test_named_knobs_stay_and_are_blamed() -> None:
+    result = solved(small(tolerance=1e-4, flank_element_mm=2.0, modes=4, strips_per_half_width=6.0))
+    found = said(result)
+    assert found["keys"] == {}
+    assert found["tightened"] == {}
+    assert not found["met"]
+    reasons = {one["source"]: one["why"] for one in found["missed"]}
+    assert reasons["modes"] == "accuracy.modes is named"
+    assert found["knobs"]["positions"]["left_as_it_is"] == "positions.count is named"
+    assert [row["value"] for row in found["knobs"].values()] == [2.0, 4, 6.0, 6]
+
+
+def test_positions_follow_the_tolerance_where_none_are_named() -> None:
+    tree = small(tolerance=0.1, flank_element_mm=2.0)
+    del tree["positions"]
+    result = solved(tree)
+    assert said(result)["keys"]["positions"]["adaptive"] is True
+    assert result.estimate is not None
+    assert "positions" in result.estimate["by_source"]
+    assert_same(result, solved(written_out(tree, said(result))))
+
+
+def test_several_torques_share_their_knobs() -> None:
+    tree = small(tolerance=0.1, flank_element_mm=2.0)
+    tree["load"]["torque_Nm"] = [0.0, 30.0, 300.0]
+    results = fl.solve(fl.Scene.from_dict(tree))
+    assert isinstance(results, tuple)
+    assert len({json.dumps(said(result)) for result in results}) == 1
+    errors = [result.estimate["load_share"] for result in results if result.estimate is not None]
+    assert said(results[0])["errors"]["load_share"] == max(errors)
+
+
+# --- what cannot be checked, or steered -----------------------------------------------------------
+def test_without_estimate_knobs_are_picked_and_not_checked() -> None:
+    found = said(solved(small(tolerance=0.01, estimate=False)))
+    assert found["met"] is None
+    assert found["unchecked"] == "knobs as predicted, not checked (accuracy.estimate = false)"
+    assert found["keys"]["accuracy"]["modes"] >= 3
+
+
+def test_without_torque_nothing_is_approximated() -> None:
+    tree = small(tolerance=0.01, flank_element_mm=2.0)
+    tree["load"]["torque_Nm"] = 0.0
+    assert said(solved(tree))["unchecked"] == "without torque nothing is approximated"
+
+
+def test_chain_has_no_knobs() -> None:
+    tree = tomllib.loads((EXAMPLES / "chain.toml").read_text(encoding="utf-8"))
+    plain = solved(tree)
+    result = solved({**tree, "accuracy": {"tolerance": 0.01}})
+    assert set(said(result)["knobs"]) == {"positions"}
+    assert said(result)["keys"] == {}
+    np.testing.assert_array_equal(result.rotation_rad, plain.rotation_rad)
+
+
+def test_elements_of_a_belt_follow_the_tolerance() -> None:
+    tree = tomllib.loads((EXAMPLES / "belt.toml").read_text(encoding="utf-8"))
+    found = said(solved({**tree, "accuracy": {"tolerance": 0.1}}))
+    assert set(found["knobs"]) == {"flank_element_mm", "positions"}
+    assert found["knobs"]["positions"]["left_as_it_is"] == "a belt has no such knob"
+    assert set(found["keys"]) == {"accuracy"}
+
+
+@pytest.mark.parametrize(
+    ("keys", "knob", "why"),
+    [
+        ({"effects": {"contact": "lumped"}}, "strips_per_half_width", "lumped contact lays no"),
+        ({"effects": {"near_field": "nodes"}}, "modes", "effects.near_field = 'nodes' goes by"),
+        ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is named"),
+    ],
+)
+def test_knobs_that_stay_say_why(keys: dict[str, Any], knob: str, why: str) -> None:
+    scene = fl.Scene.from_dict({**small(tolerance=0.01), **keys})
+    assert knobs_of(scene).closed[knob].startswith(why)
+
+
+# --- laws and the choice --------------------------------------------------------------------------
+@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.001])
+def test_no_other_step_is_cheaper(kind: str, tolerance: float) -> None:
+    """Against a plain search through all steps."""
+    scene = fl.Scene.from_dict(small(tolerance=tolerance))
+    knobs = replace(knobs_of(scene), kind=kind, states=32)
+    law = LAWS[kind]
+    pick = cheapest(law, knobs, tolerance, positions=Setting(), states=32.0)
+    for part, modes, strips in itertools.product(PARTS, range(3, MOST_MODES + 1), STRIPS):
+        if part < finest_part(tolerance):
+            continue
+        one = tuple(np.array(value, dtype=float) for value in (part, modes, strips))
+        worst = max(float(law.errors(quantity, *one)) for quantity in BOUND)
+        seconds = float(law.elements_seconds(*one[:2]) + law.states_seconds(one[2], 32.0))
+        if max(pick.errors.values()) <= tolerance:
+            assert worst > tolerance or seconds >= pick.seconds * (1.0 - SECONDS)
+        else:
+            assert worst > tolerance
+
+
+def test_a_law_as_told_tells_what_was_told() -> None:
+    rng = np.random.default_rng(5)
+    told = {
+        source: {quantity: float(rng.uniform(1e-4, 1e-2)) for quantity in BOUND}
+        for source in ("elements", "strips", "positions")
+    }
+    law = as_told(LAWS["gears"], told, part=0.7, modes=6, strips=14.0)
+    knobs = (np.array(0.7), np.array(6.0), np.array(14.0))
+    for quantity in BOUND:
+        sources = law.sources(quantity, *knobs)
+        for source, name in (("elements", "elements"), ("strips", "strips"), ("rest", "positions")):
+            assert float(sources[source]) == pytest.approx(
+                told[name][quantity], rel=ROUND_OFF, abs=0.0
+            )
+
+
+def test_a_smaller_tolerance_never_buys_less() -> None:
+    picks = [
+        first_pick(fl.Scene.from_dict(small(tolerance=tolerance)))
+        for tolerance in (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)
+    ]
+    seconds = [pick.seconds for pick in picks]
+    assert seconds == sorted(seconds)
+    assert seconds[-1] > seconds[0]
+
+
+# --- how it is told -------------------------------------------------------------------------------
+def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
+    first, knobs, tightened, missed = accuracy_lines(said(tight))
+    assert first.startswith("0.8 %: not met, transmission error peak to peak ")
+    assert knobs.startswith("flank_element_mm 0.7")
+    assert " modes 7 (modes 0." in knobs
+    assert tightened.startswith("tightened once: flank_element_mm 1.0 -> 0.7")
+    assert missed.startswith("missed: transmission error peak to peak ")
+    assert missed.endswith("most of it from positions: positions.count is named")
+
+
+def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "pair.toml"
+    path.write_text(SCENE.replace("estimate = false\n", ""), encoding="utf-8")
+    assert main(["run", str(path)]) == 0
+    assert "tolerance           10 %: met" in capsys.readouterr().out
+    assert main(["plan", str(path)]) == 0
+    assert "accuracy.tolerance = 0.1 begins with modes = " in capsys.readouterr().out
+    assert main(["check", str(path)]) == 0
+    assert "knobs that a tolerance of 0.1 begins with" in capsys.readouterr().out
+
+
+def test_a_plan_is_that_of_the_first_run() -> None:
+    scene = fl.Scene.from_dict(small(tolerance=0.1))
+    plan = fl.plan(scene)
+    assert plan.picked is not None
+    result = fl.solve(scene, plan=plan)
+    assert isinstance(result, fl.Result)
+    assert plan.picked["keys"] == said(result)["keys"]
+    assert plan.predicted["counters"]["fe_factorisations"] == result.cost["fe_factorisations"]
+
+
+def test_progress_of_two_runs_grows_to_its_end() -> None:
+    told: list[tuple[int, int]] = []
+    scene = fl.Scene.from_dict(small(tolerance=0.008))
+    fl.solve(scene, progress=lambda stage, done, total: told.append((done, total)))
+    done = [one for one, _ in told]
+    assert done == sorted(done)
+    assert told[-1][0] == told[-1][1]
+    assert len({total for _, total in told}) == 1
