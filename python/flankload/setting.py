@@ -171,4 +171,8 @@ def with_setting(scene: Scene, setting: Setting) -> Scene:
         positions=structs.replace(scene.positions, **(even | setting.position_keys)),
         effects=structs.replace(scene.effects, **setting.effect_keys),
         named_effects=scene.named_effects.union(setting.effect_keys),
+        named_knobs=scene.named_knobs.union(
+            {f"accuracy.{key}" for key in setting.accuracy_keys},
+            {f"positions.{key}" for key in setting.position_keys},
+        ),
     )

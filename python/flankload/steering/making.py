@@ -100,10 +100,8 @@ def solve_to_tolerance(
 
 def _at(scene: Scene, pick: Pick) -> Scene:
     """The scene with a pick's knobs named: it asks for no steering any more."""
-    return replace(
-        with_setting(scene, pick.setting),
-        named_knobs=scene.named_knobs - {"accuracy.tolerance"},
-    )
+    scene = with_setting(scene, pick.setting)
+    return replace(scene, named_knobs=scene.named_knobs - {"accuracy.tolerance"})
 
 
 def _several(found: Result | tuple[Result, ...]) -> tuple[Result, ...]:
