@@ -31,7 +31,7 @@ BOUND = (
 #: Knobs that the amounts of the laws are told at, and the strips of the default.
 AT_MODES, AT_STRIPS = 5, 10.0
 #: Elements that are too coarse for the highest modes show in those, too: this part of their error.
-MODES_BY_ELEMENTS = 1.6
+MODES_BY_ELEMENTS = 1.3
 #: Strips: error by a power of their width; where a peak is not resolved they help more slowly.
 STRIPS_ORDER, UNRESOLVED_ORDER, UNRESOLVED = 2.0, 1.0, 0.012
 #: Seconds: elements by a power of their length over what they take in any case, modes, strips.
@@ -194,11 +194,11 @@ NONE = (0.0,) * len(BOUND)
 #: By kind of pair, amounts in the order of `BOUND`: what six of ten of the drawn scenes stay below.
 LAWS = {
     "gears": _law(
-        elements=(1.1e-3, 3e-4, 6e-5, 1.1e-3, 2e-3, 3e-4),
+        elements=(1.1e-3, 3e-4, 6e-5, 1.1e-3, 1.8e-3, 3e-4),
         modes=(5.2e-3, 3e-4, 8e-4, 4.8e-3, 7e-3, 3e-4),
         strips=(1.2e-4, 4e-5, 5e-5, 1.1e-4, 3.1e-3, 4e-5),
-        series=(38.0, 7.5, 1.0, 0.75, 0.42, 0.32, 0.26, 0.22, 0.19, 0.17),
-        powers=(1.7, 2.8),
+        series=(38.0, 7.5, 1.0, 0.75, 0.42, 0.36, 0.3, 0.26, 0.13, 0.115),
+        powers=(1.7, 2.6),
         seconds=(0.15, 2e-3),
     ),
     "splines": _law(

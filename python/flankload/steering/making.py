@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     Progress = Callable[[str, int, int], None]
     Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
 
+#: A finer run that is not likely to meet the tolerance is worth its time where it comes so many
+#: times nearer.
+WORTH = 2.0
 #: Part of the tolerance that adaptive positions are tightened to, and what they cannot fall below.
 POSITIONS_AIM, LEAST_DOUBT = 0.4, 1e-5
 
@@ -84,7 +87,7 @@ def solve_to_tolerance(
     if by_source and max(errors[0].values()) > scene.accuracy.tolerance:
         with steering:
             second = _tightened(scene, knobs, pick, found, by_source)
-        if second.setting != pick.setting:
+        if second is not None and second.setting != pick.setting:
             same = _elements_of(second) == _elements_of(pick)
             extra["first run"] = _spent(found, without=set(kept) if same else set())
             picks.append(second)
@@ -116,12 +119,12 @@ def _tightened(
     scene: Scene,
     knobs: Knobs,
     done: Pick,
-    found: Sequence[Result],
+    results: Sequence[Result],
     by_source: Mapping[str, dict[str, float]],
-) -> Pick:
-    """The setting that should meet the tolerance, by what a run has told."""
+) -> Pick | None:
+    """The setting that should meet the tolerance, by what a run has told; None: not worth it."""
     tolerance = scene.accuracy.tolerance
-    states = sum(result.position_rad.size for result in found if result.torque_Nm > 0)
+    states = sum(result.position_rad.size for result in results if result.torque_Nm > 0)
     positions = Setting(count=done.setting.count, adaptive=done.setting.adaptive)
     left = max(by_source.get("positions", {}).values(), default=0.0)
     if positions.adaptive is not None and left > POSITIONS_AIM * tolerance:
@@ -130,8 +133,8 @@ def _tightened(
         positions = replace(positions, adaptive=float(f"{doubt:.2g}"))
         less = {name: part * error for name, error in by_source["positions"].items()}
         by_source = {**by_source, "positions": less}
-    priced = _priced(LAWS[knobs.kind], found[0], done, states)
-    spent = sum(stage["cpu_s"] for stage in found[0].cost["stages"].values())
+    priced = _priced(LAWS[knobs.kind], results[0], done, states)
+    spent = sum(stage["cpu_s"] for stage in results[0].cost["stages"].values())
     done = replace(done, seconds=spent)
     law = as_told(
         priced,
@@ -140,7 +143,28 @@ def _tightened(
         modes=done.modes,
         strips=done.strips,
     )
-    return cheapest(law, knobs, tolerance, positions=positions, states=states, done=done, aim=AIM)
+    found = told(results)
+    missed = {quantity: error for quantity, error in found.items() if error > tolerance}
+    for same_elements in (False, True):
+        pick = cheapest(
+            law,
+            knobs,
+            tolerance,
+            positions=positions,
+            states=states,
+            done=done,
+            same_elements=same_elements,
+            aim=AIM,
+        )
+        if _is_worth(pick, missed, tolerance):
+            return pick
+    return None
+
+
+def _is_worth(pick: Pick, missed: Mapping[str, float], tolerance: float) -> bool:
+    """Whether a finer run is likely to meet what is missed, or comes much nearer."""
+    left = max(pick.errors[quantity] for quantity in missed)
+    return left <= max(tolerance, max(missed.values()) / WORTH)
 
 
 def _priced(law: Law, result: Result, done: Pick, states: int) -> Law:

@@ -27,12 +27,10 @@ STRIPS = np.array([7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0])
 LEAST_PART, FINE = 0.25, 1e-3
 #: What a tightened setting is aimed at, as part of the tolerance: laws err, too.
 AIM = 0.85
-#: Below this tolerance the first run is nearly never enough: it is aimed at this much, and the
-#: tightened one at the tolerance.
-FIRST_AIM = 4e-3
-#: What cannot come so low is taken nearly as low as it comes, to so many times as much, as long as
-#: that takes no more than so many times as long as all else.
-NEARLY, PATIENCE = 1.15, 6.0
+#: What cannot come so low is taken nearly as low as it comes, to so many times as much, before
+#: anything is known of a scene and after; then as long as that takes no more than so many times as
+#: long as what was run, or as what meets all else.
+FIRST_NEARLY, NEARLY, PATIENCE = 1.05, 1.3, 3.0
 #: Adaptive positions begin with so many on a pitch; what they may leave in doubt of harmonics and
 #: peak to peak, as parts of them, over the tolerance, which binds parts of the whole; and how many
 #: they will be, at the least and by a power of the tolerance.
@@ -97,9 +95,7 @@ def first_pick(scene: Scene, knobs: Knobs | None = None) -> Pick:
         doubt = float(np.clip(DOUBT * tolerance, LEAST_DOUBT, MOST_DOUBT))
         positions = Setting(count=POSITIONS, adaptive=doubt)
         states *= EXPECTED * (EXPECTED_AT / doubt) ** EXPECTED_ORDER / scene.positions.count
-    aim = max(1.0, FIRST_AIM / tolerance)
-    law = LAWS[knobs.kind]
-    return cheapest(law, knobs, tolerance, positions=positions, states=states, aim=aim)
+    return cheapest(LAWS[knobs.kind], knobs, tolerance, positions=positions, states=states)
 
 
 def finest_part(tolerance: float) -> float:
@@ -115,6 +111,7 @@ def cheapest(
     positions: Setting,
     states: float,
     done: Pick | None = None,
+    same_elements: bool = False,
     aim: float = 1.0,
 ) -> Pick:
     """The cheapest step of the ladders that meets a tolerance by a law, or comes nearest.
@@ -131,6 +128,8 @@ def cheapest(
     done : Pick, optional
         A setting that has been run: no knob becomes coarser than there, and its elements, with
         their modes, cost nothing any more.
+    same_elements : bool
+        Its elements and modes stay.
     aim : float
         Part of the tolerance that is aimed at.
 
@@ -138,15 +137,19 @@ def cheapest(
     -------
     Pick
     """
-    ladders = _ladders(knobs, tolerance, done)
+    ladders = _ladders(knobs, tolerance, done, same_elements=same_elements)
     part, modes, strips = np.meshgrid(*ladders, indexing="ij")
     seconds = law.elements_seconds(part, modes)
     if done is not None:
         seconds = np.where((part == done.part) & (modes == done.modes), 0.0, seconds)
     seconds = seconds + law.states_seconds(strips, states)
     errors = {quantity: law.errors(quantity, part, modes, strips) for quantity in BOUND}
-    least_s = 0.0 if done is None else done.seconds
-    at = np.unravel_index(_best(errors, seconds, aim * tolerance, least_s), part.shape)
+    wanted = aim * tolerance
+    if done is None:
+        best = _best(errors, seconds, wanted, nearly=FIRST_NEARLY, least_s=np.inf)
+    else:
+        best = _best(errors, seconds, wanted, nearly=NEARLY, least_s=done.seconds)
+    at = np.unravel_index(best, part.shape)
     chosen = float(part[at]), int(modes[at]), float(strips[at])
     one = tuple(np.array(value, dtype=float) for value in chosen)
     found = {quantity: law.sources(quantity, *one) for quantity in BOUND}
@@ -165,7 +168,9 @@ def cheapest(
     )
 
 
-def _ladders(knobs: Knobs, tolerance: float, done: Pick | None) -> tuple[Floats, Floats, Floats]:
+def _ladders(
+    knobs: Knobs, tolerance: float, done: Pick | None, *, same_elements: bool
+) -> tuple[Floats, Floats, Floats]:
     """Steps of elements, modes and strips that are open."""
     parts = np.array([knobs.part])
     if knobs.is_open("flank_element_mm"):
@@ -174,6 +179,8 @@ def _ladders(knobs: Knobs, tolerance: float, done: Pick | None) -> tuple[Floats,
     if not knobs.is_open("modes"):
         modes = np.array([float(knobs.modes)])
     strips = STRIPS if knobs.is_open("strips_per_half_width") else np.array([knobs.strips])
+    if done is not None and same_elements:
+        parts, modes = np.array([done.part]), np.array([float(done.modes)])
     if done is not None:
         parts = parts[parts <= done.part]
         modes = modes[modes >= done.modes]
@@ -181,7 +188,9 @@ def _ladders(knobs: Knobs, tolerance: float, done: Pick | None) -> tuple[Floats,
     return parts, modes, strips
 
 
-def _best(errors: dict[str, Floats], seconds: Floats, wanted: float, least_s: float) -> int:
+def _best(
+    errors: dict[str, Floats], seconds: Floats, wanted: float, *, nearly: float, least_s: float
+) -> int:
     """The cheapest of all steps that meet what can be met, and come near where it cannot."""
     within = np.ones(seconds.shape, dtype=bool)
     hopeless = []
@@ -197,7 +206,7 @@ def _best(errors: dict[str, Floats], seconds: Floats, wanted: float, least_s: fl
     if len(hopeless) < len(errors):
         within &= seconds <= PATIENCE * max(least_s, float(seconds[within].min()))
     worst = np.max([errors[quantity] for quantity in hopeless], axis=0)
-    near = within & (worst <= NEARLY * worst[within].min())
+    near = within & (worst <= nearly * worst[within].min())
     return int(np.where(near, seconds, np.inf).argmin())
 
 
