@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Progress = Callable[[str, int, int], None]
     Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
 
-#: A finer run that is not likely to meet the tolerance is worth its time where it comes so many
+#: A finer run that is not likely to meet anything more is worth its time where it comes so many
 #: times nearer.
 WORTH = 2.0
 #: Part of the tolerance that adaptive positions are tightened to, and what they cannot fall below.
@@ -162,9 +162,9 @@ def _tightened(
 
 
 def _is_worth(pick: Pick, missed: Mapping[str, float], tolerance: float) -> bool:
-    """Whether a finer run is likely to meet what is missed, or comes much nearer."""
-    left = max(pick.errors[quantity] for quantity in missed)
-    return left <= max(tolerance, max(missed.values()) / WORTH)
+    """Whether a finer run is likely to meet some of what is missed, or comes much nearer."""
+    left = [pick.errors[quantity] for quantity in missed]
+    return min(left) <= tolerance or max(left) <= max(missed.values()) / WORTH
 
 
 def _priced(law: Law, result: Result, done: Pick, states: int) -> Law:

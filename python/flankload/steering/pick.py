@@ -205,7 +205,8 @@ def _best(
         return int(np.where(within, seconds, np.inf).argmin())
     if len(hopeless) < len(errors):
         within &= seconds <= PATIENCE * max(least_s, float(seconds[within].min()))
-    worst = np.max([errors[quantity] for quantity in hopeless], axis=0)
+    # each beside the least that it can come to
+    worst = np.max([errors[quantity] / errors[quantity].min() for quantity in hopeless], axis=0)
     near = within & (worst <= nearly * worst[within].min())
     return int(np.where(near, seconds, np.inf).argmin())
 
