@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flankload.steering.knobs import SOURCES
+from flankload.steering.knobs import MOST_MODES, SOURCES
 from flankload.steering.laws import UNRESOLVED
 from flankload.steering.pick import STRIPS, finest_part
 
@@ -156,6 +156,8 @@ def _why(
         return LEFT_BY.get(source, "no knob answers for it")
     if knob in knobs.closed:
         return knobs.closed[knob]
+    if source == "modes" and pick.modes >= knobs.most_modes < MOST_MODES:
+        return "meshes and compliances from files bear no more of them"
     if source == "strips" and error > UNRESOLVED:
         return "a rounding, a chamfer or a kink smaller than the strips can be"
     ends = {
