@@ -33,7 +33,7 @@ AT_MODES, AT_STRIPS = 5, 10.0
 #: Elements that are too coarse for the highest modes show in those, too: this part of their error.
 MODES_BY_ELEMENTS = 1.3
 #: Strips: error by a power of their width; where a peak is not resolved they help more slowly.
-STRIPS_ORDER, UNRESOLVED_ORDER, UNRESOLVED = 2.0, 1.0, 0.012
+STRIPS_ORDER, UNRESOLVED_ORDER, UNRESOLVED = 2.0, 1.5, 0.012
 #: Seconds: elements by a power of their length over what they take in any case, modes, strips.
 ELEMENTS_COST, ELEMENTS_COST_ORDER, MODES_COST = 0.7, 1.65, 0.03
 STRIPS_COST, STRIPS_COST_ORDER = 0.4, 1.4

@@ -14,7 +14,7 @@ from flankload.steering.pick import AIM, Pick, cheapest, first_pick
 from flankload.steering.told import told, told_by_source
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, MutableMapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, MutableMapping, Sequence
 
     from flankload.compliance import BodyCompliance
     from flankload.result import Result
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     Progress = Callable[[str, int, int], None]
     Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
 
-#: A finer run that is not likely to meet anything more is worth its time where it comes so many
-#: times nearer.
-WORTH = 2.0
 #: Part of the tolerance that adaptive positions are tightened to, and what they cannot fall below.
 POSITIONS_AIM, LEAST_DOUBT = 0.4, 1e-5
 
@@ -144,7 +141,7 @@ def _tightened(
         strips=done.strips,
     )
     found = told(results)
-    missed = {quantity: error for quantity, error in found.items() if error > tolerance}
+    missed = [quantity for quantity, error in found.items() if error > tolerance]
     for same_elements in (False, True):
         pick = cheapest(
             law,
@@ -161,10 +158,9 @@ def _tightened(
     return None
 
 
-def _is_worth(pick: Pick, missed: Mapping[str, float], tolerance: float) -> bool:
-    """Whether a finer run is likely to meet some of what is missed, or comes much nearer."""
-    left = [pick.errors[quantity] for quantity in missed]
-    return min(left) <= tolerance or max(left) <= max(missed.values()) / WORTH
+def _is_worth(pick: Pick, missed: Collection[str], tolerance: float) -> bool:
+    """Whether a finer run is likely to meet some of what is missed."""
+    return min(pick.errors[quantity] for quantity in missed) <= tolerance
 
 
 def _priced(law: Law, result: Result, done: Pick, states: int) -> Law:
