@@ -91,18 +91,19 @@ def build_follower(
     if isinstance(head, Roller):
         curve, radius = roller_curve(head), head.arm_mm
         length = head.radius_mm * head.angles_rad[1]
-        element_mm = flank_element_mm or length / (ROLLER_ELEMENTS * fineness)
+        default_mm = length / ROLLER_ELEMENTS
         modes_part = ROLLER_MODES_PART
     else:
         curve, radius = flat_curve(head), hypot(head.offset_mm, 0.5 * sum(head.ends_mm))
         length = curve.length_mm
         width = lever.arm_mm[1] - lever.arm_mm[0]
-        element_mm = flank_element_mm or width / (FLAT_ELEMENTS_PER_WIDTH * fineness)
+        default_mm = width / FLAT_ELEMENTS_PER_WIDTH
         modes_part = FLAT_MODES_PART + FLAT_MODES_PER_WIDTH * length / width
     mesh = None
     if not spec.rigid:
         make = roller_mesh if isinstance(head, Roller) else flat_mesh
-        mesh = make(lever, flank_element_mm=element_mm)
+        element_mm = flank_element_mm or default_mm / fineness
+        mesh = make(lever, flank_element_mm=element_mm, finer=max(1.0, default_mm / element_mm))
     return Body(
         kind=spec.kind,
         curve=curve,

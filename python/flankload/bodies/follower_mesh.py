@@ -29,13 +29,14 @@ CORE_PART = 0.5
 INNER_PART = 1.6
 LEAST_ACROSS = 8
 #: Where the arm meets hub and roller, in sharp corners, elements begin as this part of its width
-#: and grow by that: even ones leave 1 % in the wind-up of a flat follower.
+#: and grow by that: even ones leave 1 % in the wind-up of a flat follower. With finer elements both
+#: shrink, or what these corners leave would stay.
 CORNER_PART, CORNER_GROWTH = 0.01, 1.6
 #: The first layer under the flank over the length of its elements, and how layers grow inwards.
 FIRST_LAYER, GROWTH = 0.4, 1.4
 
 
-def roller_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
+def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
     """Mesh a lever with a roller.
 
     Parameters
@@ -44,6 +45,8 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
         With a Roller.
     flank_element_mm : float
         Largest length of an element along the roller.
+    finer : float
+        By what elements at sharp corners of the arm shrink.
 
     Returns
     -------
@@ -57,10 +60,10 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
     inner = INNER_PART * flank_element_mm
     # as many elements lie on the outer end of the roller
     most = width * min(1 / LEAST_ACROSS, flank_element_mm / (2 * OUTER_ANGLE * radius))
-    part = _between_corners(width, width, most)
+    part = _between_corners(width, width, most, finer)
     over = max(LEAST_ACROSS, ceil((upper - OUTER_ANGLE) * radius / flank_element_mm))
     blocks = BlockMesh()
-    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm)
+    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm, finer)
     # clockwise around the roller, from behind the arm's end
     angles = (2 * pi - upper, upper, OUTER_ANGLE, -OUTER_ANGLE, -upper)
     even = np.linspace(0.0, 1.0, 2 * over + 1)
@@ -70,7 +73,8 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
     ]
     behind = centre + radius * _around(turns[0])
     length = float(behind[0, 0]) - hub[1]
-    ends = _add_bar(blocks, hub[3], behind, _between_corners(length, width, inner), hub[0])[:, -1]
+    steps = _between_corners(length, width, inner, finer)
+    ends = _add_bar(blocks, hub[3], behind, steps, hub[0])[:, -1]
     core = _roller_core(turns, radius)
     rings: list[Numbers] = []
     depth = _layers((1 - CORE_PART) * radius, flank_element_mm)
@@ -90,7 +94,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
     return _whole(blocks, fixed, flank, radius * (turn[0] - turn))
 
 
-def flat_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
+def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
     """Mesh a lever with a flat.
 
     Parameters
@@ -99,6 +103,8 @@ def flat_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
         With a Flat.
     flank_element_mm : float
         Largest length of an element along the flat.
+    finer : float
+        By what elements at sharp corners of the arm shrink.
 
     Returns
     -------
@@ -108,19 +114,19 @@ def flat_mesh(lever: Lever, *, flank_element_mm: float) -> WholeMesh:
     low, high = lever.arm_mm
     start, end = lever.head.ends_mm  # type: ignore[union-attr]
     width, inner = high - low, INNER_PART * flank_element_mm
-    part = _between_corners(width, width, min(inner, width / LEAST_ACROSS))
+    part = _between_corners(width, width, min(inner, width / LEAST_ACROSS), finer)
     blocks = BlockMesh()
-    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm)
+    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm, finer)
     up = low + part * (high - low)
     ends = hub[0]
     if start - hub[2] > 1e-6 * start:
         border = np.stack([np.full(up.size, start), up], axis=1)
-        steps = _from_corner(start - hub[2], width, flank_element_mm)
+        steps = _from_corner(start - hub[2], width, flank_element_mm, finer)
         ends = _add_bar(blocks, hub[3], border, steps, ends)[:, -1]
         left = border
     else:
         left = hub[3]
-    steps = _from_corner(end - start, width, flank_element_mm)
+    steps = _from_corner(end - start, width, flank_element_mm, finer)
     right = np.stack([np.full(up.size, end), up], axis=1)
     numbers = _add_bar(blocks, left, right, steps, ends)
     return _whole(blocks, fixed, numbers[-1], steps * (end - start))
@@ -137,19 +143,26 @@ def _layers(thickness: float, flank_element_mm: float) -> Floats:
     return with_middles(growing_breaks(thickness, first, GROWTH, caps))
 
 
-def _from_corner(length: float, width: float, largest: float) -> Floats:
+def _from_corner(length: float, width: float, largest: float, finer: float) -> Floats:
     """Parts of a length, with middles, that grow from a corner."""
     caps = np.array([[0.0], [largest]])
-    return with_middles(growing_breaks(length, CORNER_PART * width, CORNER_GROWTH, caps))
+    first, growth = _steps(width, finer)
+    return with_middles(growing_breaks(length, first, growth, caps))
 
 
-def _between_corners(length: float, width: float, largest: float) -> Floats:
+def _between_corners(length: float, width: float, largest: float, finer: float) -> Floats:
     """The same, from corners at both ends."""
-    return with_middles(symmetric_breaks(length, CORNER_PART * width, CORNER_GROWTH, largest))
+    first, growth = _steps(width, finer)
+    return with_middles(symmetric_breaks(length, first, growth, largest))
+
+
+def _steps(width: float, finer: float) -> tuple[float, float]:
+    """The first element at a corner of the arm, mm, and how the next ones grow."""
+    return CORNER_PART * width / finer, 1.0 + (CORNER_GROWTH - 1.0) / finer
 
 
 def _add_hub(
-    blocks: BlockMesh, lever: Lever, part: Floats, element_mm: float
+    blocks: BlockMesh, lever: Lever, part: Floats, element_mm: float, finer: float
 ) -> tuple[tuple[Numbers, float, float, Floats], Numbers]:
     """Two parts of a ring; the arm leaves one of them, whose nodes stand at `part` of its height.
 
@@ -165,8 +178,8 @@ def _add_hub(
     low, high = leaving[[0, -1]]
     width, wall = y_high - y_low, radius - lever.bore_radius_mm
     largest = min(2 * INNER_PART * element_mm, wall)
-    rest = _between_corners((2 * pi - high + low) * radius, width, largest)
-    radii = radius - wall * _from_corner(wall, width, min(largest, wall / 3))[::-1]
+    rest = _between_corners((2 * pi - high + low) * radius, width, largest, finer)
+    radii = radius - wall * _from_corner(wall, width, min(largest, wall / 3), finer)[::-1]
     known: dict[str, Numbers] = {}
     parts = []
     # clockwise, so that rows go outwards
