@@ -8,9 +8,12 @@ Eng. 24, 1987). As it is bilinear in the loads, one matrix holds it for all of t
 and no further solution is needed.
 
 Of one sector the stresses are those with both cuts held: what is missed far from the loads, in the
-rim and in the other teeth, is smooth and small beside that under the flank. On gears, rings and
-splines at 7 to 24 elements along the flank the true loss, a unit load anywhere, is 0.6 to 2.2 of
-the estimate, and the nearer to it the finer the mesh; on cams and followers 0.1 to 2.
+rim and in the other teeth, is smooth and small beside that under the flank (on gears and rings all
+teeth together move by 1.0 to 1.5 times what the loaded one does, where it counts 1.0). On gears,
+rings and splines at 7 to 24 elements along the flank the true loss, a unit load anywhere, is 0.8 to
+2.3 of the estimate: 0.9 to 1.1 under even pressure, more under pressures that the flank elements
+hardly resolve, in the mean over the flank 1.4 to 1.75. Of followers, where the sharp corners of the
+arm count most, it is 1.0 to 1.1, of cams 0.5.
 """
 
 from __future__ import annotations
@@ -25,12 +28,17 @@ from scipy.sparse import csr_matrix
 from flankload.elasticity import lame_parameters
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Material
 
     Floats = NDArray[np.float64]
     Cells = tuple[tuple[str, NDArray[np.int64]], ...]
+
+#: Elements that are looked at together.
+BLOCK = 256
 
 
 @dataclass(frozen=True)
@@ -88,45 +96,57 @@ def missed_compliance(
     # energy of a stress s: |root s|²
     root = np.linalg.cholesky(np.linalg.inv(elastic)).T
     p = moved.shape[1]
-    displaced = moved.reshape(len(nodes), 2, p)
+    displaced = moved.reshape(len(nodes), 2 * p)
     total, count = np.zeros((len(nodes), 3 * p)), np.zeros(len(nodes))
     for kind, connectivity in cells:
-        element = _element(kind)
-        own = [
-            _strains(nodes[connectivity], displaced[connectivity], slopes)[0]
-            for slopes in element.best
-        ]
-        there = np.tensordot(element.outward, np.stack(own), axes=(1, 0))  # (n, E, 3, p)
+        element, parts = _element(kind), []
+        for numbers in _blocks(connectivity):
+            own, _ = _strains(nodes[numbers], displaced[numbers], element.best)
+            values = own.transpose(2, 1, 0, 3).reshape(element.outward.shape[1], -1)
+            parts.append((element.outward @ values).reshape(len(element.outward), -1, 3 * p))
         spread = csr_matrix(
             (np.ones(connectivity.size), (connectivity.T.ravel(), np.arange(connectivity.size))),
             shape=(len(nodes), connectivity.size),
         )
-        total += spread @ there.reshape(-1, 3 * p)
+        total += spread @ np.concatenate(parts, axis=1).reshape(-1, 3 * p)
         count += np.bincount(connectivity.ravel(), minlength=len(nodes))
     smoothed = total / np.maximum(count, 1.0)[:, None]
     missed = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
-        for slopes, shapes, weight in zip(
-            element.slopes, element.shapes, element.weights, strict=True
-        ):
-            own_strain, area = _strains(nodes[connectivity], displaced[connectivity], slopes)
-            better = np.tensordot(shapes, smoothed[connectivity.T], axes=(0, 0))
-            change = better.reshape(own_strain.shape) - own_strain
-            change = (root @ elastic) @ change * np.sqrt(weight * area)[:, None, None]
+        for numbers in _blocks(connectivity):
+            own, area = _strains(nodes[numbers], displaced[numbers], element.slopes)
+            better = (element.shapes @ smoothed[numbers]).reshape(*own.shape[1:3], 3, p)
+            change = (better.transpose(2, 0, 1, 3) - own).reshape(3, -1)
+            change = ((root @ elastic) @ change).reshape(own.shape)
+            change *= np.sqrt(element.weights * area)[:, :, None]
             flat = change.reshape(-1, p)
             missed += flat.T @ flat
     return missed
 
 
+def _blocks(connectivity: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+    """So many elements at a time that what is computed of them stays in the cache."""
+    for start in range(0, len(connectivity), BLOCK):
+        yield connectivity[start : start + BLOCK]
+
+
 def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-    """Strains (E, 3, p) at a point of each element, and its Jacobian (E,)."""
-    jacobian = slopes @ places  # (E, 2, 2)
-    area = jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]
-    gradient = np.linalg.solve(jacobian, np.broadcast_to(slopes, (len(places), *slopes.shape)))
-    along_x = gradient @ displaced[:, :, 0]  # (E, 2, p)
-    along_y = gradient @ displaced[:, :, 1]
-    strain = np.stack([along_x[:, 0], along_y[:, 1], along_x[:, 1] + along_y[:, 0]], axis=1)
+    """Strains (3, E, g, p) at g points of each element, and their Jacobians (E, g).
+
+    places (E, n, 2), displaced (E, n, 2 p), slopes (g, 2, n). All points of an element together are
+    one product of matrices.
+    """
+    g, _, n = slopes.shape
+    jacobian = (slopes.reshape(2 * g, n) @ places).reshape(-1, g, 2, 2)
+    area = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
+    turned = np.empty_like(jacobian)
+    turned[..., 0, 0], turned[..., 1, 1] = jacobian[..., 1, 1], jacobian[..., 0, 0]
+    turned[..., 0, 1], turned[..., 1, 0] = -jacobian[..., 0, 1], -jacobian[..., 1, 0]
+    inverse = turned / area[..., None, None]
+    gradient = inverse[..., :1] * slopes[:, None, 0] + inverse[..., 1:] * slopes[:, None, 1]
+    along = (gradient.reshape(-1, 2 * g, n) @ displaced).reshape(len(places), g, 2, 2, -1)
+    strain = np.stack([along[:, :, 0, 0], along[:, :, 1, 1], along[:, :, 0, 1] + along[:, :, 1, 0]])
     return strain, np.abs(area)
 
 
