@@ -218,6 +218,7 @@ def solve_with(
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
         geometry = pair_geometry(pair, compliances)
+        unseen = _unseen(pair, compliances) if estimates else ()
         results = tuple(
             result_of(
                 part,
@@ -227,7 +228,7 @@ def solve_with(
                 face_width_mm=scene.pair.face_width_mm,
                 estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
                 geometry=geometry,
-                notes=(*chosen, *standing, *_not_enough(scene, pair, errors[t])),
+                notes=(*chosen, *standing, *unseen, *_not_enough(scene, pair, errors[t])),
             )
             for t, part in enumerate(found)
         )
@@ -272,7 +273,7 @@ def _estimates(
         pair.resolution.grid,
         lumped=pair.effects.lumped_contact,
         position_rad=pair.position_rad,
-        window=window_of(pair) if pair.closed and not pair.adaptive else None,
+        window=None if pair.pitches is None or pair.adaptive else window_of(pair),
     )
     return dict(zip(loaded, estimated, strict=True))
 
@@ -306,6 +307,23 @@ def window_of(pair: BodyPair) -> Window:
         sites=pairing.sites,
         whole_circle=pairing.whole_circle,
     )
+
+
+def _unseen(pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]) -> tuple[str, ...]:
+    """Bodies of whose elements the error estimate knows nothing."""
+    bodies = (pair.body_1, pair.body_2)
+    unknown = [
+        f"body_{z + 1}"
+        for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
+        if body.given is not None and compliance.missed is None and compliance.nodes is None
+    ]
+    if not unknown:
+        return ()
+    note = (
+        "the error estimate does not contain what the elements behind the compliance of "
+        f"{' and '.join(unknown)} miss: its file does not tell"
+    )
+    return (note,)
 
 
 def _not_enough(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:

@@ -88,7 +88,7 @@ def test_the_estimate_says_what_the_level_leaves(lumped: fl.Result, pairs: fl.Re
     assert set(sources["lumped"]) >= set(LUMPED)
     for quantity in LUMPED:
         parts = [errors[quantity] for errors in sources.values() if quantity in errors]
-        assert lumped.estimate[quantity] == pytest.approx(np.linalg.norm(parts), rel=ROUND_OFF)
+        assert sources["lumped"][quantity] <= lumped.estimate[quantity] <= sum(parts)
     beside = np.abs(lumped.rotation_rad / pairs.rotation_rad - 1).max()
     assert beside < sources["lumped"]["transmission_error"] < 10 * beside
     share = np.abs(lumped.load_share - pairs.load_share).max()

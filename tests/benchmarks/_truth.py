@@ -1,0 +1,122 @@
+"""What four times finer solutions of the scenes say, kept in files: a changed estimate needs none.
+
+Each file names the scene it belongs to; where the draw has changed it is made anew.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import flankload as fl
+from flankload.resolution import Grid, Resolution, choose_resolution
+from flankload.solve import solve_with
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+#: How many times as fine elements, cells and positions are; the second where the first takes too
+#: long: the cells of splines lie along all flanks.
+FINER = (4, 4, 4), (4, 2, 2)
+#: Modes are as many as the schema allows. On a mesh four times as fine more of them get worse at
+#: the ends of the flank.
+MODES = 12
+#: CPU seconds after which a solution is given up.
+MOST_CPU_S = 90.0
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Numbers of a finer solution, as `Result` has them.
+
+    Attributes
+    ----------
+    sites : (S,) array
+    position_rad, rotation_rad, stiffness_secant_Nm_per_rad, stiffness_tangent_Nm_per_rad : (P,)
+    load_share, peak_pressure_MPa, corner_contact : (P, S) arrays
+    """
+
+    sites: NDArray[np.int64]
+    position_rad: NDArray[np.float64]
+    rotation_rad: NDArray[np.float64]
+    stiffness_secant_Nm_per_rad: NDArray[np.float64]
+    stiffness_tangent_Nm_per_rad: NDArray[np.float64]
+    load_share: NDArray[np.float64]
+    peak_pressure_MPa: NDArray[np.float64]
+    corner_contact: NDArray[np.int64]
+
+
+def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
+    """Truth of a scene from its file, or made and put there; None where it takes too long."""
+    names = [field.name for field in fields(Truth)]
+    key = json.dumps(scene, sort_keys=True)
+    if file.exists():
+        with np.load(file) as stored:
+            if str(stored["scene"]) == key:
+                there = "rotation_rad" in stored
+                return Truth(**{name: stored[name] for name in names}) if there else None
+    truth, arrays = None, {}
+    for finer in FINER:
+        try:
+            with _at_most(MOST_CPU_S):
+                truth = finer_solution(scene, finer)
+        except _TooLongError:
+            continue
+        arrays = {name: getattr(truth, name) for name in names}
+        break
+    file.parent.mkdir(parents=True, exist_ok=True)
+    np.savez_compressed(file, scene=key, **arrays)
+    return truth
+
+
+def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] = FINER[0]) -> Truth:
+    """The scene with all knobs finer."""
+    elements, cells, positions = finer
+    count = positions * scene["positions"]["count"]
+    fine = fl.Scene.from_dict(
+        {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
+    )
+    default = choose_resolution(fine)
+    result = solve_with(
+        fine,
+        {},
+        resolution=Resolution(
+            default.flank_element_parts / elements,
+            MODES,
+            Grid(
+                cells * default.grid.strips_per_half_width,
+                cells * default.grid.corner_strips_per_half_width,
+                default.grid.zone_half_widths,
+            ),
+        ),
+    )
+    assert isinstance(result, fl.Result)
+    return Truth(**{field.name: np.asarray(getattr(result, field.name)) for field in fields(Truth)})
+
+
+class _TooLongError(Exception):
+    """Given up."""
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    """Give up what takes more CPU seconds: the core is left like on Ctrl-C."""
+
+    def give_up(*_: object) -> None:
+        raise _TooLongError
+
+    before = signal.signal(signal.SIGPROF, give_up)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
