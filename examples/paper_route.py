@@ -15,9 +15,9 @@ import numpy as np
 import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.bodies import Body
-from flankload.compliance import close_ring, condense
 from flankload.elasticity import stiffness
 from flankload.nodal_loads import flank_nodes
+from flankload.sector_closure import close_ring, condense
 
 SCENE = Path(__file__).parent / "scenes" / "external_gear.toml"
 ANGLE_DEG = 11.25  # half a pitch on: two pairs of teeth carry
