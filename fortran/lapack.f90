@@ -76,6 +76,14 @@ module flankload_lapack
 
 contains
 
+    !> Leading dimension, which LAPACK wants to be positive even where there is nothing.
+    pure integer function leading(matrix)
+        !> Array of any shape
+        real(wp), intent(in) :: matrix(:, :)
+
+        leading = max(1, size(matrix, 1))
+    end function leading
+
     !> Cholesky factor of the leading block, into its lower triangle.
     pure subroutine potrf(n, matrix, info)
         !> Order of the block
@@ -85,7 +93,7 @@ contains
         !> Not zero: the block is not positive definite
         integer, intent(out) :: info
 
-        call dpotrf('L', n, matrix, size(matrix, 1), info)
+        call dpotrf('L', n, matrix, leading(matrix), info)
     end subroutine potrf
 
     !> LU factor of the leading block with exchange of rows.
@@ -99,7 +107,7 @@ contains
         !> Not zero: the block is singular
         integer, intent(out) :: info
 
-        call dgetrf(n, n, matrix, size(matrix, 1), row_swaps, info)
+        call dgetrf(n, n, matrix, leading(matrix), row_swaps, info)
     end subroutine getrf
 
     !> Exchange the rows of right-hand sides as the factorisation did.
@@ -109,7 +117,7 @@ contains
         !> Row swapped with each row
         integer, contiguous, intent(in) :: row_swaps(:)
 
-        call dlaswp(size(rows, 2), rows, size(rows, 1), 1, size(row_swaps), row_swaps, 1)
+        call dlaswp(size(rows, 2), rows, leading(rows), 1, size(row_swaps), row_swaps, 1)
     end subroutine permute_rows
 
     !> T X = B or Tᵀ X = B with a triangle T of a factor. For a few right-hand sides one by one: to
@@ -133,10 +141,10 @@ contains
 
         if (size(x, 2) > few) then
             call dtrsm('L', uplo, transposed, diagonal, n, size(x, 2), 1.0_wp, factor, &
-                & size(factor, 1), x, size(x, 1))
+                & leading(factor), x, leading(x))
         else
             do j = 1, size(x, 2)
-                call dtrsv(uplo, transposed, diagonal, n, factor, size(factor, 1), x(:, j), 1)
+                call dtrsv(uplo, transposed, diagonal, n, factor, leading(factor), x(:, j), 1)
             end do
         end if
     end subroutine solve_triangle
@@ -152,7 +160,7 @@ contains
         !> Right-hand side, then solution, shape (>= n)
         real(wp), contiguous, intent(inout) :: x(:)
 
-        call dtrsv('L', transposed, 'N', n, factor, size(factor, 1), x, 1)
+        call dtrsv('L', transposed, 'N', n, factor, leading(factor), x, 1)
     end subroutine solve_lower
 
     !> L X = B where the first rows of X are known already.
@@ -169,7 +177,7 @@ contains
 
         if (known == n) return
         do j = 1, size(x, 2)
-            call continue_column(known, n, size(factor, 1), factor, x(:, j))
+            call continue_column(known, n, leading(factor), factor, x(:, j))
         end do
     end subroutine continue_lower
 
@@ -241,7 +249,7 @@ contains
         !> Sum, shape (n)
         real(wp), contiguous, intent(inout) :: y(:)
 
-        call dgemv('N', size(y), last - first + 1, 1.0_wp, matrix(:, first:), size(matrix, 1), &
+        call dgemv('N', size(y), last - first + 1, 1.0_wp, matrix(:, first:), leading(matrix), &
             & x(first:), 1, 1.0_wp, y, 1)
     end subroutine add_product
 

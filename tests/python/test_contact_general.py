@@ -406,6 +406,15 @@ def test_a_pair_that_the_load_presses_and_the_motion_opens(method: str) -> None:
     assert state.info.backward_error <= 10 * EPS
 
 
+def test_an_open_problem_asks_nothing_of_lapack(capfd: pytest.CaptureFixture[str]) -> None:
+    """No pair could close, nothing works on the motion: no matrix is left to factor."""
+    matrix = np.array([[2.0, -1.0], [1.0, 2.0]])
+    state = fl.solve_contact_general(matrix, [1.0, 1.0], [1.0, 0.0], 0.0, positive_definite=True)
+    assert not state.normal_forces.any()
+    assert state.status == 0
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_proof_without_possible_pairs_is_quiet(capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(errors.NegativeForce) as caught:
         fl.solve_contact_general(np.eye(2), [0, 0], [1, 1], -1.0, method="paper")
