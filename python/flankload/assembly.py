@@ -22,7 +22,7 @@ from flankload.growth import Growth, growth_notes, growth_of
 from flankload.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing import Pairing, pair_bodies
 from flankload.period import Period, period_of
-from flankload.resolution import Resolution, choose_resolution
+from flankload.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
 from flankload.root_fillet import RootFillets, root_fillets
 from flankload.scene import Belt, Chain
 from flankload.scene.effect_rules import check_coast_kinds
@@ -137,6 +137,10 @@ def bodies_of(
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
+        elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
+            bodies = tuple(
+                _bearing(body, scene, resolution, z) for z, body in zip(which, bodies, strict=True)
+            )
         return bodies
     except SceneError as error:
         raise _with_file(error, scene) from None
@@ -282,6 +286,17 @@ def _nodes_mm(
     if alike is None:
         alike = _body(scene, resolution, 0, None, None), _body(scene, resolution, 1, None, None)
     return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
+
+
+def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
+    """The body, its flank as fine as the modes that the scene names want it; the rest as it was."""
+    assert scene.accuracy.modes is not None
+    wanted = elements_for_modes(scene.accuracy.modes)
+    parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
+    if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
+        return body
+    low, high = body.mode_range_mm
+    return _body(scene, resolution, z, None, (high - low) / wanted)
 
 
 def _body(

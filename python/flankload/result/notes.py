@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.node_spacing import wide_nodes_notes
+from flankload.resolution import elements_for_modes
 from flankload.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.assembly import BodyPair
+    from flankload.bodies import Body
     from flankload.compliance import BodyCompliance
     from flankload.result.result import Result
     from flankload.sweep import Sweep
@@ -76,10 +78,11 @@ def notes_of_sweep(
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = compliances[z].smooth.shape[1] if compliances[z].nodes is None else 0
-        if body.mesh is not None and 2 * (modes - 1) > body.mesh.flank_elements:
+        if body.mesh is not None and _wanted_elements(body, modes) > body.mesh.flank_elements:
             yield (
                 f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
-                f"body_{z + 1}: more than half as many degrees as elements make the result worse"
+                f"body_{z + 1}: {_wanted_elements(body, modes)} bear them, fewer make the result "
+                "worse, first of all pressures at tip roundings"
             )
         alone = _beside_unnamed(pair, found) if body.named_teeth else []
         if alone:
@@ -115,6 +118,13 @@ def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
     yield from _large_wind_up(result)
     if result.coast is None and any(growth is not None for growth in pair.growth):
         yield from _overlaps(result)
+
+
+def _wanted_elements(body: Body, modes: int) -> int:
+    """Flank elements that bear the modes; those of cams go round, or are many by themselves."""
+    if body.modes_part > 1.0 or body.curve.closed:
+        return 2 * (modes - 1)
+    return elements_for_modes(modes)
 
 
 def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
