@@ -142,12 +142,12 @@ def _levels(studies: dict[str, fl.Study]) -> Iterator[str]:
     for name, study in studies.items():
         base = study.knobs.base
         for row in study.rows:
-            level = row.setting.level
-            plain = (row.setting.flank_element_mm, row.setting.count) == (
-                base.flank_element_mm,
-                base.count,
-            )
-            if row.group == "default" or (row.group == level and plain):
+            level, apart = row.setting.level, row.setting.flank_element_mm
+            plain = row.setting.count == base.count and apart == base.flank_element_mm
+            if level == "nodes":
+                plain = row.setting.count == base.count
+                level = "nodes" if apart is None else f"nodes, {apart:g} mm"
+            if row.group == "default" or (row.group == row.setting.level and plain):
                 cells = [_percent(row.errors.get(measure)) for measure in names]
                 sweep = sum(row.run.stages.get(stage, 0.0) for stage in ("sweep", "tangent"))
                 said = [f"{row.run.cpu_s:.3f}", f"{1000 * sweep:.0f}"]

@@ -15,7 +15,7 @@ from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload.accuracy import Study, accuracy, combinations, knobs, making, runs, truth
-from flankload.accuracy.knobs import knobs_of
+from flankload.accuracy.knobs import can_be_nodal, knobs_of
 from flankload.accuracy.ladder import limit_of
 from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.accuracy.observed import common, errors_of, from_tree, observed, to_tree
@@ -167,6 +167,8 @@ def test_runs_read_as_they_are_written() -> None:
         Setting("pairs", 0.5, 6, 12.0, 2.5, 64),
         Setting("pairs", 0.25, 8, 100.0, 3.0, 8, 0.001),
         Setting("lumped", 1.0, 5, count=32),
+        Setting("nodes", 0.5, count=32),
+        Setting("nodes", count=32),
     ],
 )
 def test_lines_of_a_setting_make_the_scene_of_its_run(setting: Setting) -> None:
@@ -250,12 +252,40 @@ def test_run_without_answer_says_why(study: Study) -> None:
 # --- the study ------------------------------------------------------------------------------------
 def test_study_holds_all_ladders_levels_and_combinations(study: Study) -> None:
     groups = {row.group for row in study.rows}
-    assert {"as it stands", "default", "finest", "lumped", *study.knobs.ladders} <= groups
+    assert {"as it stands", "default", "finest", "lumped", "nodes", *study.knobs.ladders} <= groups
     assert study.stopped is None
     text = str(study)
     assert "mm (others finest)" in text
     assert "lumped Hertz contact" in text
+    assert "plain nodal loads" in text
+    assert "nodes by the contact's width" in text
     assert "1 %: " in text
+
+
+def test_nodes_of_the_study_are_named_without_modes_and_strips(study: Study) -> None:
+    nodal = [row for row in study.rows if row.setting.level == "nodes"]
+    assert [row.setting.tables().get("accuracy") for row in nodal] == [
+        {"flank_element_mm": study.knobs.finest.flank_element_mm},
+        None,
+    ]
+    assert all(row.run.failure is None for row in nodal)
+    assert nodal[1].errors["transmission_error"] < nodal[0].errors["transmission_error"]
+
+
+@pytest.mark.parametrize(
+    ("name", "can"),
+    [
+        ("external_gear", True),
+        ("spline", True),
+        ("cam", False),
+        ("belt", False),
+        ("spline_press_fit", False),
+        ("external_gear_warm", False),
+        ("external_gear_mesh", False),
+    ],
+)
+def test_nodes_stand_where_flanks_are_open_and_meshed(name: str, can: bool) -> None:
+    assert can_be_nodal(example(name)) is can
 
 
 def test_finer_elements_and_strips_are_better(study: Study) -> None:

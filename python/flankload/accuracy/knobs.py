@@ -192,3 +192,13 @@ def _rounded(length: float) -> float:
 def can_lump(scene: Scene) -> bool:
     """Whether contacts can be lumped in places: not where flanks conform, or chains have none."""
     return not isinstance(scene.body_1, SplineShaft) and scene.body_2.kind not in DRIVES
+
+
+def can_be_nodal(scene: Scene) -> bool:
+    """Whether forces may stand at plain nodes: where both flanks are open and bring elements."""
+    effects, bodies = scene.effects, (scene.body_1, scene.body_2)
+    return (
+        scene.body_2.kind not in (*DRIVES, "cam")
+        and not any(isinstance(body, MeshBody | ComplianceBody) for body in bodies)
+        and not (effects.coast_flank or effects.temperature_rise_K or effects.speed_rpm)
+    )

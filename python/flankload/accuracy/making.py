@@ -9,7 +9,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.accuracy.combinations import search
-from flankload.accuracy.knobs import affordable, can_lump, knobs_of
+from flankload.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
 from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.accuracy.observed import MEASURES
 from flankload.accuracy.runs import Run, Runs
@@ -17,7 +17,6 @@ from flankload.accuracy.study import Row, Study
 from flankload.accuracy.truth import Truth, at_default, ladder
 from flankload.errors import SceneError
 from flankload.plan import choose_effects
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.setting import Setting
 
 if TYPE_CHECKING:
@@ -148,6 +147,8 @@ class _Making:
         for measures in (self.measures, *(alone if len(alone) > 1 else ())):
             for tolerance in TOLERANCES:
                 search(tolerance, self.knobs, truth, measures, self._combination)
+        if can_be_nodal(self.scene):  # last, since it is the dearest of all
+            self.run("nodes", self._nodes(None))
 
     def _combination(self, setting: Setting) -> Run:
         return self.run("combination", setting)
@@ -179,16 +180,19 @@ class _Making:
     def _levels(self) -> Iterator[Setting]:
         """Other levels at the default, with finer elements, and at more positions."""
         base, ladders = self.knobs.base, self.knobs.ladders
-        names = ["lumped"] if can_lump(self.scene) else []
-        if names and "near_field" in EffectsAsked.__struct_fields__:
-            names.append("nodes")
-        for name in names:
-            plain = replace(base, level=name, strips_per_half_width=None, zone_half_widths=None)
+        if can_lump(self.scene):
+            plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)
             yield plain
             if len(ladders.get("flank_element_mm", ())) > 2:
                 yield replace(plain, flank_element_mm=ladders["flank_element_mm"][2])
             if len(ladders.get("count", ())) > 1:
                 yield replace(plain, count=int(ladders["count"][-2]))
+        if can_be_nodal(self.scene) and base.flank_element_mm is not None:
+            yield self._nodes(self.knobs.finest.flank_element_mm)
+
+    def _nodes(self, apart_mm: float | None) -> Setting:
+        """Forces at plain nodes, which know neither modes nor strips; by themselves if None."""
+        return Setting("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
 
     def study(self, stopped: str | None, *, interrupted: bool) -> Study:
         """What has been found so far."""

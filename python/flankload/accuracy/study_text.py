@@ -135,6 +135,8 @@ def _label(row: Row) -> str:
     if setting.as_it_stands:
         return "all knobs as the scene has them"
     parts = []
+    if setting.level == "nodes" and setting.flank_element_mm is None:
+        parts.append("nodes by the contact's width")
     if setting.flank_element_mm is not None:
         parts.append(f"{setting.flank_element_mm:g} mm")
     if setting.modes is not None:
