@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flankload.assembly import build_bodies
+from flankload.belt_drive import default_element_mm
 from flankload.resolution import DEFAULT
 from flankload.scene import ComplianceBody, MeshBody, SplineShaft
 from flankload.setting import Setting
@@ -19,6 +20,8 @@ DRIVES = ("chain", "belt")
 #: Knobs by the names of `Setting`, coarse steps first: parts of the default length of elements,
 #: modes, strips and half-widths as they are, parts of the scene's number of positions.
 ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
+#: The whole tooth of a belt has elements of this length: an eighth would take gigabytes.
+BELT_ELEMENTS = ELEMENTS[:-1]
 MODES = (3, 4, 5, 6, 8, 12)
 STRIPS = (2.5, 5.0, 10.0, 20.0, 40.0)
 ZONES = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0)
@@ -89,7 +92,7 @@ def knobs_of(scene: Scene) -> Knobs:
         Its finest setting is the first of `FINEST`.
     """
     if scene.body_2.kind in DRIVES:
-        return _of_positions(scene)
+        return _of_drives(scene)
     pair = build_bodies(scene)
     bodies = [(scene.body_1, pair.body_1), (scene.body_2, pair.body_2)]
     elastic = [(spec, body) for spec, body in bodies if not body.rigid]
@@ -118,11 +121,18 @@ def knobs_of(scene: Scene) -> Knobs:
     return finest_within(Knobs(ladders, base, base), FINEST[0])
 
 
-def _of_positions(scene: Scene) -> Knobs:
-    """Of chains and belts, which have knobs of their own: positions alone."""
-    single = scene.positions.angles_deg is not None
-    base = Setting(count=None if single else scene.positions.count)
-    ladders: dict[str, tuple[float, ...]] = {} if single else {"count": _counts(scene)}
+def _of_drives(scene: Scene) -> Knobs:
+    """Of chains and belts, which have knobs of their own: positions, and the elements of belts."""
+    ladders: dict[str, tuple[float, ...]] = {}
+    length = default_element_mm(scene) if scene.body_2.kind == "belt" else None
+    if length is not None:
+        ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in BELT_ELEMENTS)
+    if scene.positions.angles_deg is None:
+        ladders["count"] = _counts(scene)
+    base = Setting(
+        flank_element_mm=None if length is None else ladders["flank_element_mm"][1],
+        count=scene.positions.count if "count" in ladders else None,
+    )
     return finest_within(Knobs(ladders, base, base, can_adapt=False), FINEST[0])
 
 
