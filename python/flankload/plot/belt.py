@@ -8,10 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, new_figure, subtitle
+from flankload.plot.style import (
+    COLOURS,
+    GREY,
+    SIZE,
+    STEEL,
+    STYLE,
+    draw_forces,
+    new_figure,
+    subtitle,
+)
 from flankload.result.belt import BeltDrive
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -160,7 +170,7 @@ def plot_force_through_wrap(result: Result) -> Figure:
         return figure
 
 
-def _forces(axes: object, result: Result, angles: Floats, there: NDArray[np.intp], p: int) -> None:
+def _forces(axes: Axes, result: Result, angles: Floats, there: NDArray[np.intp], p: int) -> None:
     """An arrow for each tooth that carries, along the turn."""
     force, radius = result.site_force_N[p, there], result.reference_radius_mm
     angles, most = angles[there], float(force.max())
@@ -171,14 +181,10 @@ def _forces(axes: object, result: Result, angles: Floats, there: NDArray[np.intp
     )
     way = np.column_stack([-np.sin(angles), np.cos(angles)])
     tips = at + 2.0 * result.pitch_rad * radius * (force / most)[:, None] * way
-    axes.update_datalim(tips)  # type: ignore[attr-defined]
-    for site, start, tip, size in zip(result.sites[there], at, tips, force, strict=True):
+    draw_forces(axes, at[force > 0], tips[force > 0])
+    for site, start, size in zip(result.sites[there], at, force, strict=True):
         label = 1.12 * start if size > 0 else 1.06 * start
-        axes.text(*label, f"{site}", ha="center", va="center", fontsize=8, color=GREY)  # type: ignore[attr-defined]
-        if size > 0:
-            arrow = {"arrowstyle": "-|>", "color": COLOURS[1], "lw": 1.6, "mutation_scale": 9}
-            arrow |= {"shrinkA": 0, "shrinkB": 0}
-            axes.annotate("", tip, start, arrowprops=arrow)  # type: ignore[attr-defined]
+        axes.text(label[0], label[1], f"{site}", ha="center", va="center", fontsize=8, color=GREY)
 
 
 def _turn(angle: float) -> Floats:

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, new_figure, subtitle
+from flankload.plot.style import (
+    COLOURS,
+    GREY,
+    SIZE,
+    STEEL,
+    STYLE,
+    draw_forces,
+    new_figure,
+    subtitle,
+)
 from flankload.result.drive import ChainDrive
 
 if TYPE_CHECKING:
@@ -66,16 +75,7 @@ def plot_chain_on_sprocket(result: Result, position: int | None = None) -> Figur
         way = np.column_stack([np.cos(polar + angle), np.sin(polar + angle)])
         scale = 2.2 * pitch * result.reference_radius_mm / max(float(force.max()), 1e-300)
         tips = centers + scale * force[:, None] * way
-        axes.update_datalim(tips)
-        for center, tip, size in zip(centers, tips, force, strict=True):
-            if size <= 0:
-                continue
-            axes.annotate(
-                "",
-                tip,
-                center,
-                arrowprops={"arrowstyle": "-|>", "color": COLOURS[1], "lw": 1.6},
-            )
+        draw_forces(axes, centers[force > 0], tips[force > 0])
         for site, center in zip(result.sites[there], centers, strict=True):
             x, y = center * (1 - 1.1 * pitch)
             axes.text(x, y, f"{site}", ha="center", va="center", fontsize=8, color=GREY)

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from flankload.result import Result
@@ -49,6 +50,27 @@ def new_figure(size: tuple[float, float]) -> Figure:
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float64]) -> None:
+    """Arrows in data units, (k, 2) each; heads shrink with short shafts, so that all have a way."""
+    axes.update_datalim(tips)
+    axes.quiver(
+        *starts.T,
+        *(tips - starts).T,
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        color=COLOURS[1],
+        units="dots",
+        width=3.5,
+        headwidth=4.0,
+        headlength=4.5,
+        headaxislength=4.5,
+        minshaft=1.6,
+        minlength=0.3,
+        zorder=3,
+    )
 
 
 def png_of(figure: Figure) -> bytes:
