@@ -18,8 +18,17 @@ from flankload.result.accuracy_lines import accuracy_lines
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.knobs import MOST_MODES, knobs_of
-from flankload.steering.laws import BOUND, LAWS, as_told
+from flankload.steering.laws import (
+    BOUND,
+    LAWS,
+    LEAST_TOGETHER,
+    MOST_TOGETHER,
+    Law,
+    as_told,
+    together,
+)
 from flankload.steering.pick import PARTS, STRIPS, cheapest, finest_part
+from flankload.steering.told import told_by_source
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Seconds of a setting may be beaten by this part: two orders of the same sums.
@@ -46,10 +55,24 @@ def said(result: fl.Result) -> dict[str, Any]:
     return dict(result.accuracy)
 
 
+@pytest.fixture
+def hopeful(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A law that takes errors for a third of what they are: its first setting is too coarse."""
+    monkeypatch.setitem(LAWS, "gears", third_of(LAWS["gears"]))
+
+
+def third_of(law: Law) -> Law:
+    names = ("elements", "modes", "strips")
+    less = {name: {q: e / 3.0 for q, e in getattr(law, name).items()} for name in names}
+    return replace(law, **less)
+
+
 @pytest.fixture(scope="module")
 def tight() -> fl.Result:
     """A tolerance that the first setting misses."""
-    return solved(small(tolerance=0.008))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(LAWS, "gears", third_of(LAWS["gears"]))
+        return solved(small(tolerance=0.008))
 
 
 def written_out(tree: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
@@ -93,8 +116,8 @@ def test_tightened_result_is_that_of_the_knobs_written_out(tight: fl.Result) -> 
 
 def test_tightening_helps(tight: fl.Result) -> None:
     found = said(tight)
-    assert max(found["errors_before"].values()) > found["tolerance"]
-    assert found["largest_error"] < max(found["errors_before"].values())
+    worst = "transmission_error"
+    assert found["errors_before"][worst] > found["tolerance"] >= found["errors"][worst]
 
 
 def test_what_is_said_is_what_the_estimate_tells(tight: fl.Result) -> None:
@@ -127,7 +150,7 @@ def test_elements_are_kept_where_strips_are_tightened(monkeypatch: pytest.Monkey
     harmless = replace(LAWS["gears"], strips=dict.fromkeys(BOUND, 0.0))
     monkeypatch.setitem(LAWS, "gears", harmless)
     monkeypatch.setattr(pick, "STRIPS", np.array([3.0, *STRIPS]))
-    result = solved(small(tolerance=0.004, flank_element_mm=0.5, modes=7))
+    result = solved(small(tolerance=0.005, flank_element_mm=0.5, modes=7))
     assert list(said(result)["tightened"]) == ["strips_per_half_width"]
     assert "fe_factorisations" not in result.cost["stages"]["first run"]["counters"]
     assert result.cost["fe_factorisations"] == 1
@@ -188,12 +211,38 @@ def test_chain_has_no_knobs() -> None:
     np.testing.assert_array_equal(result.rotation_rad, plain.rotation_rad)
 
 
-def test_elements_of_a_belt_follow_the_tolerance() -> None:
+def belt(**accuracy: Any) -> dict[str, Any]:
     tree = tomllib.loads((EXAMPLES / "belt.toml").read_text(encoding="utf-8"))
-    found = said(solved({**tree, "accuracy": {"tolerance": 0.1}}))
+    return {**tree, "accuracy": accuracy}
+
+
+def test_elements_of_a_belt_follow_the_tolerance() -> None:
+    found = said(solved(belt(tolerance=0.1)))
     assert set(found["knobs"]) == {"flank_element_mm", "positions"}
     assert found["knobs"]["positions"]["left_as_it_is"] == "a belt has no such knob"
     assert set(found["keys"]) == {"accuracy"}
+
+
+def test_elements_of_belt_and_pulley_are_one_source() -> None:
+    tree = tomllib.loads((EXAMPLES / "belt_plastic_pulley.toml").read_text(encoding="utf-8"))
+    result = solved({**tree, "accuracy": {"flank_element_mm": 0.8}})
+    by_source = told_by_source([result])
+    assert result.estimate is not None
+    assert by_source is not None
+    assert set(by_source) == {"elements"}
+    for quantity in ("transmission_error", "load_share"):
+        assert by_source["elements"][quantity] == pytest.approx(
+            result.estimate[quantity], rel=ROUND_OFF, abs=0.0
+        )
+
+
+def test_a_belt_gets_no_shorter_elements_than_it_needs() -> None:
+    """At the default length its estimate tells less than 0.5 %."""
+    tree = belt(tolerance=0.005)
+    found, length = said(solved(tree)), knobs_of(fl.Scene.from_dict(tree)).element_mm
+    assert length is not None
+    assert found["met"]
+    assert found["knobs"]["flank_element_mm"]["value"] > 0.5 * length
 
 
 @pytest.mark.parametrize(
@@ -236,7 +285,13 @@ def test_a_law_as_told_tells_what_was_told() -> None:
         source: {quantity: float(rng.uniform(1e-4, 1e-2)) for quantity in BOUND}
         for source in ("elements", "strips", "positions")
     }
-    law = as_told(LAWS["gears"], told, part=0.7, modes=6, strips=14.0)
+    of_all = {
+        quantity: float(rng.uniform(0.9, 1.1))
+        * sum(row[quantity] ** 2 for row in told.values()) ** 0.5
+        for quantity in BOUND
+    }
+    ratio = together(told, of_all)
+    law = as_told(LAWS["gears"], told, ratio, part=0.7, modes=6, strips=14.0)
     knobs = (np.array(0.7), np.array(6.0), np.array(14.0))
     for quantity in BOUND:
         sources = law.sources(quantity, *knobs)
@@ -244,12 +299,35 @@ def test_a_law_as_told_tells_what_was_told() -> None:
             assert float(sources[source]) == pytest.approx(
                 told[name][quantity], rel=ROUND_OFF, abs=0.0
             )
+    # the root of the squares of what the law says of each, modes included
+    for quantity in BOUND:
+        squares = sum(float(error) ** 2 for error in law.sources(quantity, *knobs).values())
+        assert float(law.errors(quantity, *knobs)) == pytest.approx(
+            ratio[quantity] * squares**0.5, rel=ROUND_OFF, abs=0.0
+        )
+
+
+def test_sources_that_cancel_are_told_together_within_bounds() -> None:
+    told = {source: dict.fromkeys(BOUND, 3e-3) for source in ("elements", "modes")}
+    alone = 2.0**0.5 * 3e-3
+    name = BOUND[0]
+    assert together(told, {name: alone})[name] == pytest.approx(1.0, rel=ROUND_OFF, abs=0.0)
+    assert together(told, {name: 1e-6})[name] == LEAST_TOGETHER
+    assert together(told, {name: 1.0})[name] == MOST_TOGETHER
+    assert together({}, {name: 0.0})[name] == 1.0
+
+
+def test_nothing_of_a_belt_is_put_down_to_modes() -> None:
+    scene = fl.Scene.from_dict(belt(tolerance=0.005))
+    pick = first_pick(scene)
+    assert not any(pick.sources["modes"].values())
+    assert pick.as_dict()["dominant_source"] == "elements"
 
 
 def test_a_smaller_tolerance_never_buys_less() -> None:
     picks = [
         first_pick(fl.Scene.from_dict(small(tolerance=tolerance)))
-        for tolerance in (0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)
+        for tolerance in (0.1, 0.03, 0.01, 0.005, 0.004, 0.003, 0.002, 0.001, 0.0003)
     ]
     seconds = [pick.seconds for pick in picks]
     assert seconds == sorted(seconds)
@@ -258,13 +336,16 @@ def test_a_smaller_tolerance_never_buys_less() -> None:
 
 # --- how it is told -------------------------------------------------------------------------------
 def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
-    first, knobs, tightened, missed = accuracy_lines(said(tight))
-    assert first.startswith("0.8 %: not met, transmission error peak to peak ")
-    assert knobs.startswith("flank_element_mm 0.7")
-    assert " modes 7 (modes 0." in knobs
-    assert tightened.startswith("tightened once: flank_element_mm 1.0 -> 0.7")
-    assert missed.startswith("missed: transmission error peak to peak ")
-    assert missed.endswith("most of it from positions: positions.count is named")
+    found = said(tight)
+    first, knobs, tightened, *missed = accuracy_lines(found)
+    assert first.startswith("0.8 %: not met, transmission error mean ")
+    assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
+    assert " (modes 0." in knobs
+    assert tightened.startswith("tightened once: flank_element_mm ")
+    assert missed
+    for line, one in zip(missed, found["missed"], strict=True):
+        assert line.startswith(f"missed: {one['quantity'].replace('_', ' ')} ")
+        assert line.endswith("most of it from positions: positions.count is named")
 
 
 def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -288,6 +369,7 @@ def test_a_plan_is_that_of_the_first_run() -> None:
     assert plan.predicted["counters"]["fe_factorisations"] == result.cost["fe_factorisations"]
 
 
+@pytest.mark.usefixtures("hopeful")
 def test_progress_of_two_runs_grows_to_its_end() -> None:
     told: list[tuple[int, int]] = []
     scene = fl.Scene.from_dict(small(tolerance=0.008))

@@ -9,7 +9,7 @@ from flankload.cost import COUNTERS, Account
 from flankload.setting import Setting, with_setting
 from flankload.steering.bought import bought
 from flankload.steering.knobs import knobs_of
-from flankload.steering.laws import LAWS, Law, as_told, elements_cost, states_cost
+from flankload.steering.laws import LAWS, Law, as_told, elements_cost, states_cost, together
 from flankload.steering.pick import AIM, Pick, cheapest, first_pick
 from flankload.steering.told import told, told_by_source
 
@@ -124,6 +124,8 @@ def _tightened(
     states = sum(result.position_rad.size for result in results if result.torque_Nm > 0)
     positions = Setting(count=done.setting.count, adaptive=done.setting.adaptive)
     left = max(by_source.get("positions", {}).values(), default=0.0)
+    found = told(results)
+    beside = together(by_source, found)
     if positions.adaptive is not None and left > POSITIONS_AIM * tolerance:
         part = POSITIONS_AIM * tolerance / left
         doubt = max(LEAST_DOUBT, part * positions.adaptive)
@@ -136,11 +138,11 @@ def _tightened(
     law = as_told(
         priced,
         by_source,
+        beside,
         part=done.part,
         modes=done.modes,
         strips=done.strips,
     )
-    found = told(results)
     missed = [quantity for quantity, error in found.items() if error > tolerance]
     for same_elements in (False, True):
         pick = cheapest(

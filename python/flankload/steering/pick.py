@@ -30,7 +30,7 @@ AIM = 0.85
 #: What cannot come so low is taken nearly as low as it comes, to so many times as much, before
 #: anything is known of a scene and after; then as long as that takes no more than so many times as
 #: long as what was run, or as what meets all else.
-FIRST_NEARLY, NEARLY, PATIENCE = 1.05, 1.3, 3.0
+FIRST_NEARLY, NEARLY, PATIENCE = 1.02, 1.3, 3.0
 #: Adaptive positions begin with so many on a pitch; what they may leave in doubt of harmonics and
 #: peak to peak, as parts of them, over the tolerance, which binds parts of the whole; and how many
 #: they will be, at the least and by a power of the tolerance.

@@ -9,7 +9,7 @@ import numpy as np
 from flankload.steering.laws import BOUND
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flankload.result import Result
 
@@ -22,6 +22,8 @@ OF_LARGEST = "transmission_error_peak_to_peak"
 
 def told_by_source(results: Sequence[Result]) -> dict[str, Errors] | None:
     """Errors by source and bound quantity, the largest over the torques.
+
+    Each is what its source alone would leave. Sources may cancel: they do not add up to `told`.
 
     Parameters
     ----------
@@ -37,11 +39,21 @@ def told_by_source(results: Sequence[Result]) -> dict[str, Errors] | None:
     known = [result for result in results if result.estimate is not None]
     for result in known:
         assert result.estimate is not None
-        for source, errors in result.estimate["by_source"].items():
+        for source, errors in _one_of_elements(result.estimate["by_source"]).items():
             row = found.setdefault(source, dict.fromkeys(BOUND, 0.0))
             for quantity, error in _bound(errors, result).items():
                 row[quantity] = max(row[quantity], error)
     return found if known else None
+
+
+def _one_of_elements(by_source: Mapping[str, Mapping[str, float]]) -> dict[str, Errors]:
+    """Elements of both bodies are turned by one knob: one source, where they are told apart."""
+    found: dict[str, Errors] = {}
+    for source, errors in by_source.items():
+        row = found.setdefault("elements" if source.startswith("elements") else source, {})
+        for quantity, error in errors.items():
+            row[quantity] = float(np.hypot(row.get(quantity, 0.0), error))
+    return found
 
 
 def told(results: Sequence[Result]) -> Errors:
