@@ -37,8 +37,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Cells = tuple[tuple[str, NDArray[np.int64]], ...]
 
-#: Elements that are looked at together.
-BLOCK = 256
+#: Elements times loads that are looked at together: their arrays are short enough for memory that
+#: is used again and again; longer ones are fetched from the system each time, page by page.
+BLOCK = 320
 
 
 @dataclass(frozen=True)
@@ -99,22 +100,22 @@ def missed_compliance(
     displaced = moved.reshape(len(nodes), 2 * p)
     total, count = np.zeros((len(nodes), 3 * p)), np.zeros(len(nodes))
     for kind, connectivity in cells:
-        element, parts = _element(kind), []
-        for numbers in _blocks(connectivity):
+        element = _element(kind)
+        best = np.empty((len(connectivity), len(element.best), 3, p))
+        for block in _blocks(len(connectivity), p):
+            numbers = connectivity[block]
             own, _ = _strains(nodes[numbers], displaced[numbers], element.best)
-            values = own.transpose(2, 1, 0, 3).reshape(element.outward.shape[1], -1)
-            parts.append((element.outward @ values).reshape(len(element.outward), -1, 3 * p))
-        spread = csr_matrix(
-            (np.ones(connectivity.size), (connectivity.T.ravel(), np.arange(connectivity.size))),
-            shape=(len(nodes), connectivity.size),
-        )
-        total += spread @ np.concatenate(parts, axis=1).reshape(-1, 3 * p)
+            best[block] = own.transpose(1, 2, 0, 3)
+        outward = _to_nodes(connectivity, element.outward, len(nodes))
+        total += outward @ best.reshape(-1, 3 * p)
         count += np.bincount(connectivity.ravel(), minlength=len(nodes))
-    smoothed = total / np.maximum(count, 1.0)[:, None]
+    smoothed = total
+    smoothed /= np.maximum(count, 1.0)[:, None]
     missed = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
-        for numbers in _blocks(connectivity):
+        for block in _blocks(len(connectivity), p):
+            numbers = connectivity[block]
             own, area = _strains(nodes[numbers], displaced[numbers], element.slopes)
             better = (element.shapes @ smoothed[numbers]).reshape(*own.shape[1:3], 3, p)
             change = (better.transpose(2, 0, 1, 3) - own).reshape(3, -1)
@@ -125,10 +126,22 @@ def missed_compliance(
     return missed
 
 
-def _blocks(connectivity: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
     """So many elements at a time that what is computed of them stays in the cache."""
-    for start in range(0, len(connectivity), BLOCK):
-        yield connectivity[start : start + BLOCK]
+    size = max(1, BLOCK // n_loads)
+    for start in range(0, n_elements, size):
+        yield slice(start, start + size)
+
+
+def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) -> csr_matrix:
+    """Sum at the nodes (N) of what all elements bring there from their best points (E b)."""
+    n_elements, n = connectivity.shape
+    n_best = outward.shape[1]
+    rows = np.repeat(connectivity.ravel(), n_best)
+    number = np.arange(n_elements * n_best).reshape(n_elements, 1, n_best)
+    columns = np.broadcast_to(number, (n_elements, n, n_best)).ravel()
+    values = np.tile(outward.ravel(), n_elements)
+    return csr_matrix((values, (rows, columns)), shape=(n_nodes, n_elements * n_best))
 
 
 def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats, Floats]:
