@@ -58,7 +58,7 @@ class Window:
     sites : (S,) array
         Pair numbers.
     whole_circle : bool
-        The sites are all teeth.
+        The sites are all flanks, as of splines and cams.
     """
 
     pitch_rad: float

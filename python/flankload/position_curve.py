@@ -198,7 +198,7 @@ def loaded_pair_changes(
     pitches : int
         Pitches in a period: a period on, pair j - pitches stands where pair j stood.
     whole_circle : bool
-        The sites are all teeth, so that counting starts again after the last.
+        The sites are all flanks, so that counting starts again after the last (of a cam, the one).
     periods : (n,) array, optional
         Periods by which each position has been moved back.
 

@@ -305,7 +305,8 @@ def window_of(pair: BodyPair) -> Window:
         pitches=pair.pitches,
         closed=pair.closed,
         sites=pairing.sites,
-        whole_circle=pairing.whole_circle,
+        # the one flank of a cam stands beside itself
+        whole_circle=pairing.whole_circle or pairing.motion is not None,
     )
 
 

@@ -37,6 +37,7 @@ from flankload.near_field import (
 )
 from flankload.plane_mesh import boundary_edges, jacobians
 from flankload.plot import plot_all, plot_follower_motion, plot_loaded_pair
+from flankload.solve import window_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "cam.toml"
 #: Curves of the core against the spline of the table, mm.
@@ -406,6 +407,14 @@ def test_a_cam_that_turns_back_passes_the_same_places() -> None:
     )
     np.testing.assert_allclose(one.rotation_rad, two.rotation_rad, rtol=SOLVER)
     np.testing.assert_allclose(one.site_force_N, two.site_force_N, rtol=SOLVER)
+
+
+def test_curve_of_a_cam_goes_on_over_the_turn() -> None:
+    """Regression: its one pair seemed to change from the last position to the first."""
+    pair = build_bodies(fl.Scene.from_dict(cam_scene()))
+    window = window_of(pair)
+    assert window.closed
+    assert not window.changes(np.ones((3, window.sites.size), dtype=bool)).any()
 
 
 def test_a_dwell_is_a_position_like_any_other() -> None:

@@ -142,3 +142,7 @@ def test_pairs_move_up_over_a_period() -> None:
     circle = np.array([[1, 0, 0], [0, 0, 1]], dtype=bool)
     changes = loaded_pair_changes(circle, np.arange(3), pitches=1, whole_circle=True)
     np.testing.assert_array_equal(changes, [True, False])
+    # the one flank of a cam stands beside itself
+    cam = np.ones((3, 1), dtype=bool)
+    changes = loaded_pair_changes(cam, np.array([0]), pitches=1, whole_circle=True)
+    np.testing.assert_array_equal(changes, False)
