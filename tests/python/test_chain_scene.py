@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.bodies.sprocket import build_sprocket
 from flankload.cli import main
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "chain.toml"
@@ -69,6 +70,12 @@ BUILT = [
     ({"roller_seat_radius_mm": 4.2}, "body_1.roller_seat_radius_mm: expected more than half of"),
     ({"seating_angle_deg": 165}, "body_1.seating_angle_deg: expected less than 180 - 360/teeth"),
     ({"tip_diameter_mm": 80}, "body_1.tip_diameter_mm: expected more than the pitch diameter"),
+    ({"tip_diameter_mm": 90}, "body_1.tip_diameter_mm: expected at most 86.0"),
+    ({"flank_radius_mm": 3}, "body_1: expected roller, seat and flank radius, seating angle that"),
+    ({"flank_radius_mm": 1}, "body_1: expected roller, seat and flank radius, seating angle that"),
+    ({"roller_seat_radius_mm": 8}, "body_1: expected roller, seat and flank radius, seating angle"),
+    ({"roller_seat_radius_mm": 12, "flank_radius_mm": 3}, "body_1: expected roller, seat and"),
+    ({"seating_angle_deg": 60}, "body_1: expected roller, seat and flank radius, seating angle"),
 ]
 
 
@@ -77,6 +84,27 @@ def test_roller_has_to_fit_its_pocket(keys: dict[str, Any], line: str) -> None:
     with pytest.raises(fl.SceneError) as found:
         solved(body_1=keys)
     assert str(found.value).startswith(line)
+
+
+def test_rollers_too_thick_for_their_pitch_leave_no_teeth() -> None:
+    with pytest.raises(fl.SceneError, match=r"body_1: expected roller, .* found flanks that"):
+        solved(body_1={"roller_diameter_mm": 12}, body_2={"roller_diameter_mm": 12})
+
+
+@pytest.mark.parametrize("seat", ["tight", "wide"])
+@pytest.mark.parametrize("teeth", [6, 9, 20, 60])
+def test_teeth_end_where_their_flanks_meet(teeth: int, seat: str) -> None:
+    """The contour, traced point by point, leaves no room to the next pocket at the top."""
+    scene = tables(body_1={"teeth": teeth, "seat": seat}, body_2={"wrap_angle_deg": 150})
+    sprocket = build_sprocket(fl.Scene.from_dict(scene).body_1, "body_1")  # type: ignore[arg-type]
+    radius = sprocket.flank_radius_mm - 0.5 * sprocket.roller_diameter_mm
+    turn = np.linspace(sprocket.seat_half_angle_rad, -0.5 * np.pi, 200001)
+    flank = sprocket.flank_centers[1] + radius * np.column_stack([-np.sin(turn), np.cos(turn)])
+    flank[:, 1] += sprocket.pitch_radius_mm
+    within = np.arctan2(flank[:, 0], flank[:, 1]) < sprocket.half_pitch_rad
+    highest = np.hypot(*flank[: int(np.argmin(within))].T).max()
+    np.testing.assert_allclose(sprocket.tooth_top_mm, highest, rtol=1e-5, atol=0.0)
+    assert sprocket.tip_radius_mm <= highest * (1 + 1e-5)
 
 
 def test_other_pairs_know_no_slack_strand() -> None:

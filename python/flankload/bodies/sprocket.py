@@ -8,9 +8,9 @@ along the turn and outwards.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, pi, radians, sin
+from math import cos, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,6 +99,18 @@ class Sprocket:
         return np.array(
             [[side * -sin(a) * reach, self.seat_radius_mm - cos(a) * reach] for side in (1, -1)]
         )
+
+    @property
+    def tooth_top_mm(self) -> float:
+        """Radius on which both flanks of a tooth meet, or where they stop rising before that."""
+        x, y = self.flank_centers[1] + [0.0, self.pitch_radius_mm]
+        radius = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
+        distance, beyond = float(np.hypot(x, y)), float(np.arctan2(x, y)) - self.half_pitch_rad
+        if beyond <= 0:
+            return distance + radius
+        aside = distance * sin(beyond)
+        # arcs that begin beyond the middle of the tooth: pockets run into each other
+        return distance * cos(beyond) + sqrt(radius**2 - aside**2) if aside < radius else 0.0
 
     @property
     def highest_roller_mm(self) -> float:
@@ -201,7 +213,7 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
     flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between
     140° - 90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second,
     but for the seating angle, which is 120° - 90°/z where it is not given. The tip diameter is the
-    middle of its limits.
+    middle of its limits, less where both flanks of a tooth meet before it.
     """
     d, z = spec.roller_diameter_mm, spec.teeth
     wide = spec.seat == "wide"
@@ -238,4 +250,19 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
             expected=f"more than the pitch diameter ({pitch_diameter:g})",
             found=f"{tip:g}",
         )
-    return Sprocket(z, spec.pitch_mm, d, seat - 0.5 * d, flank + 0.5 * d, 0.5 * angle, 0.5 * tip)
+    built = Sprocket(z, spec.pitch_mm, d, seat - 0.5 * d, flank + 0.5 * d, 0.5 * angle, 0.5 * tip)
+    top = 2 * built.tooth_top_mm
+    if top <= pitch_diameter:
+        raise SceneError(
+            key=key,
+            expected="roller, seat and flank radius, seating angle that leave teeth beyond the "
+            f"pitch diameter ({pitch_diameter:g})",
+            found=f"flanks that end at the diameter {top:g}" if top else "none between seats",
+        )
+    if spec.tip_diameter_mm is not None and tip > top:
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"at most {top:g}, where the flanks of a tooth end",
+            found=f"{tip:g}",
+        )
+    return replace(built, tip_radius_mm=0.5 * min(tip, top))

@@ -39,7 +39,11 @@ class Sprocket(EvenBody, frozen=True, kw_only=True, tag="sprocket"):
     ] = None
     tip_diameter_mm: Annotated[
         Length | None,
-        about("mm", "tip diameter; absent = the middle of the limits of ISO 606"),
+        about(
+            "mm",
+            "tip diameter; absent = the middle of the limits of ISO 606, at most where the flanks "
+            "of a tooth meet",
+        ),
     ] = None
 
     @property
