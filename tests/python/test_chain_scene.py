@@ -107,6 +107,13 @@ def test_teeth_end_where_their_flanks_meet(teeth: int, seat: str) -> None:
     assert sprocket.tip_radius_mm <= highest * (1 + 1e-5)
 
 
+@pytest.mark.parametrize(("slack_N", "said"), [(100.0, "N above T1 q^n"), (4.0, "N below T1 q^n")])
+def test_report_says_on_which_side_of_jumping_it_is(slack_N: float, said: str) -> None:
+    result = solved(load={"slack_tension_N": slack_N}, positions={"count": 1})
+    assert result.drive is not None
+    assert f"slack strand {abs(result.drive.least_margin_N):.4g} {said}" in result.drive.words()
+
+
 def test_other_pairs_know_no_slack_strand() -> None:
     gear = tomllib.loads((EXAMPLE.parent / "external_gear.toml").read_text())
     gear["load"]["slack_tension_N"] = 10

@@ -100,10 +100,11 @@ class ChainDrive:
 
     def words(self) -> str:
         """What a report quotes."""
-        tight = self.tight_tension_N
+        tight, margin = self.tight_tension_N, self.least_margin_N
         return (
             f"{self.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "
-            f"{self.least_margin_N:.4g} N above T1 q^n (q = {self.tension_ratio:.4f}), up to "
+            f"{abs(margin):.4g} N {'above' if margin >= 0 else 'below'} T1 q^n "
+            f"(q = {self.tension_ratio:.4f}), up to "
             f"{self.passes.max()} contact problems a position"
         )
 
