@@ -192,8 +192,9 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     """Where the strands begin, from the middles of the first and the last land.
 
     Where the tangent points of the strands stand on these lands, it is there. Over grooves nothing
-    holds the belt: a strand is straight up to the edge of the nearest land, of which one element
-    is held at least.
+    holds the belt: a strand is straight up to the edge of the nearest land, of which a small part
+    is held at least, as long as an element by default, and no shorter with shorter elements: what
+    a point holds would give way without end.
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
                 return known
         return end
 
-    inside = edge - element
+    inside = edge - float(half_land(strip, FLANK_ELEMENTS)[1])
     return near(min(max(-on_rad, -edge), inside)), near(min(max(-on_rad, -inside), edge))
 
 

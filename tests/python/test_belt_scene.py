@@ -323,6 +323,17 @@ def test_pulley_that_yields() -> None:
     assert thin.rotation_rad > wide.rotation_rad
 
 
+def test_estimate_knows_strands_over_grooves() -> None:
+    """What holds a belt at the edge of a land is no shorter with shorter elements."""
+    wrap = {"body_2": {"wrapped_teeth": 5}, "positions": {"angles_deg": [7.5]}}
+    size = {"flank_element_mm": None, "estimate": True}
+    result = solved(**wrap, accuracy=size)
+    finer = solved(**wrap, accuracy={"flank_element_mm": 0.15, "estimate": False})
+    assert result.estimate is not None
+    off = np.abs(result.rotation_rad / finer.rotation_rad - 1).max()
+    assert off < result.estimate["transmission_error"] < 10 * off
+
+
 def test_estimate_of_a_pulley_that_yields_is_what_finer_elements_change() -> None:
     body = ELASTIC | {"young_modulus_MPa": 1000}
     result = solved(body_1=body, accuracy={"flank_element_mm": 0.625, "estimate": True})
