@@ -54,19 +54,18 @@ STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
 #: What follows the two highest modes. Terms alternate along the flank, and near a tip, where the
 #: compliance grows like a logarithm towards a corner, they hardly fall until the contact is
 #: resolved.
-MODES = Rule(0.4, 1.8, 4.0, 0.6, 0.1)
+MODES = Rule(0.4, 2.3, 3.5, 0.8, 0.1)
 #: Half as many nodes: where the error falls only in proportion to their distance, the change is it.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
 #: Smoothed stresses tell 0.5 to 1.0 of the loss under pressures that the flank elements hardly
 #: resolve.
-ELEMENTS = Rule(-1.45, 1.0, 1.0, 0.5)
+ELEMENTS = Rule(-1.45, 1.0, 1.0, 1.0)
 #: Part of the changes at the largest and the smallest rotation that their difference may keep.
 EXTREMES = 0.35
 #: A half-ellipse of pressure whose middle lies on the edge of two cells seems lower by 0.5 % with
-#: five cells on its half. A peak that changes by more than twice that has something in it that the
-#: cells do not resolve (a kink, a small rounding), and may grow by as much at each halving of the
-#: cells until they do; so many of them are reckoned with.
-LARGEST_SMOOTH_CHANGE, HALVINGS = 0.01, 6.0
+#: five cells on its half. A peak that changes by more than twice that has something in it that half
+#: as many cells do not resolve (a kink, a small rounding): all of the change is in doubt then.
+LARGEST_SMOOTH_CHANGE = 0.01
 
 
 @dataclass(frozen=True)
@@ -211,5 +210,5 @@ def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
     change, largest = _peak_change(found, found, coarse), _largest_peak(found)
     left = _at_each(STRIPS, change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm
-    doubt = HALVINGS * np.abs(change) / largest if largest > 0 else np.zeros_like(change)
-    return Left(np.where(rough, 0.0, left.error), np.where(rough, doubt, left.doubt))
+    whole = np.abs(change) / largest if largest > 0 else np.zeros_like(change)
+    return Left(np.where(rough, 0.0, left.error), np.where(rough, whole, left.doubt))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 #: Places in an interval between positions at which a curve is looked at.
 BETWEEN = 16
 #: Part of what a curve adds to the samples that is in doubt; in the mean, and in the peak to peak.
-DOUBT_MEAN, DOUBT_PEAK_TO_PEAK = 0.6, 0.6
+DOUBT_MEAN, DOUBT_PEAK_TO_PEAK = 0.8, 0.8
 #: The same of the doubt that the curve itself has in intervals in which the loaded pairs change.
 DOUBT_KINKS = 0.15
 #: A step whose place is known is in doubt by this part of its interval, twice the standard

@@ -1,4 +1,4 @@
-"""How honest the error estimate is: what it says beside what a four times finer solution shows.
+"""How honest the error estimate is: what it says beside what a much finer solution shows.
 
 FLANKLOAD_ESTIMATE=… sets another number of scenes than 42, FLANKLOAD_SEED=… draws others. The finer
 solutions stay in out/bench_estimate_SEED, so that a changed estimate costs the plain runs alone;
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from tests.benchmarks._scenes import SEED, scenes
-from tests.benchmarks._truth import FINER, Truth, finer_solution, kept_truth
+from tests.benchmarks._truth import FINER, MODES, Truth, finer_solution, kept_truth
 
 import flankload as fl
 from flankload.estimate import OVERALL, POINTWISE
@@ -45,7 +45,8 @@ def run() -> str:
 def table(found: list[dict[str, Any]]) -> list[str]:
     """Lines of what was found."""
     lines = [
-        f"{len(found)} scenes; finer solution: {FINER[0][0]} times the cells, elements, positions",
+        f"{len(found)} scenes; finer solution: elements {FINER[0]}, cells {FINER[1]}, positions "
+        f"{FINER[2]} times as fine, {MODES} modes",
         f"{'':34}scenes  below estimate  estimate < 10 error  median of both",
     ]
     for quantity in (*POINTWISE, *OVERALL):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 from flankload.assembly import bodies_of
 from flankload.bodies import SPLINE_PART
 from flankload.bodies.given import ModalCompliance
-from flankload.resolution import DEFAULT
+from flankload.resolution import DEFAULT, elements_for_modes
 from flankload.scene import Belt, Chain, ComplianceBody, MeshBody
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ SOURCES = {
     "strips_per_half_width": "strips",
     "positions": "positions",
 }
+#: Flank elements of the default length, of drawn gears and splines nine of ten have as many, over
+#: the length of elements.
+FLANK_ELEMENTS = {"gears": 8.0, "splines": 10.5}
 #: Keys of [positions] that say where a pair is looked at.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 
@@ -38,6 +42,8 @@ class Knobs:
         Whose laws hold.
     element_mm : float or None
         Length of elements along the flank by default; None where no scene can say it.
+    elements : float
+        Elements along the flank by default; infinite where modes ask for no more of them.
     part : float
         Length of the elements that the scene names, over the default; 1 where it names none.
     most_modes : int
@@ -53,6 +59,7 @@ class Knobs:
 
     kind: str
     element_mm: float | None
+    elements: float
     part: float
     most_modes: int
     modes: int
@@ -63,6 +70,10 @@ class Knobs:
     def is_open(self, knob: str) -> bool:
         """Whether steering may turn it."""
         return knob not in self.closed
+
+    def bears(self, part: float, modes: int) -> bool:
+        """Whether elements of that length, over the default, bear so many modes."""
+        return self.elements / part > elements_for_modes(modes) - 1
 
 
 def knobs_of(scene: Scene) -> Knobs:
@@ -102,6 +113,7 @@ def knobs_of(scene: Scene) -> Knobs:
     return Knobs(
         kind=kind,
         element_mm=element_mm,
+        elements=inf if element_mm is None else FLANK_ELEMENTS.get(kind, inf),
         part=1.0 if named is None or element_mm is None else named / element_mm,
         most_modes=most,
         modes=min(most, accuracy.modes or DEFAULT.modes),
@@ -152,7 +164,10 @@ def most_modes(spec: BodySpec, body: Body | None) -> int:
     if isinstance(body.given, ModalCompliance):
         return int(body.given.smooth.shape[1])
     nodes = body.given or (body.mesh if isinstance(spec, MeshBody) else None)
-    return MOST_MODES if nodes is None else nodes.flank_elements // 2 + 1
+    if nodes is None:
+        return MOST_MODES
+    asked = range(3, MOST_MODES + 1)
+    return max((m for m in asked if elements_for_modes(m) <= nodes.flank_elements), default=2)
 
 
 def _kind(scene: Scene) -> str:

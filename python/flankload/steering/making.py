@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Part of the tolerance that adaptive positions are tightened to, and what they cannot fall below.
 POSITIONS_AIM, LEAST_DOUBT = 0.4, 1e-5
+#: What cannot be met is worth a second run where that leaves no more than this part of it.
+MUCH_NEARER = 0.7
 
 
 class Run(Protocol):
@@ -155,14 +157,18 @@ def _tightened(
             same_elements=same_elements,
             aim=AIM,
         )
-        if _is_worth(pick, missed, tolerance):
+        if _is_worth(pick, missed, found, tolerance):
             return pick
     return None
 
 
-def _is_worth(pick: Pick, missed: Collection[str], tolerance: float) -> bool:
-    """Whether a finer run is likely to meet some of what is missed."""
-    return min(pick.errors[quantity] for quantity in missed) <= tolerance
+def _is_worth(
+    pick: Pick, missed: Collection[str], found: Mapping[str, float], tolerance: float
+) -> bool:
+    """Whether a finer run is likely to meet some of what is missed, or to come much nearer."""
+    return any(pick.errors[quantity] <= tolerance for quantity in missed) or all(
+        pick.errors[quantity] <= MUCH_NEARER * found[quantity] for quantity in missed
+    )
 
 
 def _priced(law: Law, result: Result, done: Pick, states: int) -> Law:

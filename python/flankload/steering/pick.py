@@ -137,8 +137,7 @@ def cheapest(
     -------
     Pick
     """
-    ladders = _ladders(knobs, tolerance, done, same_elements=same_elements)
-    part, modes, strips = np.meshgrid(*ladders, indexing="ij")
+    part, modes, strips = _steps(knobs, tolerance, done, same_elements=same_elements)
     seconds = law.elements_seconds(part, modes)
     if done is not None:
         seconds = np.where((part == done.part) & (modes == done.modes), 0.0, seconds)
@@ -149,8 +148,7 @@ def cheapest(
         best = _best(errors, seconds, wanted, nearly=FIRST_NEARLY, least_s=np.inf)
     else:
         best = _best(errors, seconds, wanted, nearly=NEARLY, least_s=done.seconds)
-    at = np.unravel_index(best, part.shape)
-    chosen = float(part[at]), int(modes[at]), float(strips[at])
+    chosen = float(part[best]), int(modes[best]), float(strips[best])
     one = tuple(np.array(value, dtype=float) for value in chosen)
     found = {quantity: law.sources(quantity, *one) for quantity in BOUND}
     sources = next(iter(found.values()))
@@ -159,19 +157,19 @@ def cheapest(
         part=chosen[0],
         modes=chosen[1],
         strips=chosen[2],
-        errors={quantity: float(errors[quantity][at]) for quantity in BOUND},
+        errors={quantity: float(errors[quantity][best]) for quantity in BOUND},
         sources={
             source: {quantity: float(found[quantity][source]) for quantity in BOUND}
             for source in sources
         },
-        seconds=float(seconds[at]),
+        seconds=float(seconds[best]),
     )
 
 
-def _ladders(
+def _steps(
     knobs: Knobs, tolerance: float, done: Pick | None, *, same_elements: bool
 ) -> tuple[Floats, Floats, Floats]:
-    """Steps of elements, modes and strips that are open."""
+    """All steps of elements, modes and strips that are open, each modes that the elements bear."""
     parts = np.array([knobs.part])
     if knobs.is_open("flank_element_mm"):
         parts = PARTS[finest_part(tolerance) <= PARTS]
@@ -185,7 +183,11 @@ def _ladders(
         parts = parts[parts <= done.part]
         modes = modes[modes >= done.modes]
         strips = strips[strips >= done.strips]
-    return parts, modes, strips
+    steps = [values.ravel() for values in np.meshgrid(parts, modes, strips, indexing="ij")]
+    borne = np.array([knobs.bears(*step) for step in zip(*steps[:2], strict=True)])
+    if borne.any():  # else both are named
+        steps = [values[borne] for values in steps]
+    return steps[0], steps[1], steps[2]
 
 
 def _best(
