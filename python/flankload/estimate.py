@@ -39,6 +39,7 @@ from flankload.error_rules import (
     STRIPS,
     Left,
     peak_of_cells,
+    peak_of_modes,
     what_is_left,
 )
 from flankload.position_error import between_positions
@@ -203,6 +204,8 @@ def estimate_errors(
                 left["strips"]["stiffness_tangent"] = left["strips"]["stiffness_secant"]
         for source, other in others.items():
             left[source] = what_is_left(rules[source], part, coarse[t], other[t])
+        if not nodal:
+            left["modes"]["peak_pressure"] = peak_of_modes(part, coarse[t], others["modes"][t])
         if window is not None:
             missed = between_positions(part, window, position_rad)
             if missed:

@@ -28,6 +28,10 @@ OTHER_SHAPE = -2
 #: C pair in softer materials turn further than those that do not: by 0.3 % at 0.0067 of a pitch,
 #: 0.7 % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
 SMALL_WIND_UP = 0.02
+#: Modes on so many times fewer elements than bear them do as well: 56 gears and rings with 6 modes
+#: on 10 elements in place of 12, 7 on 14 in place of 18, were 0.83 and 0.73 % off in nine of ten
+#: peak pressures; 0.80 and 0.75 % with as many as bear them; 1.1 and 1.2 % with still fewer.
+FEWER_DO = 1.2
 
 
 def notes_of_sweep(
@@ -78,10 +82,11 @@ def notes_of_sweep(
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = compliances[z].smooth.shape[1] if compliances[z].nodes is None else 0
-        if body.mesh is not None and _wanted_elements(body, modes) > body.mesh.flank_elements:
+        wanted = _wanted_elements(body, modes)
+        if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
             yield (
                 f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
-                f"body_{z + 1}: {_wanted_elements(body, modes)} bear them, fewer make the result "
+                f"body_{z + 1}: {wanted} bear them, far fewer make the result "
                 "worse, first of all pressures at tip roundings"
             )
         alone = _beside_unnamed(pair, found) if body.named_teeth else []

@@ -25,9 +25,10 @@ SOURCES = {
     "strips_per_half_width": "strips",
     "positions": "positions",
 }
-#: Flank elements of the default length, of drawn gears and splines nine of ten have as many, over
-#: the length of elements.
-FLANK_ELEMENTS = {"gears": 8.0, "splines": 10.5}
+#: Elements of the default length that modes are weighed with: nine of ten drawn gears and splines
+#: have as many along the flank; of gears a sixth more, since their pressures are as good with a
+#: sixth less than `elements_for_modes`.
+FLANK_ELEMENTS = {"gears": 9.5, "splines": 10.5}
 #: Keys of [positions] that say where a pair is looked at.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 

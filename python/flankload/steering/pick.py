@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Ladders: elements over those of the default, two steps to a half, and strips.
-PARTS = 2.0 ** (np.arange(2, -7, -1) / 2.0)
+#: Ladders: elements over those of the default, four steps to a half, and strips.
+PARTS = 2.0 ** (np.arange(4, -13, -1) / 4.0)
 STRIPS = np.array([7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0])
 #: Finer elements than this, over the default, only for tolerances below FINE: half the length takes
 #: three times the seconds.
