@@ -226,29 +226,29 @@ def _law(
 
 
 NONE = (0.0,) * len(BOUND)
-#: By kind of pair, amounts in the order of `BOUND`: what four of five of the drawn scenes stay
-#: below (of strips in peaks, where they do not resolve some, nine of ten; of splines seven).
+#: By kind of pair, amounts in the order of `BOUND`: what seven of ten of the drawn scenes stay below
+#: (of strips in peaks, where they do not resolve some, nine of ten of gears and of cams).
 LAWS = {
     "gears": _law(
-        elements=(1.8e-3, 9e-4, 2.3e-4, 1.7e-3, 2.7e-3, 1e-3),
-        modes=(7.7e-3, 1.8e-3, 2.8e-3, 6.1e-3, 1.05e-2, 1.5e-3),
-        strips=(1.5e-4, 3e-5, 8e-5, 1.3e-4, 4.5e-3, 3e-5),
-        series=(38.0, 7.1, 1.0, 0.59, 0.33, 0.26, 0.22, 0.16, 0.14, 0.12),
-        powers=(1.7, 2.5, 0.56),
-        seconds=(0.12, 4.5e-3),
+        elements=(1.5e-3, 7.5e-4, 1.7e-4, 1.4e-3, 2.5e-3, 8e-4),
+        modes=(7.1e-3, 1.6e-3, 2.4e-3, 5.4e-3, 5e-3, 1.3e-3),
+        strips=(1.5e-4, 3e-5, 8e-5, 1.3e-4, 5.4e-3, 3e-5),
+        series=(41.0, 7.1, 1.0, 0.71, 0.41, 0.28, 0.26, 0.17, 0.145, 0.12),
+        powers=(1.7, 2.4, 0.1),
+        seconds=(0.14, 5e-3),
     ),
     "splines": _law(
-        elements=(4e-4, 4e-4, 8e-5, 2e-4, 1.7e-2, 2e-4),
-        modes=(5e-4, 1.2e-4, 8e-5, 5e-4, 2e-2, 3e-5),
+        elements=(4e-4, 4e-4, 8e-5, 2e-4, 2.4e-2, 2e-4),
+        modes=(5e-4, 1.4e-4, 8e-5, 5e-4, 1.3e-3, 3e-5),
         strips=(3e-4, 6e-5, 2e-4, 1e-3, 4.7e-2, 1e-5),
-        series=(40.0, 3.0, 1.0, 0.8, 0.6, 0.5, 0.4, 0.4, 0.4, 0.4),
-        powers=(1.4, 2.6, 0.85),
+        series=(20.0, 5.0, 1.0, 0.7, 0.5, 0.4, 0.3, 0.3, 0.3, 0.3),
+        powers=(1.4, 2.6, 0.1),
         seconds=(0.3, 0.37),
     ),
     "cams": _law(
         elements=(5e-4, 5e-4, 2e-5, 0.0, 1e-5, 5e-4),
-        modes=(2.4e-5, 5e-6, 1e-5, 0.0, 1e-5, 5e-6),
-        strips=(1e-5, 1e-6, 4e-6, 0.0, 4.6e-3, 2e-6),
+        modes=(2.4e-5, 5e-6, 1e-5, 0.0, 5e-6, 5e-6),
+        strips=(1e-5, 1e-6, 4e-6, 0.0, 5e-3, 2e-6),
         series=(400.0, 7.6, 1.0, 0.95, 0.45, 0.45, 0.45, 0.4, 0.4, 0.4),
         powers=(1.25, 0.7, 0.0),
         seconds=(0.5, 1.1e-2),
