@@ -29,6 +29,8 @@ SOURCES = {
 #: have as many along the flank; of gears a sixth more, since their pressures are as good with a
 #: sixth less than `elements_for_modes`.
 FLANK_ELEMENTS = {"gears": 9.5, "splines": 10.5}
+#: As many modes are better than fewer on any elements.
+ANYWHERE = 4
 #: Keys of [positions] that say where a pair is looked at.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 
@@ -74,7 +76,7 @@ class Knobs:
 
     def bears(self, part: float, modes: int) -> bool:
         """Whether elements of that length, over the default, bear so many modes."""
-        return self.elements / part > elements_for_modes(modes) - 1
+        return modes <= ANYWHERE or self.elements / part > elements_for_modes(modes) - 1
 
 
 def knobs_of(scene: Scene) -> Knobs:
