@@ -3,7 +3,7 @@
 FLANKLOAD_TOLERANCE=… sets another number of scenes than 42 (a sixth of them, splines, is left out:
 their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; what is
 found stays in out/bench_tolerance_SEED.json, and a run that was stopped goes on from there. Scenes
-leave their positions open. True errors are those against a solution with elements of 0.09 of their
+leave their positions open. True errors are those against a solution with elements of an eighth of their
 default length, 12 modes and 40 strips at the same positions, and for what follows
 from the whole curve at 256 even ones. The ladder that a tolerance is measured with has elements
 twice as long to a quarter as long as the default, 3 to 12 modes, 5 to 20 strips, runs at the
@@ -36,7 +36,7 @@ from flankload.steering.laws import BOUND
 STORE = "out/bench_tolerance_{}.json"
 TOLERANCES = (1e-2, 1e-3)
 #: Elements of the true solution over those of the default, its modes and strips.
-TRUE_PART, TRUE_MODES, TRUE_STRIPS = 0.09, 12, 40.0
+TRUE_PART, TRUE_MODES, TRUE_STRIPS = 0.125, 12, 40.0
 #: Even positions for what follows from the whole curve, and their strips.
 DENSE, DENSE_STRIPS = 256, 10.0
 #: Steps of the ladder: elements, with the modes that they bear, and strips.

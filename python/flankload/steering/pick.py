@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: Ladders: elements over those of the default, four steps to a half, and strips.
 PARTS = 2.0 ** (np.arange(4, -13, -1) / 4.0)
 STRIPS = np.array([7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0])
-#: Finer elements than this, over the default, only for tolerances from FINE on downwards: half the
+#: Finer elements than this, over the default, only for tolerances below FINE: half the
 #: length takes four times the seconds.
 LEAST_PART, FINE = 0.25, 1e-3
 #: What a tightened setting is aimed at, as part of the tolerance: laws err, too.
@@ -100,7 +100,7 @@ def first_pick(scene: Scene, knobs: Knobs | None = None) -> Pick:
 
 def finest_part(tolerance: float) -> float:
     """The shortest elements that a tolerance may buy, over the default."""
-    return LEAST_PART if tolerance > FINE else float(PARTS[-1])
+    return LEAST_PART if tolerance >= FINE else float(PARTS[-1])
 
 
 def cheapest(
