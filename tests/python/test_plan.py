@@ -19,7 +19,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.effects import EFFECTS
 from flankload.plan import Plan, choose_effects
-from flankload.plan.planned import QUARTER
+from flankload.plan.quarter import QUARTER, against_quarter, quarter_text
 from flankload.plan.sizes import States, size_of
 from flankload.plan.variants import other_way
 
@@ -418,6 +418,28 @@ def test_a_choice_is_the_scene_with_its_keys_written_out(
     assert found.cost["stages"]["plan"]["cpu_s"] > 0
     notes = [note for note in found.warnings if note.startswith("effects chosen by")]
     assert re.search(said, notes[0])
+
+
+def test_a_quarter_of_the_tolerance_is_not_rounded() -> None:
+    """1.25 % was "1.2 %, a quarter of" 5 %; 0.0025 % was "0.00 %"."""
+    assert quarter_text(0.05) == "1.25 %"
+    assert quarter_text(1e-4) == "0.0025 %"
+    plan = fl.plan(scene_of(accuracy__tolerance=0.05, positions__count=4, body_2__rigid=True))
+    assert "what exceeds 1.25 %, a quarter of the tolerance" in str(plan)
+
+
+@pytest.mark.parametrize(
+    ("size", "tolerance", "said"),
+    [
+        (0.0321, 0.05, "3.2 % > 1.25 %"),
+        (0.01249, 0.05, "1.2 % <= 1.25 %"),
+        (0.00251, 0.01, "0.251 % > 0.25 %"),
+        (0.0025, 0.01, "0.25 % <= 0.25 %"),
+        (0.0025000001, 0.01, "0.25000001 % > 0.25 %"),
+    ],
+)
+def test_a_size_and_a_quarter_agree_as_printed(size: float, tolerance: float, said: str) -> None:
+    assert against_quarter(size, tolerance) == said
 
 
 def test_the_plan_of_a_choice_has_what_was_chosen() -> None:

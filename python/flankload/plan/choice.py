@@ -14,13 +14,13 @@ from flankload.effects import Effect, switches_of
 from flankload.errors import SceneError
 from flankload.plan.coarse import Coarse
 from flankload.plan.measuring import Sizes, rows
-from flankload.plan.planned import QUARTER, Chosen
+from flankload.plan.planned import Chosen
+from flankload.plan.quarter import against_quarter, matters, quarter_text
 from flankload.plan.variants import LEVELS, QUANTITIES, with_keys, with_rigid, without_keys
 
 if TYPE_CHECKING:
     from flankload.effects import Switch
     from flankload.plan.measuring import Measured
-    from flankload.plan.sizes import Size
     from flankload.scene import Scene
 
 
@@ -68,15 +68,15 @@ def chosen_scene(
         size = measured[effect.name].size
         if size is None or not is_open(scene, effect, switches):
             continue
-        matters = size.largest > QUARTER * scene.accuracy.tolerance
-        wanted = not matters if effect.coarser else matters
+        large = matters(size.largest, scene.accuracy.tolerance)
+        wanted = not large if effect.coarser else large
         switched, key, value = _switched(scene, effect, on=wanted)
         try:
             switched.check()
         except SceneError:  # it does not go with what was chosen before
             continue
         scene = switched
-        reason = why(size, scene.accuracy.tolerance)
+        reason = against_quarter(size.largest, scene.accuracy.tolerance)
         choice.append(Chosen(effect.name, key, value, wanted, reason))
     return scene, tuple(choice)
 
@@ -100,15 +100,9 @@ def _saves(effect: Effect) -> bool:
     return any(number < 0 for number in astuple(effect.work))
 
 
-def why(size: Size, tolerance: float) -> str:
-    """A size against what matters."""
-    sign = ">" if size.largest > QUARTER * tolerance else "<="
-    return f"{100 * size.largest:.2g} % {sign} {100 * QUARTER * tolerance:.2g} %"
-
-
 def said_of(choice: tuple[Chosen, ...], tolerance: float) -> str:
     """The choice as one sentence."""
-    quarter = f"{100 * QUARTER * tolerance:.2g} %, a quarter of accuracy.tolerance"
+    quarter = f"{quarter_text(tolerance)}, a quarter of accuracy.tolerance"
     return f"effects chosen by what changes more than {quarter}: " + "; ".join(map(str, choice))
 
 

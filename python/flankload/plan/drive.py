@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.cost import totals
 from flankload.effects import EFFECTS, switches_of
-from flankload.plan.planned import QUARTER, Plan, PlannedEffect
+from flankload.plan.planned import Plan, PlannedEffect
+from flankload.plan.quarter import QUARTER
 from flankload.plan.remarks import remarked
 
 if TYPE_CHECKING:

@@ -12,8 +12,9 @@ from flankload.plan.coarse import Coarse
 from flankload.plan.drive import predicted_of
 from flankload.plan.extras import Extras
 from flankload.plan.measuring import Measured, Sizes, rows
-from flankload.plan.planned import QUARTER, Chosen, Plan, PlannedEffect
+from flankload.plan.planned import Chosen, Plan, PlannedEffect
 from flankload.plan.price import price_run
+from flankload.plan.quarter import QUARTER
 from flankload.plan.remarks import remarked
 from flankload.scene import Belt, Chain
 from flankload.steering import first_pick, first_scene

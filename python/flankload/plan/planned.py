@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from flankload.plan.sizes import Size
 
-#: An effect matters where it changes more than this part of the tolerance.
-QUARTER = 0.25
 #: How the reason begins why an effect has no size, where a scene cannot have it.
 IMPOSSIBLE = "not with this scene"
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from flankload.plan.quarter import quarter_text
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -34,7 +36,7 @@ def plan_text(plan: Plan) -> str:
     -------
     str
     """
-    quarter = _percent(0.25 * plan.tolerance)
+    quarter = quarter_text(plan.tolerance)
     title = f"{plan.name}: what exceeds {quarter}, a quarter of the tolerance, matters"
     parts = [[title], _effects(plan), _stages(plan)]
     if plan.picked is not None:
