@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.belt_states import lands_in_words
 from flankload.cost import Account, totals
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
@@ -216,11 +217,10 @@ def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]
     if scene.effects.land_lift or not drive.lifting.any():
         return ()
     at = np.flatnonzero(drive.lifting.any(axis=1))
-    numbers = np.append(sites, sites[-1] + 1)
-    lands = ", ".join(str(numbers[land]) for land in np.flatnonzero(drive.lifting.any(axis=0)))
+    lands = lands_in_words(sites, np.asarray(drive.lifting.any(axis=0)))
     where = "" if len(drive.lifting) == 1 else f" at {at.size} of {len(drive.lifting)} positions"
     note = (
-        f"the land lifts here: before tooth {lands} (of {sites[0]} to {sites[-1]}) the pulley "
+        f"the land lifts here: {lands} (of {sites[0]} to {sites[-1]}) the pulley "
         f"would have to pull{where}; effects.land_lift = true lets it go, more slack tension holds "
         "it down"
     )

@@ -10,6 +10,8 @@ from flankload.belt_contact import BeltState, solve_belt
 from flankload.errors import ContactError, NoContactState
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from flankload.belt_row import StripResponse
     from flankload.bodies.belt import Strip
     from flankload.cost import Account
@@ -65,13 +67,33 @@ def state_under(
         pivots=state.contact.info.pivots,
     )
     if _jumps(strip, state):
-        land = int(state.land_lift_mm.argmax()) + response.first_land
+        most = np.arange(response.lands) == state.land_lift_mm.argmax()
+        land = lands_in_words(response.first_tooth + np.arange(response.teeth), most)
         raise NoContactState(
-            f"{where}: the land before tooth {land} lifts {state.land_lift_mm.max():.3g} mm, more "
-            f"than teeth are high; belts of this wrap jump below a slack tension of about "
+            f"{where}: the land {land} lifts {state.land_lift_mm.max():.3g} mm, more than teeth "
+            "are high; belts of this wrap jump below a slack tension of about "
             f"{_jump_tension(scene, strip, response, torque_Nm, slack):.3g} N"
         )
     return state
+
+
+def lands_in_words(sites: NDArray[np.int64], some: NDArray[np.bool_]) -> str:
+    """Some of the lands by their teeth: one before each, and one behind the last.
+
+    Parameters
+    ----------
+    sites : (S,) array
+        Numbers of the teeth.
+    some : (S + 1,) array of bool
+        Which lands, from the tight strand.
+
+    Returns
+    -------
+    str
+    """
+    before = ", ".join(str(site) for site in sites[some[:-1]])
+    words = [f"before tooth {before}"] if before else []
+    return " and ".join(words + [f"behind tooth {sites[-1]}"] * bool(some[-1]))
 
 
 def _solved(

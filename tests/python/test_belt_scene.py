@@ -14,6 +14,7 @@ import pytest
 from tolerances import SOLVER
 
 import flankload as fl
+from flankload.belt_states import lands_in_words
 from flankload.cli import main
 from flankload.plot import plot_all
 from flankload.result.belt import BeltDrive
@@ -250,7 +251,8 @@ def test_friction_of_the_lands_helps_or_opposes() -> None:
 
 def test_land_that_would_lift_is_named_and_may_lift() -> None:
     held = solved(load={"slack_tension_N": 2})
-    assert "the land lifts here: before tooth" in held.warnings[0]
+    # five teeth, 0 to 4: what lifts last is behind the last of them, before no tooth
+    assert "the land lifts here: before tooth 4 and behind tooth 4 (of 0 to 4)" in held.warnings[0]
     assert "the land lifts here" in held.table()
     assert drive_of(held).last_land_N[0] < 0
     free = solved(load={"slack_tension_N": 2}, effects={"land_lift": True})
@@ -259,12 +261,21 @@ def test_land_that_would_lift_is_named_and_may_lift() -> None:
     assert drive_of(free).lands_N.min() > -1e-6
 
 
+def test_lands_are_named_by_teeth_that_there_are() -> None:
+    """A tooth 12 was named on a belt with teeth -1 to 11: the land behind the last one."""
+    sites, some = np.arange(-1, 12), np.zeros(14, dtype=bool)
+    some[[0, 12, 13]] = True
+    assert lands_in_words(sites, some) == "before tooth -1, 11 and behind tooth 11"
+    assert lands_in_words(sites, np.arange(14) == 13) == "behind tooth 11"
+    assert lands_in_words(sites, np.arange(14) == 12) == "before tooth 11"
+
+
 def test_belt_jumps_below_the_limit_that_is_named() -> None:
     lifts = {"effects": {"land_lift": True}}
     with pytest.raises(fl.NoContactState, match="more than teeth are high; belts of this") as found:
         solved(load={"torque_Nm": 60, "slack_tension_N": 8}, **lifts)
     line = str(found.value)
-    assert line.startswith("60 N m, slack strand 8 N: the land before tooth 5 lifts 3.94 mm")
+    assert line.startswith("60 N m, slack strand 8 N: the land behind tooth 4 lifts 3.94 mm")
     limit = float(line.rpartition("about ")[2].removesuffix(" N"))
     held = solved(load={"torque_Nm": 60, "slack_tension_N": 1.01 * limit}, **lifts)
     assert 2000 < drive_of(held).last_land_lift_um[0] < 2500
