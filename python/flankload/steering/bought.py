@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     Table = Mapping[str, Mapping[str, float]]
 
+#: Why finer steps help little: what is added to a reason.
+CORNERS = "; pairs work on sharp corners, beside which all converges slowly (tip_radius_mm)"
+BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
 #: Sources that no knob answers for, and what does.
 LEFT_BY = {
     "lumped": "effects.contact = 'lumped' leaves it",
@@ -69,7 +72,7 @@ def bought(
         "tightened": _tightened(picks),
         "errors_before": dict(errors[0]) if len(errors) > 1 else None,
         "missed": [
-            _missed(quantity, error, tolerance, knobs, last, results, by_source)
+            _missed(quantity, error, tolerance, knobs, picks, results, by_source)
             for quantity, error in left.items()
             if error > tolerance
         ],
@@ -129,7 +132,7 @@ def _missed(
     error: float,
     tolerance: float,
     knobs: Knobs,
-    pick: Pick,
+    picks: Sequence[Pick],
     results: Sequence[Result],
     by_source: Table,
 ) -> dict[str, Any]:
@@ -138,19 +141,21 @@ def _missed(
         "quantity": quantity,
         "error": error,
         "source": source,
-        "why": _why(source, by_source[source][quantity], tolerance, knobs, pick, results),
+        "why": _why(source, quantity, tolerance, knobs, picks, results, by_source),
     }
 
 
 def _why(
     source: str,
-    error: float,
+    quantity: str,
     tolerance: float,
     knobs: Knobs,
-    pick: Pick,
+    picks: Sequence[Pick],
     results: Sequence[Result],
+    by_source: Table,
 ) -> str:
     """Why a source is as large as it is."""
+    pick = picks[-1]
     knob = next((knob for knob, name in SOURCES.items() if name == source), None)
     if knob is None:
         return LEFT_BY.get(source, "no knob answers for it")
@@ -158,14 +163,19 @@ def _why(
         return knobs.closed[knob]
     if source == "modes" and pick.modes >= knobs.most_modes < MOST_MODES:
         return "meshes and compliances from files bear no more of them"
-    if source == "strips" and error > UNRESOLVED:
+    if source == "strips" and by_source[source][quantity] > UNRESOLVED:
         return "a rounding, a chamfer or a kink smaller than the strips can be"
     ends = {
         "elements": pick.part <= finest_part(tolerance),
         "modes": pick.modes >= knobs.most_modes,
         "strips": pick.strips >= STRIPS[-1],
     }
-    why = "the finest step of its ladder" if ends.get(source) else "more than could be foreseen"
-    if any(result.corner_contact.any() for result in results):
-        why += "; pairs work on sharp corners, beside which all converges slowly (tip_radius_mm)"
-    return why
+    if ends.get(source):
+        why = "the finest step of its ladder"
+    elif len(picks) == 1 or pick.errors[quantity] > tolerance:
+        why = "no step of its ladder is likely to bring this below the tolerance"
+    else:
+        why = "more than could be foreseen"
+    if knobs.kind == "belts":
+        return why + BELT_CORNERS
+    return why + CORNERS * any(result.corner_contact.any() for result in results)

@@ -99,9 +99,8 @@ def knobs_of(scene: Scene) -> Knobs:
     if element_mm is None:
         closed.setdefault("flank_element_mm", "meshes and compliances from files are what they are")
     if kind == "belts":
-        closed |= dict.fromkeys(
-            ("modes", "strips_per_half_width", "positions"), "a belt has no such knob"
-        )
+        closed |= dict.fromkeys(("modes", "strips_per_half_width"), "a belt has no such knob")
+        closed.setdefault("positions", "a belt has as many even ones as positions.count says")
     if scene.effects.near_field == "nodes":
         nodes = "effects.near_field = 'nodes' goes by the nodes of the flank"
         closed |= {"modes": nodes, "flank_element_mm": nodes}
