@@ -14,7 +14,7 @@ from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.cli import main
-from flankload.result.accuracy_lines import accuracy_lines
+from flankload.result.accuracy_lines import accuracy_lines, percent
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.bought import bought
@@ -365,9 +365,34 @@ def test_a_smaller_tolerance_never_buys_less() -> None:
 
 
 # --- how it is told -------------------------------------------------------------------------------
+def test_peak_to_peak_is_told_as_part_of_what() -> None:
+    """A tolerance was met at 0.15 % below an estimate of 5 % of a small peak to peak."""
+    tree = tomllib.loads((EXAMPLES / "cam.toml").read_text(encoding="utf-8"))
+    tree["positions"]["count"] = 12
+    tree["accuracy"] = {"tolerance": 0.01, "modes": 4, "strips_per_half_width": 4.0}
+    result = solved(tree)
+    found, estimate = said(result), result.estimate
+    assert estimate is not None
+    assert found["met"]
+    of_itself = estimate["transmission_error_peak_to_peak"]
+    assert found["peak_to_peak_of_itself"] == of_itself > found["tolerance"]
+    part = np.ptp(result.transmission_error_um) / result.transmission_error_um.max()
+    assert accuracy_lines(found)[-1] == (
+        f"peak to peak {percent(of_itself)} of itself is {percent(of_itself * part)} of the "
+        "largest transmission error, which is what counts"
+    )
+
+
+def test_peak_to_peak_within_the_tolerance_needs_no_words() -> None:
+    found = said(solved(small(tolerance=0.1)))
+    assert found["peak_to_peak_of_itself"] < found["tolerance"]
+    assert not any("of itself" in line for line in accuracy_lines(found))
+
+
 def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     found = said(tight)
-    first, knobs, tightened, *missed = accuracy_lines(found)
+    first, knobs, tightened, of_itself, *missed = accuracy_lines(found)
+    assert of_itself.startswith("peak to peak ")
     assert first.startswith("0.8 %: not met, transmission error mean ")
     assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
     assert " (modes 0." in knobs

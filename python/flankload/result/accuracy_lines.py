@@ -8,6 +8,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+#: Bound as part of the largest transmission error, where the estimate tells it as part of itself.
+PEAK_TO_PEAK = "transmission_error_peak_to_peak"
+
+
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
     """Verdict, knobs, what was tightened, what is missed.
 
@@ -29,6 +33,12 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
             f"{knob} {one} -> {two}" for knob, (one, two) in found["tightened"].items()
         )
         lines.append(f"tightened once: {steps}")
+    itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
+    if bound is not None and itself is not None and bound < itself > found["tolerance"]:
+        lines.append(
+            f"peak to peak {percent(itself)} of itself is {percent(bound)} of the largest "
+            "transmission error, which is what counts"
+        )
     lines += [
         f"missed: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, most of it from "
         f"{one['source']}: {one['why']}"

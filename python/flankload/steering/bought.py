@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.steering.knobs import MOST_MODES, SOURCES
 from flankload.steering.laws import UNRESOLVED
 from flankload.steering.pick import STRIPS, finest_part
+from flankload.steering.told import OF_LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -67,6 +68,7 @@ def bought(
         "met": max(left.values()) <= tolerance if left else None,
         "largest_error": max(left.values(), default=None),
         "errors": dict(left),
+        "peak_to_peak_of_itself": _of_itself(results),
         "knobs": rows,
         "keys": last.setting.tables(),
         "tightened": _tightened(picks),
@@ -80,6 +82,12 @@ def bought(
     if not left:
         found["unchecked"] = _unchecked(results)
     return found
+
+
+def _of_itself(results: Sequence[Result]) -> float | None:
+    """What the estimates tell of the peak to peak as a part of itself."""
+    told = [(result.estimate or {}).get(OF_LARGEST) for result in results]
+    return max((error for error in told if error is not None), default=None)
 
 
 def _unchecked(results: Sequence[Result]) -> str:
