@@ -13,7 +13,12 @@ teeth together move by 1.0 to 1.5 times what the loaded one does, where it count
 rings and splines at 7 to 24 elements along the flank the true loss, a unit load anywhere, is 0.8 to
 2.3 of the estimate: 0.9 to 1.1 under even pressure, more under pressures that the flank elements
 hardly resolve, in the mean over the flank 1.4 to 1.75. Of followers, where the sharp corners of the
-arm count most, it is 1.0 to 1.1, of cams 0.5.
+arm count most, it is 1.0 to 1.1, of cams 0.5. On a plane rectangle it is 0.7 to 1.2 under smooth
+pressures, 0.8 to 2.5 under even ones that are as narrow as an element or half of one.
+
+Strains of quadratic triangles are linear: no points in them are better than others, and averages at
+the nodes tell half of what is missed (0.43 to 0.52 under smooth pressures on rectangles with 4 to
+12 rows, straight, crosswise and shaken). Theirs counts twice.
 """
 
 from __future__ import annotations
@@ -42,6 +47,10 @@ if TYPE_CHECKING:
 BLOCK = 320
 
 
+#: Part of the energy missed by triangles that averages of their stresses tell.
+TRIANGLES = 0.5
+
+
 @dataclass(frozen=True)
 class _Element:
     """An element of n nodes on its reference shape.
@@ -49,9 +58,11 @@ class _Element:
     Attributes
     ----------
     best : (b, 2, n) array
-        Slopes of the shape functions where stresses are best.
+        Slopes of the shape functions where stresses are best, or as good as anywhere.
     outward : (n, b) array
         Values there to the nodes.
+    part : float
+        Of the energy that is missed, told by smoothed stresses.
     slopes : (g, 2, n) array
         Slopes at the points of a quadrature.
     shapes : (g, n) array
@@ -60,6 +71,7 @@ class _Element:
 
     best: Floats
     outward: Floats
+    part: float
     slopes: Floats
     shapes: Floats
     weights: Floats
@@ -120,7 +132,7 @@ def missed_compliance(
             better = (element.shapes @ smoothed[numbers]).reshape(*own.shape[1:3], 3, p)
             change = (better.transpose(2, 0, 1, 3) - own).reshape(3, -1)
             change = ((root @ elastic) @ change).reshape(own.shape)
-            change *= np.sqrt(element.weights * area)[:, :, None]
+            change *= np.sqrt(element.weights * area / element.part)[:, :, None]
             flat = change.reshape(-1, p)
             missed += flat.T @ flat
     return missed
@@ -194,11 +206,11 @@ def _quadrilateral() -> _Element:
     bilinear = (1 + node[:, None, 0] * best[:, 0] * 3) * (1 + node[:, None, 1] * best[:, 1] * 3)
     points, weights = square(3)
     shapes, slopes = values(points)
-    return _Element(values(best)[1], bilinear / 4, slopes, shapes, weights)
+    return _Element(values(best)[1], bilinear / 4, 1.0, slopes, shapes, weights)
 
 
 def _triangle() -> _Element:
-    """Quadratic; stresses are best at three inner points, the quadrature has six."""
+    """Quadratic; three inner points hold its linear strains, the quadrature has six."""
 
     def values(points: Floats) -> tuple[Floats, Floats]:
         x, y = points.T
@@ -226,4 +238,4 @@ def _triangle() -> _Element:
     points = np.vstack([points, [[1 - 2 * c, c] for c in (a, b)]])
     weights = 0.5 * np.tile([0.223381589678011, 0.109951743655322], 3)
     shapes, slopes = values(points)
-    return _Element(values(best)[1], outward, slopes, shapes, weights)
+    return _Element(values(best)[1], outward, TRIANGLES, slopes, shapes, weights)
