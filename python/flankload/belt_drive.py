@@ -15,9 +15,15 @@ from flankload.belt_pulley import PulleyResponse, rest_on, solve_pulley
 from flankload.belt_result import Standing, result_of_belt
 from flankload.belt_row import BeltRow, StripResponse
 from flankload.belt_states import state_under
-from flankload.belt_work import Asked, work_of_elements, work_of_pulley, work_of_states
+from flankload.belt_work import (
+    Asked,
+    phases,
+    work_of_elements,
+    work_of_pulley,
+    work_of_states,
+)
 from flankload.bodies.belt import Strip, build_strip
-from flankload.bodies.belt_mesh import FLANK_ELEMENTS, mesh_strip
+from flankload.bodies.belt_mesh import FLANK_ELEMENTS, coarser, mesh_strip
 from flankload.bodies.pulley import build_pulley
 from flankload.bodies.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.cost import Account, beside_plan, held_bytes
@@ -107,7 +113,8 @@ def solve_belts(
     if scene.accuracy.estimate and any(torques):
         tell("estimate", total, total)
         with stage("estimate") as account:
-            estimates = _estimates(scene, strip, (row, known), position_rad, found, account)
+            at = position_rad, pitches
+            estimates = _estimates(scene, strip, (row, known), at, found, account)
     results = tuple(
         result_of_belt(
             scene,
@@ -319,16 +326,17 @@ def _estimates(
     scene: Scene,
     strip: Strip,
     solved: tuple[BeltRow, PulleyResponse | None],
-    position_rad: Floats,
+    at_positions: tuple[Floats, int | None],
     found: list[list[BeltState]],
     account: Account,
 ) -> list[dict[str, object] | None]:
-    """What elements twice as long change at up to two positions."""
-    elements = max(1, flank_elements(scene, strip) // 2)
-    (row, known), coarse = solved, _row(scene, strip, elements, account)
+    """What elements twice as long change at up to two positions, and what positions miss."""
+    position_rad, pitches = at_positions
+    halved, elements = coarser(strip, flank_elements(scene, strip))
+    (row, known), coarse = solved, _row(scene, halved, elements, account)
     pulley = None if known is None else solved_pulley(scene, pulley_mesh(scene, elements), account)
     tried: list[tuple[int, list[Coarser]]] = []
-    for p in tried_positions(position_rad):
+    for p in tried_positions(strip, position_rad):
         at = partial(response_at, strip, angle_rad=float(position_rad[p]))
         if known is None:
             tried.append((p, [("elements", None, at(coarse, None))]))
@@ -340,14 +348,15 @@ def _estimates(
             ("elements body 2", at(row, None), at(coarse, None)),
         ]
         tried.append((p, on_both))
+    places = None if pitches is None else phases(strip, position_rad)
     estimates: list[dict[str, object] | None] = []
     for torque, states in zip(scene.torques_Nm, found, strict=True):
         if torque == 0.0:
             estimates.append(None)
             continue
         solve = partial(state_under, scene, strip, torque_Nm=torque, account=account)
-        largest = max(abs(state.rotation_rad) for state in states)
-        estimates.append(estimate_belt([(states[p], by) for p, by in tried], largest, solve))
+        here = [(states[p], by) for p, by in tried]
+        estimates.append(estimate_belt(here, states, places, solve))
     return estimates
 
 
@@ -376,9 +385,10 @@ def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str
     if yields:
         counted["compliance body 1"] = work_of_pulley(pulley_mesh(scene), asked)
     if scene.accuracy.estimate and torques:
-        coarse, tried = max(1, elements // 2), position_rad[tried_positions(position_rad)]
+        halved, coarse = coarser(strip, elements)
+        tried = position_rad[tried_positions(strip, position_rad)]
         states = tried.size * len(torques)
-        work = Counter(work_of_elements(strip, coarse, tried, asked))
+        work = Counter(work_of_elements(halved, coarse, tried, asked))
         work.update(work_of_states(strip, coarse, states * (2 if yields else 1)))
         if yields:
             work.update(work_of_states(strip, elements, 2 * states))
@@ -387,15 +397,17 @@ def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str
     return counted
 
 
-def tried_positions(position_rad: Floats) -> list[int]:
-    """Positions at which errors are estimated.
+def tried_positions(strip: Strip, position_rad: Floats) -> list[int]:
+    """Positions at which errors of elements are estimated: before a tooth comes, and after.
 
     Parameters
     ----------
+    strip : Strip
     position_rad : (P,) array
 
     Returns
     -------
     list of int
     """
-    return sorted({0, position_rad.size // 2})
+    places = phases(strip, position_rad)
+    return sorted({int(places.argmax()), int(places.argmin())})

@@ -14,6 +14,7 @@ import pytest
 from tolerances import SOLVER
 
 import flankload as fl
+from flankload.belt_estimate import DOUBT, between_places
 from flankload.belt_states import lands_in_words
 from flankload.cli import main
 from flankload.plot import plot_all
@@ -228,6 +229,95 @@ def test_estimate_is_what_finer_elements_change() -> None:
     assert result.estimate is not None
     assert 0.5 * off < result.estimate["load_share"] < 10 * off
     assert "estimate" not in solved().cost["stages"]
+
+
+def positions_of(count: int, **keys: Any) -> fl.Result:
+    return solved(positions={"count": count}, accuracy={"flank_element_mm": 0.833, **keys})
+
+
+PER_POSITION = {
+    "transmission_error_mean": lambda r: r.transmission_error_um,
+    "stiffness_secant": lambda r: r.stiffness_secant_Nm_per_rad,
+    "stiffness_tangent": lambda r: r.stiffness_tangent_Nm_per_rad,
+}
+
+
+@pytest.mark.parametrize("difference", [0.0, -20.0])
+def test_positions_tell_what_they_miss_of_the_saw(difference: float) -> None:
+    """Against so many that both sides of its tooth are seen: 1/64 pitch from the place at most."""
+    belt = {"wrapped_teeth": 5, "pitch_difference_um": difference}
+    fine = solved(body_2=belt, positions={"count": 64})
+    for count in (4, 8):
+        result = solved(body_2=belt, positions={"count": count}, accuracy={"estimate": True})
+        assert result.estimate is not None
+        told = result.estimate["by_source"]["positions"]
+        missed = np.ptp(fine.transmission_error_um) / np.ptp(result.transmission_error_um) - 1
+        assert missed > 0.1
+        assert missed < told["transmission_error_peak_to_peak"] < 10 * missed
+        for quantity, values in PER_POSITION.items():
+            missed = abs(values(fine).mean() / values(result).mean() - 1)
+            assert 0.8 * missed < told[quantity] < 10 * missed
+        assert result.estimate["dominant_source"]["transmission_error_peak_to_peak"] == "positions"
+
+
+def test_places_of_a_straight_saw_miss_what_can_be_reckoned() -> None:
+    """Even positions of y = 2 + x from -1/2 to 1/2: peak to peak 1, mean 2."""
+    for count in (3, 4, 9):
+        at = (np.arange(count) + 0.5 * (count % 2)) / count - 0.5
+        told = between_places(at, 2 + at, 1 / (2 + at))
+        span = 1 - 1 / count
+        part = (1 - span) / span
+        assert told["transmission_error_peak_to_peak"] == pytest.approx(
+            part * (1 + DOUBT), rel=SOLVER
+        )
+        missed = abs(at.mean()) / (2 + at.mean())
+        assert told["transmission_error_mean"] == pytest.approx((1 + DOUBT) * missed, abs=SOLVER)
+
+
+def test_a_further_pitch_tells_nothing_new() -> None:
+    one = positions_of(4, estimate=True)
+    two = solved(
+        positions={"count": 4, "pitches": 2},
+        accuracy={"flank_element_mm": 0.833, "estimate": True},
+    )
+    assert one.estimate is not None
+    assert two.estimate is not None
+    for quantity in ("transmission_error_mean", "transmission_error_peak_to_peak"):
+        np.testing.assert_allclose(
+            two.estimate[quantity], one.estimate[quantity], rtol=1e-6, atol=0.0
+        )
+
+
+def test_what_is_between_single_angles_and_beside_one_is_not_told() -> None:
+    one = solved(accuracy={"estimate": True})
+    some = solved(positions={"angles_deg": [0, 5]}, accuracy={"estimate": True})
+    assert one.estimate is not None
+    assert some.estimate is not None
+    assert "transmission_error_peak_to_peak" not in one.estimate
+    assert set(some.estimate["by_source"]) == {"elements"}
+    assert some.estimate["transmission_error_peak_to_peak"] > 0
+
+
+@pytest.mark.parametrize("profile", ["T", "HTD"])
+def test_elements_tell_at_least_what_they_miss(profile: str) -> None:
+    """Rows over the lands stayed as they were in the coarser mesh, and hid a third to all of it."""
+    keys: dict[str, Any] = {"body_1": {"profile": profile}}
+    if profile == "HTD":
+        keys["body_2"] = {"wrapped_teeth": 5, "flank_angle_deg": None}
+    plain = {"flank_element_mm": None, "estimate": True}
+    result = solved(**keys, positions={"count": 2}, accuracy=plain)
+    fine = solved(**keys, positions={"count": 2}, accuracy={"flank_element_mm": 0.156})
+    assert result.estimate is not None
+    told = result.estimate["by_source"]["elements"]
+    turned = fine.rotation_rad - result.rotation_rad
+    missed = np.abs(turned).max() / fine.rotation_rad.max()
+    assert missed < told["transmission_error"] < 4 * missed
+    missed = abs(fine.rotation_rad.mean() / result.rotation_rad.mean() - 1)
+    assert missed < told["transmission_error_mean"] < 4 * missed
+    missed = np.abs(fine.load_share - result.load_share).max()
+    assert missed < told["load_share"] < 10 * missed
+    missed = abs(np.ptp(fine.rotation_rad) / np.ptp(result.rotation_rad) - 1)
+    assert missed < told["transmission_error_peak_to_peak"]
 
 
 def test_wider_groove_turns_the_pulley_further() -> None:

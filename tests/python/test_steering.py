@@ -238,8 +238,8 @@ def test_elements_of_belt_and_pulley_are_one_source() -> None:
 
 
 def test_a_belt_gets_no_shorter_elements_than_it_needs() -> None:
-    """At the default length its estimate tells less than 0.5 %."""
-    tree = belt(tolerance=0.005)
+    """At the default length its estimate tells less than 1.2 %."""
+    tree = belt(tolerance=0.012)
     found, length = said(solved(tree)), knobs_of(fl.Scene.from_dict(tree)).element_mm
     assert length is not None
     assert found["met"]

@@ -174,6 +174,9 @@ class Strip:
         Pitch of the belt minus that of the pulley.
     prestress_N_per_mm : float
         Mean tension that holds the cord straight, per mm of width.
+    rows : (int, int) or None
+        Rows of elements from the land to the cord, and from the cord to the back; None: by the
+        length of the elements.
     """
 
     pulley_teeth: int
@@ -189,6 +192,7 @@ class Strip:
     clearance_rad: float = 0.0
     pitch_difference_mm: float = 0.0
     prestress_N_per_mm: float = 0.0
+    rows: tuple[int, int] | None = None
 
     @property
     def pitch_radius_mm(self) -> float:

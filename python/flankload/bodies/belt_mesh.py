@@ -9,7 +9,7 @@ land before it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import asin
 from typing import TYPE_CHECKING, Any
 
@@ -110,6 +110,28 @@ def cord_rows(strip: Strip, flank_elements: int) -> int:
     int
     """
     return _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements).size
+
+
+def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
+    """The strip with half as many rows, or fewer, and half as many elements on a flank.
+
+    A row is never less than one: of elements that are long already flanks alone would be coarser,
+    which tells little of what elements miss.
+
+    Parameters
+    ----------
+    strip : Strip
+    flank_elements : int
+
+    Returns
+    -------
+    strip : Strip
+    flank_elements : int
+    """
+    radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
+    rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
+    return replace(strip, rows=rows), max(1, flank_elements // 2)
 
 
 def mesh_strip(
@@ -308,6 +330,10 @@ def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
 def _radii(strip: Strip, size: float) -> Floats:
     """Rows of nodes from the land over the cord to the back."""
     inner, middle = strip.land_radius_mm, strip.pitch_radius_mm
-    below = even_breaks(inner, middle, size, LEAST_ROWS)
-    above = even_breaks(middle, inner + strip.back_mm, size, LEAST_ROWS)
+    if strip.rows is None:
+        below = even_breaks(inner, middle, size, LEAST_ROWS)
+        above = even_breaks(middle, inner + strip.back_mm, size, LEAST_ROWS)
+    else:
+        below = np.linspace(inner, middle, strip.rows[0] + 1)
+        above = np.linspace(middle, inner + strip.back_mm, strip.rows[1] + 1)
     return with_middles(np.concatenate([below, above[1:]]))

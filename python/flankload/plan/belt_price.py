@@ -18,7 +18,7 @@ from flankload.belt_drive import (
     tried_positions,
 )
 from flankload.belt_work import Asked, PieceWork, pieces_of, work_of_pulley
-from flankload.bodies.belt_mesh import STRAND, mesh_strip
+from flankload.bodies.belt_mesh import STRAND, coarser, mesh_strip
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -146,12 +146,13 @@ def price_belt(
         stages["compliance body 1"] = price_pulley(scene, elements, slower["compliance body 1"])
     loaded = sum(torque > 0.0 for torque in scene.torques_Nm)
     if scene.accuracy.estimate and loaded:
-        tried = position_rad[tried_positions(position_rad)]
-        coarse = sizes_of(strip, max(1, elements // 2), tried)
+        tried = position_rad[tried_positions(strip, position_rad)]
+        halved, half_elements = coarser(strip, elements)
+        coarse = sizes_of(halved, half_elements, tried)
         stages["estimate"] = Account(
-            cpu_s=slower[body] * seconds_of_elements(strip, coarse, tried.size, asked)
+            cpu_s=slower[body] * seconds_of_elements(halved, coarse, tried.size, asked)
             + slower[sweep] * tried.size * loaded * seconds_of_state(coarse, asked),
-            workspace_bytes=workspace(strip, coarse, asked),
+            workspace_bytes=workspace(halved, coarse, asked),
         )
         if yields:
             half = price_pulley(scene, coarse.elements, slower["compliance body 1"])

@@ -39,6 +39,9 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
             f"peak to peak {percent(itself)} of itself is {percent(bound)} of the largest "
             "transmission error, which is what counts"
         )
+    if found["not_estimated"]:
+        names = ", ".join(name.replace("_", " ") for name in found["not_estimated"])
+        lines.append(f"not estimated, so not checked: {names}")
     lines += [
         f"missed: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, most of it from "
         f"{one['source']}: {one['why']}"

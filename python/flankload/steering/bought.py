@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from flankload.steering.knobs import MOST_MODES, SOURCES
-from flankload.steering.laws import UNRESOLVED
+from flankload.steering.laws import BOUND, UNRESOLVED
 from flankload.steering.pick import STRIPS, finest_part
 from flankload.steering.told import OF_LARGEST
 
@@ -69,6 +69,7 @@ def bought(
         "largest_error": max(left.values(), default=None),
         "errors": dict(left),
         "peak_to_peak_of_itself": _of_itself(results),
+        "not_estimated": _not_estimated(left, knobs) if left else [],
         "knobs": rows,
         "keys": last.setting.tables(),
         "tightened": _tightened(picks),
@@ -82,6 +83,12 @@ def bought(
     if not left:
         found["unchecked"] = _unchecked(results)
     return found
+
+
+def _not_estimated(left: Mapping[str, float], knobs: Knobs) -> list[str]:
+    """Bound quantities of which nothing is told; belts and chains have no pressures."""
+    has_none = ("peak_pressure",) if knobs.kind in ("belts", "chains") else ()
+    return [quantity for quantity in BOUND if quantity not in (*left, *has_none)]
 
 
 def _of_itself(results: Sequence[Result]) -> float | None:
