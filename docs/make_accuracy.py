@@ -98,8 +98,18 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
     for tolerance in NAMED:
         found = [study.cheapest(tolerance, measure) for measure in names]
         found.append(study.cheapest(tolerance))
-        cells = ["none" if row is None else f"{row.run.cpu_s:.2f}" for row in found]
+        doubts = [*(study.doubt(measure) for measure in names), study.doubt()]
+        cells = [
+            f"{row.run.cpu_s:.2f}"
+            if row is not None
+            else "?"
+            if (doubt or 0.0) > tolerance
+            else "none"
+            for row, doubt in zip(found, doubts, strict=True)
+        ]
         rows.append([f"{100 * tolerance:g} %", *cells])
+    doubts = [f"{_percent(study.doubts[measure])} %" for measure in names]
+    rows.append(["the limit, in doubt by", *doubts, f"{_percent(study.doubt())} %"])
     yield "CPU seconds of the cheapest setting:"
     yield ""
     yield from _table(["to", *(HEADS[measure] for measure in names), "all"], rows)

@@ -21,6 +21,7 @@ from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.accuracy.observed import common, errors_of, from_tree, observed, to_tree
 from flankload.accuracy.runs import Run, Runs, fingerprint
 from flankload.accuracy.study import Row
+from flankload.accuracy.truth import Truth
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
@@ -319,20 +320,106 @@ def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
 def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
     front = study.front()
     seconds = [row.run.cpu_s for row in front]
-    errors = [row.largest(study.measures) for row in front]
+    errors = [study.within(row) for row in front]
     assert seconds == sorted(seconds)
-    assert all(a is not None and b is not None and a > b for a, b in zip(errors, errors[1:]))  # noqa: B905, RUF007
+    assert errors == sorted(set(errors), reverse=True)
     for row in study.candidates():
-        error = row.largest(study.measures)
         assert any(
-            other.run.cpu_s <= row.run.cpu_s and other.largest(study.measures) <= error
+            other.run.cpu_s <= row.run.cpu_s and study.within(other) <= study.within(row)
             for other in front
         )
     for tolerance in (0.1, 0.03, 0.01):
         row = study.cheapest(tolerance)
         assert row is not None
         assert row in front
-        assert row.largest(study.measures) <= tolerance
+        assert study.within(row) <= tolerance
+
+
+# --- what the limit itself is known to ------------------------------------------------------------
+def steps_of(values: list[float]) -> tuple[Truth, knobs.Knobs]:
+    """A ladder of elements, the finest first: a transmission error at two positions."""
+    sizes = (0.5, 1.0, 2.0)
+    ladder = tuple(sizes[::-1][-len(values) :])
+    base, finest = (
+        Setting(flank_element_mm=ladder[0], modes=5),
+        Setting(flank_element_mm=sizes[0], modes=5),
+    )
+    done = {}
+    for size, value in zip(sizes, values, strict=False):
+        setting = Setting(flank_element_mm=size, modes=5)
+        found = curves([0.0, 1.0], [0], [value, 0.5 * value], [1.0])
+        done[setting] = Run(setting, 1.0 / size, 0, found)
+    found = knobs.Knobs({"flank_element_mm": ladder}, base, finest, can_adapt=False)
+    return Truth(done, found), found
+
+
+@pytest.mark.parametrize(
+    ("values", "doubt"),
+    [
+        ([100.0, 101.0, 105.0], 0.5 / 3 / (100 - 1 / 3)),  # order 2: half of what it adds
+        ([100.0, 101.0, 100.0], 1.0 / 100),  # it turns: the last change
+        ([100.0, 101.0, 102.5], 2.0 / 100),  # it converges slowly: what its order would add
+        ([100.0, 101.0], 1.0 / 100),  # two steps: their change
+    ],
+    ids=["extrapolated", "turns", "slow", "two steps"],
+)
+def test_limit_is_in_doubt_by_what_its_ladder_leaves(values: list[float], doubt: float) -> None:
+    found, _ = steps_of(values)
+    for name in ("transmission_error", "transmission_error_mean"):
+        assert found.doubts[name] == pytest.approx(doubt, rel=1e-6)
+    assert found.doubts["load_share"] == 0.0
+
+
+def test_a_ladder_that_was_not_gone_leaves_what_the_default_does() -> None:
+    found, ladders = steps_of([100.0, 101.0, 105.0])
+    more = replace(ladders, ladders={**ladders.ladders, "modes": (3, 5)})
+    (base,) = (run for setting, run in found._done.items() if setting == ladders.base)
+    both = Truth(found._done, more).doubts["transmission_error_mean"]
+    error = found.errors(base)["transmission_error_mean"]
+    assert both == pytest.approx(np.hypot(error, found.doubts["transmission_error_mean"]), rel=1e-9)
+    fixed = replace(ladders, ladders={**ladders.ladders, "modes": (5,)})
+    assert Truth(found._done, fixed).doubts == found.doubts
+
+
+def test_what_errors_are_measured_against_is_not_named() -> None:
+    """The finest run was the cheapest one for 0.01 % on a belt, whose ladder converges slowly."""
+    found, ladders = steps_of([100.0, 101.0, 102.5])
+    rows = tuple(Row("flank_element_mm", run, found.errors(run)) for run in found._done.values())
+    study = Study(
+        name="a belt",
+        tolerance=0.01,
+        measures=("transmission_error", "transmission_error_mean"),
+        rows=rows,
+        steps={},
+        limits=found.limits,
+        knobs=ladders,
+        doubts=found.doubts,
+    )
+    finest = next(row for row in rows if row.setting == ladders.finest)
+    assert finest.largest(study.measures) == 0.0
+    assert study.cheapest(1e-2) is None
+    assert study.cheapest(0.03) is not finest
+    text = str(study)
+    assert "0.01 %: not known of any (?): the limit itself is in doubt by 2 % (TE)" in text
+    (line,) = (line for line in text.splitlines() if line.startswith("  1 %  "))
+    assert line.split()[2:] == ["?", "?", "?", "0.500", "0.500", "0.500", "?"]
+    assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02
+
+
+def test_search_for_what_the_limit_is_not_known_to_runs_nothing() -> None:
+    found, ladders = steps_of([100.0, 101.0, 102.5])
+    combinations.search(0.01, ladders, found, ["transmission_error"], _never)
+    with pytest.raises(AssertionError, match="solved again"):
+        combinations.search(0.5, ladders, found, ["transmission_error"], _never)
+
+
+def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:
+    """Every run is nearer to the limit of a study than the default, with the doubt added."""
+    assert set(study.doubts) == set(study.rows[0].errors)
+    (base,) = (row for row in study.rows if row.group == "default")
+    for name, doubt in study.doubts.items():
+        assert 0 <= doubt < base.errors[name] + ROUND_OFF
+    assert "the limit itself, in doubt by" in str(study)
 
 
 def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:

@@ -49,8 +49,11 @@ def search(
     run : callable
     """
 
+    if truth.doubt(measures) > tolerance:  # of no run could be said that it meets it
+        return
+
     def meets(setting: Setting) -> bool:
-        error = truth.largest(run(setting), measures)
+        error = truth.within(run(setting), measures)
         return error is not None and error <= tolerance
 
     guesses = (

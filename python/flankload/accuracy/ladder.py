@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 LEAST_ORDER, LARGEST_ORDER = 0.5, 8.0
 #: A limit further off than this many times the last change is no longer told by it.
 FURTHEST = 1.0
+#: Part of the way from the finest value to an extrapolated limit that this is in doubt by: what an
+#: order off by a half makes of second order.
+IN_DOUBT = 0.5
 #: Changes below this part of the value are rounding.
 ROUNDING = 1e-8
 
@@ -43,12 +46,16 @@ class Limit:
         Largest distance of finest value and limit; without an order the last change.
     slow : bool
         It converges, but so slowly that the limit is out of sight.
+    left : array
+        What the value itself may be off: a part of what was extrapolated, or the last change, or
+        where it converges slowly what an order would add to it.
     """
 
     value: Floats
     order: float | None
     monotone: bool
     doubt: float
+    left: Floats
     slow: bool = False
 
 
@@ -69,23 +76,23 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
     """
     finest = np.asarray(values[0], dtype=float)
     if len(values) < 2:
-        return Limit(finest, None, False, float("nan"))
+        return Limit(finest, None, False, float("nan"), np.full_like(finest, np.nan))
     last = finest - np.asarray(values[1], dtype=float)
     scale = _largest(finest)
     doubt = _largest(last)
     if doubt <= ROUNDING * scale:
-        return Limit(finest, None, True, doubt)
+        return Limit(finest, None, True, doubt, last)
     if len(values) < 3:
-        return Limit(finest, None, False, doubt)
+        return Limit(finest, None, False, doubt, last)
     before = np.asarray(values[1], dtype=float) - np.asarray(values[2], dtype=float)
     along = float(np.nansum(last * before))
     order = fitted_order(sizes, _norm(before), _norm(last)) if along > 0 else None
     if order is None:
-        return Limit(finest, None, False, doubt)
+        return Limit(finest, None, False, doubt, last)
     part = sizes[0] ** order / (sizes[1] ** order - sizes[0] ** order)
     if part > FURTHEST:
-        return Limit(finest, None, True, part * doubt, slow=True)
-    return Limit(finest + part * last, order, True, part * doubt)
+        return Limit(finest, None, True, part * doubt, part * last, slow=True)
+    return Limit(finest + part * last, order, True, part * doubt, IN_DOUBT * part * last)
 
 
 def fitted_order(sizes: Sequence[float], before: float, last: float) -> float | None:

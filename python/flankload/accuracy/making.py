@@ -218,6 +218,7 @@ class _Making:
             steps=steps,
             limits=truth.limits,
             knobs=self.knobs,
+            doubts=truth.doubts,
             notes=(
                 *corner_notes(steps.get("strips_per_half_width", ())),
                 *file_notes(self.scene),

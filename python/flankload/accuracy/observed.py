@@ -146,9 +146,14 @@ def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Lim
     }
 
 
-def with_numbers(limits: Mapping[str, Limit], truth: Observed) -> dict[str, Limit]:
-    """Limits of which the numbers are those of a run that knows better."""
-    known = {name: replace(limits[name], value=truth[name]) for name in NUMBERS}
+def with_numbers(
+    limits: Mapping[str, Limit], truth: Observed, before: Observed
+) -> dict[str, Limit]:
+    """Limits of which the numbers are those of a run that knows better, and their last change."""
+    known = {
+        name: replace(limits[name], value=truth[name], left=truth[name] - before[name])
+        for name in NUMBERS
+    }
     return {**limits, **known}
 
 
@@ -159,6 +164,15 @@ def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observe
         for ladder in ladders:
             if ladder[name].value.shape == finest[name].shape == run[name].shape:
                 parts[name] = parts[name] + (ladder[name].value - finest[name])
+    return parts
+
+
+def off_by(run: Observed, ladder: Mapping[str, Limit]) -> Observed:
+    """A run, off by what the limits of a ladder leave."""
+    parts = dict(run)
+    for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
+        if ladder[name].left.shape == run[name].shape:
+            parts[name] = run[name] + ladder[name].left
     return parts
 
 

@@ -7,6 +7,7 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from flankload.accuracy.observed import HEADS, MEANINGS
@@ -76,6 +77,9 @@ class Study:
     steps : dict of tuple of Row
         Of each knob its ladder, the finest step first; even positions before adaptive ones. Their
         `alone` is known.
+    doubts : dict of str to float
+        By the names of errors: what the limit of all knobs, against which they are measured, may be
+        off itself.
     notes : tuple of str
     stopped : str or None
         Why runs are left out.
@@ -89,6 +93,7 @@ class Study:
     limits: Mapping[str, Mapping[str, Limit]]
     knobs: Knobs
     steps: Mapping[str, tuple[Row, ...]]
+    doubts: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     stopped: str | None = None
     interrupted: bool = False
@@ -111,7 +116,7 @@ class Study:
         return tuple(sorted(known, key=lambda row: row.run.cpu_s))
 
     def front(self, *names: str) -> tuple[Row, ...]:
-        """Rows that no other beats both in seconds and in error, the cheapest first.
+        """Rows that no other beats both in seconds and in `within`, the cheapest first.
 
         Parameters
         ----------
@@ -121,23 +126,44 @@ class Study:
         Returns
         -------
         tuple of Row
-            Seconds ascend, errors descend.
+            Seconds ascend, what errors are within descends.
         """
         best: list[Row] = []
         for row in self.candidates(*names):
-            error = row.largest(names or self.measures)
-            last = best[-1].largest(names or self.measures) if best else None
-            if error is not None and (last is None or error < last):
+            if not best or self.within(row, *names) < self.within(best[-1], *names):
                 best.append(row)
         return tuple(best)
 
+    def within(self, row: Row, *names: str) -> float:
+        """What some errors of a row are below: the largest with the doubt of the limit added.
+
+        Parameters
+        ----------
+        row : Row
+            One of the candidates.
+        *names : str
+            As of `front`.
+
+        Returns
+        -------
+        float
+        """
+        known = [name for name in names or self.measures if name in row.errors]
+        return max(row.errors[name] + self.doubts.get(name, 0.0) for name in known)
+
     def cheapest(self, tolerance: float, *names: str) -> Row | None:
-        """The run of fewest CPU seconds that meets a tolerance; None where none does."""
-        for row in self.front(*names):
-            error = row.largest(names or self.measures)
-            if error is not None and error <= tolerance:
-                return row
-        return None
+        """The run of fewest CPU seconds that meets a tolerance for certain; None where none does.
+
+        Its errors and the doubt of what they are measured against are below the tolerance together:
+        the finest run, and whatever comes as near to the limit as that is known, is not named.
+        """
+        met = (row for row in self.candidates(*names) if self.within(row, *names) <= tolerance)
+        return next(met, None)
+
+    def doubt(self, *names: str) -> float | None:
+        """What the limit is in doubt by, in the worst of some errors; None where none is known."""
+        known = [self.doubts[name] for name in names or self.measures if name in self.doubts]
+        return max(known, default=None)
 
     def __str__(self) -> str:
         """The table."""
@@ -200,6 +226,9 @@ class Study:
             "orders": {
                 knob: {name: limit.order for name, limit in limits.items()}
                 for knob, limits in self.limits.items()
+            },
+            "doubts_of_the_limit": {
+                name: doubt if isfinite(doubt) else None for name, doubt in self.doubts.items()
             },
             "cheapest": {
                 tolerance: None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from flankload.accuracy.knobs import KINKS
@@ -32,6 +33,10 @@ GROUPS = {
 #: Tolerances for which the cheapest setting is named.
 NAMED = (1e-2, 1e-3, 1e-4)
 WIDTH = 40
+#: What errors are measured against, and how well it is known.
+LIMIT = "the limit itself, in doubt by"
+#: In place of seconds, where the limit is in doubt by more than the tolerance.
+IN_DOUBT = "?"
 #: Head of the seconds of a step where the other knobs stand at their default.
 DEFAULT_SECONDS = "default"
 
@@ -127,6 +132,9 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
         yield _head(words, names)
         for row in rows:
             yield _row(_label(row), row, row.errors, names)
+        if group == "finest":
+            cells = "".join(f"{_percent(study.doubts.get(name)):>10s}" for name in names)
+            yield f"  {LIMIT:{WIDTH - 2}s}{'':15s}{cells}"
         yield ""
 
 
@@ -183,16 +191,38 @@ def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
     columns = "".join(f"{HEADS[name]:>10s}" for name in names)
     yield f"  {'to':8s}{columns}{'all asked':>12s}"
     for tolerance in NAMED:
-        cells = [study.cheapest(tolerance, name) for name in names]
-        cells.append(study.cheapest(tolerance))
-        texts = ["none" if row is None else f"{row.run.cpu_s:.3f}" for row in cells]
+        texts = [_seconds(study, tolerance, name) for name in names]
+        texts.append(_seconds(study, tolerance))
         inner = "".join(f"{text:>10s}" for text in texts[:-1])
         yield f"  {100 * tolerance:g} %".ljust(10) + f"{inner}{texts[-1]:>12s}"
     for tolerance in NAMED:
         row = study.cheapest(tolerance)
         if row is None:
-            yield f"{100 * tolerance:g} %: none of these"
+            yield f"{100 * tolerance:g} %: {_why_none(study, tolerance)}"
             continue
         yield f"{100 * tolerance:g} %: {row.run.cpu_s:.3f} CPU s"
         lines = row.setting.lines() or "the scene as it stands"
         yield from (f"    {line}" for line in lines.splitlines())
+
+
+def _seconds(study: Study, tolerance: float, *names: str) -> str:
+    row = study.cheapest(tolerance, *names)
+    if row is not None:
+        return f"{row.run.cpu_s:.3f}"
+    return IN_DOUBT if _is_in_doubt(study, tolerance, *names) else "none"
+
+
+def _is_in_doubt(study: Study, tolerance: float, *names: str) -> bool:
+    doubt = study.doubt(*names)
+    return doubt is not None and doubt > tolerance
+
+
+def _why_none(study: Study, tolerance: float) -> str:
+    if not _is_in_doubt(study, tolerance):
+        return "not reached by any of these"
+    worst = max(
+        (name for name in study.measures if name in study.doubts), key=study.doubts.__getitem__
+    )
+    doubt = study.doubts[worst]
+    known = f"by {_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "of any size"
+    return f"not known of any ({IN_DOUBT}): the limit itself is in doubt {known}"

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
+from math import hypot, inf
 from typing import TYPE_CHECKING
 
 from flankload.accuracy.knobs import ADAPTIVE, ADAPTIVE_START, KINKS
-from flankload.accuracy.observed import errors_of, limits_of, moved, with_numbers
+from flankload.accuracy.observed import errors_of, limits_of, moved, off_by, with_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -98,8 +100,42 @@ class Truth:
         for setting in every_kink(self._knobs) if knob == "count" else ():
             best = self._done.get(setting)
             if best is not None and best.values is not None:
-                limits = with_numbers(limits, best.values)
+                limits = with_numbers(limits, best.values, self._before(best.values))
         return limits
+
+    def _before(self, best: Observed) -> Observed:
+        """The finest of the other runs on the ladder of positions: adaptive, or else even."""
+        others = [run for run in self.steps("count") if run.values is not best]
+        adaptive = [run for run in others if run.setting.adaptive is not None]
+        run = min(adaptive, key=lambda run: run.setting.adaptive or inf) if adaptive else others[0]
+        assert run.values is not None
+        return run.values
+
+    @cached_property
+    def doubts(self) -> dict[str, float]:
+        """What the limits of all knobs are in doubt by, by the names of errors.
+
+        Each ladder leaves something; of a knob whose ladder was not gone at all nothing is known
+        but that the finest step is nearer than the default. Doubts add up by their squares.
+        """
+        truth = self.of()
+        if truth is None:
+            return {}
+        parts = [errors_of(off_by(truth, limits), truth) for limits in self.limits.values()]
+        if any(len(steps) > 1 for steps in self._unknown()):
+            base = self._done.get(self._knobs.base)
+            if base is None or base.values is None:
+                return dict.fromkeys(errors_of(truth, truth), inf)
+            parts.append(errors_of(base.values, truth))
+        found = dict.fromkeys(errors_of(truth, truth), 0.0)
+        for part in parts:
+            for name, error in part.items():
+                found[name] = hypot(found.get(name, 0.0), error)
+        return found
+
+    def _unknown(self) -> list[tuple[float, ...]]:
+        """Ladders of which no limit is known."""
+        return [steps for knob, steps in self._knobs.ladders.items() if knob not in self.limits]
 
     @staticmethod
     def _size(setting: Setting, knob: str) -> float:
@@ -118,6 +154,17 @@ class Truth:
         """Errors of a run against the limits of some knobs, all without a name."""
         truth = self.of(*knobs)
         return {} if truth is None or run.values is None else errors_of(run.values, truth)
+
+    def doubt(self, measures: Sequence[str]) -> float:
+        """The largest of some doubts."""
+        return max((self.doubts[name] for name in measures if name in self.doubts), default=inf)
+
+    def within(self, run: Run, measures: Sequence[str]) -> float | None:
+        """What some errors are below for certain: the largest with its doubt; None if unknown."""
+        errors = self.errors(run)
+        return max(
+            (errors[name] + self.doubts[name] for name in measures if name in errors), default=None
+        )
 
     def largest(self, run: Run, measures: Sequence[str], *knobs: str) -> float | None:
         """The largest of some errors; None where none is known."""
