@@ -315,6 +315,33 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
     assert "sums are right: positions 1\n" in text
 
 
+def test_one_position_has_neither_mean_nor_peak_to_peak() -> None:
+    estimate = {
+        "transmission_error": 2e-3,
+        "transmission_error_mean": 1e-3,
+        "transmission_error_peak_to_peak": 0.0,
+    }
+    text = made_up_result(count=1, closed=False, estimate=estimate).table()
+    assert " um at one position\n" in text
+    assert "transmission error 0.2 %" in text
+    assert "peak to peak" not in text
+    assert "mean 0.1" not in text
+
+
+def test_rounding_is_no_error_and_has_no_source() -> None:
+    """A cam was told to miss 2e-14 % of its mean, and nothing of its load share by its strips."""
+    positions = {"transmission_error_mean": 2e-16, "transmission_error_peak_to_peak": 0.018}
+    estimate = {
+        "load_share": 0.0,
+        "transmission_error_peak_to_peak": 0.017,
+        "dominant_source": {"load_share": "strips", "transmission_error_peak_to_peak": "positions"},
+        "by_source": {"positions": positions},
+    }
+    text = small_result(estimate=estimate).table()
+    assert "load share 0 %, transmission error peak to peak 1.7 % (positions)\n" in text
+    assert "by positions alone  mean 0 %, peak to peak 1.8 %\n" in text
+
+
 def test_table_without_load_and_estimate() -> None:
     zero = np.zeros((2, 2))
     result = small_result(torque_Nm=0.0, site_force_N=zero, peak_pressure_MPa=zero, estimate=None)

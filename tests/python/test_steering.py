@@ -403,6 +403,14 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
         assert line.endswith("most of it from positions: positions.count is named")
 
 
+def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
+    """Strips went from 56.0 to 80.0."""
+    found = said(tight)
+    found["tightened"] = {"strips_per_half_width": [56.0, 80.0], "modes": [None, 7]}
+    line = next(line for line in accuracy_lines(found) if line.startswith("tightened"))
+    assert line == "tightened once: strips_per_half_width 56 -> 80, modes default -> 7"
+
+
 def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "pair.toml"
     path.write_text(SCENE.replace("estimate = false\n", ""), encoding="utf-8")

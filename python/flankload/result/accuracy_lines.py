@@ -30,7 +30,8 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
         lines.append(words)
     if found["tightened"]:
         steps = ", ".join(
-            f"{knob} {one} -> {two}" for knob, (one, two) in found["tightened"].items()
+            f"{knob} {_number(one)} -> {_number(two)}"
+            for knob, (one, two) in found["tightened"].items()
         )
         lines.append(f"tightened once: {steps}")
     itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
@@ -61,6 +62,11 @@ def _verdict(found: Mapping[str, Any]) -> str:
     largest = max(found["errors"], key=lambda name: found["errors"][name])
     state = "met" if found["met"] else "not met"
     return f"{state}, {largest.replace('_', ' ')} {percent(found['errors'][largest])} at most"
+
+
+def _number(value: float | None) -> str:
+    """None: by default."""
+    return "default" if value is None else f"{value:g}"
 
 
 def _words(knob: str, row: Mapping[str, Any]) -> str:

@@ -23,6 +23,10 @@ UNITS = ("deg", "um", "N/um", "N/um")
 MOST_COLUMNS = 8
 #: What stands behind a pressure that a sharp corner carries.
 CORNER_MARK = "*"
+#: Parts of a quantity below are rounding, and printed as none.
+ROUNDING = 1e-9
+#: A single position has none: what follows from several.
+OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: What the contact solver certifies of a position, beyond "solved" (0).
 STATUS_WORDS = {
     1: "solved; how neighbouring pairs share their force is uncertain, sums are right",
@@ -186,6 +190,8 @@ def _footer(result: Result) -> Iterator[str]:
         f"mean {summary['transmission_error_mean_um']:.3f} um, "
         f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
     )
+    if result.position_rad.size == 1:
+        text = f"{result.transmission_error_um[0]:.3f} um at one position"
     harmonics = summary["transmission_error_mesh_harmonics_um"]
     if harmonics is not None:
         text += f", harmonics 1 to {len(harmonics)}: {_amplitudes(harmonics)} um"
@@ -214,10 +220,13 @@ def _footer(result: Result) -> Iterator[str]:
     if result.friction is not None:
         yield _labelled("friction", _friction(result.friction))
     if result.estimate is not None:
-        yield _labelled("estimated error", _estimate(result.estimate))
+        estimate = result.estimate
+        if result.position_rad.size == 1:
+            estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
+        yield _labelled("estimated error", _estimate(estimate))
         if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
             text = _estimate({key.split("_", 2)[-1]: error for key, error in left.items()})
-            yield _labelled("left by positions", text)
+            yield _labelled("by positions alone", text)
     if result.accuracy is not None:
         first, *more = accuracy_lines(result.accuracy)
         yield _labelled("tolerance", first)
@@ -328,8 +337,8 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and the source that adds most to it."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error:.2g} %"
-        + (f" ({sources[quantity]})" if quantity in sources else "")
+        f"{quantity.replace('_', ' ')} {100 * error if error > ROUNDING else 0:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources and error > ROUNDING else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )

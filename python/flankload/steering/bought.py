@@ -179,7 +179,7 @@ def _why(
     if source == "modes" and pick.modes >= knobs.most_modes < MOST_MODES:
         return "meshes and compliances from files bear no more of them"
     if source == "strips" and by_source[source][quantity] > UNRESOLVED:
-        return "a rounding, a chamfer or a kink smaller than the strips can be"
+        return "a rounding, a chamfer or a kink that so many strips do not resolve"
     ends = {
         "elements": pick.part <= finest_part(tolerance),
         "modes": pick.modes >= knobs.most_modes,
