@@ -358,10 +358,11 @@ def steps_of(values: list[float]) -> tuple[Truth, knobs.Knobs]:
     [
         ([100.0, 101.0, 105.0], 0.5 / 3 / (100 - 1 / 3)),  # order 2: half of what it adds
         ([100.0, 101.0, 100.0], 1.0 / 100),  # it turns: the last change
-        ([100.0, 101.0, 102.5], 2.0 / 100),  # it converges slowly: what its order would add
+        ([100.0, 101.0, 102.6], 1 / 0.6 / 100),  # it converges slowly: what its order would add
+        ([100.0, 101.0, 102.45], 2.0 / 100),  # the same, but never more than two changes
         ([100.0, 101.0], 1.0 / 100),  # two steps: their change
     ],
-    ids=["extrapolated", "turns", "slow", "two steps"],
+    ids=["extrapolated", "turns", "slow", "slower", "two steps"],
 )
 def test_limit_is_in_doubt_by_what_its_ladder_leaves(values: list[float], doubt: float) -> None:
     found, _ = steps_of(values)
@@ -400,7 +401,7 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
     assert study.cheapest(1e-2) is None
     assert study.cheapest(0.03) is not finest
     text = str(study)
-    assert "0.01 %: not known of any (?): the limit itself is in doubt by 2 % (TE)" in text
+    assert "0.01 %: not reached (?): the limit itself is in doubt by 2 % (TE)" in text
     (line,) = (line for line in text.splitlines() if line.startswith("  1 %  "))
     assert line.split()[2:] == ["?", "?", "?", "0.500", "0.500", "0.500", "?"]
     assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02

@@ -26,6 +26,9 @@ FURTHEST = 1.0
 #: Part of the way from the finest value to an extrapolated limit that this is in doubt by: what an
 #: order off by a half makes of second order.
 IN_DOUBT = 0.5
+#: What is left by a ladder that converges slowly, over its last change, at the most: low orders on
+#: steps that hardly differ would add more, but are no orders.
+MOST_LEFT = 2.0
 #: Changes below this part of the value are rounding.
 ROUNDING = 1e-8
 
@@ -48,7 +51,7 @@ class Limit:
         It converges, but so slowly that the limit is out of sight.
     left : array
         What the value itself may be off: a part of what was extrapolated, or the last change, or
-        where it converges slowly what an order would add to it.
+        where it converges slowly what an order would add to it, up to twice that.
     """
 
     value: Floats
@@ -91,7 +94,7 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
         return Limit(finest, None, False, doubt, last)
     part = sizes[0] ** order / (sizes[1] ** order - sizes[0] ** order)
     if part > FURTHEST:
-        return Limit(finest, None, True, part * doubt, part * last, slow=True)
+        return Limit(finest, None, True, part * doubt, min(part, MOST_LEFT) * last, slow=True)
     return Limit(finest + part * last, order, True, part * doubt, IN_DOUBT * part * last)
 
 

@@ -225,4 +225,4 @@ def _why_none(study: Study, tolerance: float) -> str:
     )
     doubt = study.doubts[worst]
     known = f"by {_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "of any size"
-    return f"not known of any ({IN_DOUBT}): the limit itself is in doubt {known}"
+    return f"not reached ({IN_DOUBT}): the limit itself is in doubt {known}"
