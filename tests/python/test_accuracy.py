@@ -445,6 +445,8 @@ def test_picture_shows_the_front(study: Study, tmp_path: Path) -> None:
         shown = [(x, y) for x, y in front if y > 1e-7]
         drawn = [line.get_xydata().tolist() for line in axes.lines]
         assert [list(point) for point in shown] in drawn
+        (shade,) = axes.patches
+        assert shade.get_y() + shade.get_height() == pytest.approx(study.doubts[name], abs=1e-6)
     assert write_work_precision(study, tmp_path / "new").read_bytes()[:4] == b"\x89PNG"
 
 

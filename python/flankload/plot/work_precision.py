@@ -30,6 +30,8 @@ PANEL = (4.6, 3.5)
 #: Errors below are rounding, or the reference itself, and are not drawn.
 LEAST_ERROR = 1e-7
 LEAST_SHOWN = 1e-6
+#: What errors are measured against is in doubt up to the upper edge of this shade.
+SHADE = "#ececec"
 MARKS = dict(zip(KNOBS, "osD^v", strict=True))
 LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
 TITLES = {
@@ -43,10 +45,10 @@ TITLES = {
 
 
 def plot_work_precision(study: Study) -> Figure:
-    """A panel for each error that counts: a curve per knob, the Pareto front, tolerances.
+    """A panel for each error that counts: a curve per knob, the Pareto front, tolerances, doubt.
 
     A knob's curve is its own error over the seconds of a run with the other knobs at their default;
-    all other points are whole errors of runs.
+    all other points are whole errors of runs. Shaded is what the limit itself is in doubt by.
 
     Parameters
     ----------
@@ -104,6 +106,8 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
         0.99, 0.98, MEANINGS[name], transform=axes.transAxes, ha="right", va="top", fontsize=7,
         color=GREY,
     )  # fmt: skip
+    doubt = min(1.0, max(LEAST_SHOWN, study.doubts.get(name, 0.0)))
+    axes.axhspan(LEAST_SHOWN, doubt, color=SHADE, zorder=0)
     for tolerance in NAMED:
         axes.axhline(tolerance, color=GREY, linewidth=0.7, linestyle=":")
     axes.axhline(study.tolerance, color=GREY, linewidth=1.2, linestyle=(0, (6, 3)))
@@ -169,4 +173,6 @@ def _legend(study: Study) -> list[Line2D]:
         Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
                label=f"tolerance of the scene, {study.tolerance:g}")
     )  # fmt: skip
+    label = "the limit itself is in doubt"
+    handles.append(Line2D([], [], color=SHADE, linewidth=8, label=label))
     return handles
