@@ -254,11 +254,11 @@ LAWS = {
         seconds=(0.5, 1.1e-2),
     ),
     "belts": _law(
-        elements=(6e-3, 0.0, 0.0, 3e-3, 0.0, 0.0),
+        elements=(1.2e-2, 1.2e-2, 1.5e-3, 3.5e-3, 0.0, 1.2e-2),
         modes=NONE,
         strips=NONE,
         series=(1.0,) * 10,
-        powers=(1.2, 0.0, 0.0),
+        powers=(0.75, 0.0, 0.0),
         seconds=(0.4, 1e-3),
     ),
     "chains": _law(
