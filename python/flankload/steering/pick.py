@@ -24,7 +24,7 @@ PARTS = 2.0 ** (np.arange(4, -13, -1) / 4.0)
 STRIPS = np.array([7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0])
 #: Finer elements than this, over the default, only for tolerances below FINE: half the
 #: length takes four times the seconds.
-LEAST_PART, FINE = 0.25, 1e-3
+LEAST_PART, FINE = 2.0**-2.25, 1e-3
 #: What a tightened setting is aimed at, as part of the tolerance: laws err, too.
 AIM = 0.85
 #: What cannot come so low is taken nearly as low as it comes, to so many times as much, before
