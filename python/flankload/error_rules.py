@@ -59,7 +59,7 @@ MODES = Rule(0.4, 2.3, 1.0, 1.0, 0.1)
 #: is not that of those that follow. What these leave goes with the largest change of the load share
 #: (over 112 gears and rings: correlation of the logarithms 0.45, of the peaks' own change 0.29,
 #: which says nothing beside the share).
-SHARE_TO_PEAK = 2.5
+SHARE_TO_PEAK = 3.0
 #: Half as many nodes: where the error falls only in proportion to their distance, the change is it.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
 #: Smoothed stresses tell 0.5 to 1.0 of the loss under pressures that the flank elements hardly

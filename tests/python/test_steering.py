@@ -403,6 +403,23 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
         assert line.endswith("most of it from positions: positions.count is named")
 
 
+def test_a_miss_names_all_sources_that_exceed_the_tolerance(tight: fl.Result) -> None:
+    """Not the largest one alone: where it shrinks the tolerance is missed all the same."""
+    scene = fl.Scene.from_dict(small(tolerance=0.01))
+    first = first_pick(scene)
+    by_source = {
+        source: {"peak_pressure": error}
+        for source, error in (("strips", 0.03), ("modes", 0.02), ("elements", 0.005))
+    }
+    found = bought(scene, knobs_of(scene), [first], [tight], [{"peak_pressure": 0.04}], by_source)
+    (one,) = found["missed"]
+    assert (one["source"], one["beside"]) == ("strips", ["modes"])
+    assert accuracy_lines(found)[-1].startswith(
+        "missed: peak pressure 4 %, most of it from strips (modes alone exceeds the tolerance, "
+        "too): "
+    )
+
+
 def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
     """Strips went from 56.0 to 80.0."""
     found = said(tight)

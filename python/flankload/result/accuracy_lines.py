@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 #: Bound as part of the largest transmission error, where the estimate tells it as part of itself.
@@ -45,10 +45,18 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
         lines.append(f"not estimated, so not checked: {names}")
     lines += [
         f"missed: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, most of it from "
-        f"{one['source']}: {one['why']}"
+        f"{one['source']}{_beside(one['beside'])}: {one['why']}"
         for one in found["missed"]
     ]
     return lines
+
+
+def _beside(sources: Sequence[str]) -> str:
+    """Sources that miss the tolerance by themselves, too."""
+    if not sources:
+        return ""
+    exceed = "exceeds" if len(sources) == 1 else "each exceed"
+    return f" ({' and '.join(sources)} alone {exceed} the tolerance, too)"
 
 
 def percent(part: float) -> str:

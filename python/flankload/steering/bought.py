@@ -156,6 +156,11 @@ def _missed(
         "quantity": quantity,
         "error": error,
         "source": source,
+        "beside": sorted(
+            name
+            for name, errors in by_source.items()
+            if name != source and errors.get(quantity, 0.0) > tolerance
+        ),
         "why": _why(source, quantity, tolerance, knobs, picks, results, by_source),
     }
 
