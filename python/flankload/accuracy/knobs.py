@@ -22,7 +22,7 @@ DRIVES = ("chain", "belt")
 ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
 #: The whole tooth of a belt has elements of this length: an eighth would take gigabytes.
 BELT_ELEMENTS = ELEMENTS[:-1]
-MODES = (3, 4, 5, 6, 8, 10, 12)
+MODES = (3, 4, 5, 6, 8, 12)
 STRIPS = (2.5, 5.0, 10.0, 20.0, 40.0)
 ZONES = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0)
 COUNTS = (0.25, 0.5, 1.0, 2.0, 4.0)
@@ -31,9 +31,9 @@ ADAPTIVE = (0.03, 0.01, 0.003, 0.001)
 ADAPTIVE_START = 8
 #: The same for the reference, which begins with the most even positions.
 KINKS = 3e-4
-#: The finest setting: more modes than elements twice as long bear spoil their ladder, and wider
+#: The finest setting: more modes spoil the ladder of elements, most of all on splines, and wider
 #: zones carry nothing.
-FINEST_MODES, FINEST_ZONE = 10, 3.0
+FINEST_MODES, FINEST_ZONE = 8, 3.0
 #: Of a run at the default: elements take so much longer at these parts of their length.
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
 #: Strips: work grows with a power of their number.
