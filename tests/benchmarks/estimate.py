@@ -45,8 +45,7 @@ def run() -> str:
 def table(found: list[dict[str, Any]]) -> list[str]:
     """Lines of what was found."""
     lines = [
-        f"{len(found)} scenes; finer solution: elements {FINER[0]}, cells {FINER[1]}, positions "
-        f"{FINER[2]} times as fine, {MODES} modes",
+        f"{len(found)} scenes; elements, cells, positions {FINER} times as fine, {MODES} modes",
         f"{'':34}scenes  below estimate  estimate < 10 error  median of both",
     ]
     for quantity in (*POINTWISE, *OVERALL):

@@ -3,9 +3,9 @@
 FLANKLOAD_TOLERANCE=… sets another number of scenes than 42 (a sixth of them, splines, is left out:
 their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; what is
 found stays in out/bench_tolerance_SEED.json, and a run that was stopped goes on from there. Scenes
-leave their positions open. True errors are those against a solution with elements of an eighth of their
-default length, 12 modes and 40 strips at the same positions, and for what follows
-from the whole curve at 256 even ones. The ladder that a tolerance is measured with has elements
+leave their positions open. True errors are those against a solution with elements an eighth as
+long, 12 modes and 40 strips at the same positions, and for what follows from the whole curve at 256
+even ones. The ladder that a tolerance is measured with has elements
 twice as long to a quarter as long as the default, 3 to 12 modes, 5 to 20 strips, runs at the
 positions that the tolerance has chosen, and pays for no error estimate.
 """

@@ -226,8 +226,8 @@ def _law(
 
 
 NONE = (0.0,) * len(BOUND)
-#: By kind of pair, amounts in the order of `BOUND`: what seven of ten of the drawn scenes stay below
-#: (of strips in peaks, where they do not resolve some, nine of ten of gears and of cams).
+#: By kind of pair, amounts in the order of `BOUND`: what seven of ten of the drawn scenes stay
+#: below (of strips in peaks, where they do not resolve some, nine of ten of gears and of cams).
 LAWS = {
     "gears": _law(
         elements=(1.5e-3, 7.5e-4, 1.7e-4, 1.4e-3, 2.5e-3, 8e-4),
