@@ -133,6 +133,24 @@ def test_every_source_is_named() -> None:
         )
 
 
+def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
+    """No share can change there, so that modes are told by the peak itself."""
+    scene = {**PAIR, "positions": {"angles_deg": [-3.0, 1.0, 4.0]}}
+    found = fl.solve(fl.Scene.from_dict(scene))
+    finer = Resolution(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
+    without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
+    true = solve_with(without, {}, resolution=finer)
+    assert isinstance(found, fl.Result)
+    assert isinstance(true, fl.Result)
+    assert found.estimate is not None
+    assert (found.site_force_N > 0).sum(axis=1).tolist() == [1, 1, 1]
+    modes = found.estimate["by_source"]["modes"]
+    assert modes["load_share"] == 0 < modes["peak_pressure"]
+    peak = [result.peak_pressure_MPa.max(axis=1) for result in (found, true)]
+    error = np.abs(peak[0] - peak[1]).max() / peak[1].max()
+    assert error < found.estimate["peak_pressure"] < 10 * error
+
+
 def test_forces_on_coast_flanks_have_an_estimate() -> None:
     """Teeth without play, against finer elements, cells, modes: 0.20 % of the load, told 0.55."""
     keys = {"pair": {**PAIR["pair"], "center_distance_mm": 91.4}, "load": {"torque_Nm": 60}}
