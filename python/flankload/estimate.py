@@ -7,7 +7,8 @@ strips
     of the change is left.
 modes
     Without the two highest pressure modes (they are orthogonal: the smaller matrix is a block of
-    the larger). Tables between nodes: with every second node, which stands for their elements, too.
+    the larger). Of peak pressures these two tell little: what is left goes with the load share.
+    Tables between nodes: with every second node, which stands for their elements, too.
 elements
     With what the elements miss by their smoothed stresses (`element_error`).
 positions

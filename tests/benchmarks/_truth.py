@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 #: How many times as fine elements, cells and positions are; cells of splines lie along all flanks,
 #: and would take too long.
 FINER, FINER_SPLINE = (8, 4, 4), (8, 2, 2)
-#: Elements eight times as fine (88 along a flank) bear these. On elements four times as fine
-#: pressures at the ends of a flank are up to 9 % too high with 12 modes, and 8 modes leave a third
-#: of what the default leaves of some quantities.
+#: Elements eight times as fine (70 and more along a flank) bear these. On elements four times as
+#: fine pressures at the ends of a flank are up to 9 % too high with 12 modes, and 8 modes leave a
+#: third of what the default leaves of some quantities.
 MODES = 12
 #: CPU seconds after which a solution is given up.
 MOST_CPU_S = 90.0

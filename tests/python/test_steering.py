@@ -13,12 +13,15 @@ from test_cli import SCENE
 from tolerances import ROUND_OFF
 
 import flankload as fl
+from flankload.assembly import build_bodies
 from flankload.cli import main
+from flankload.resolution import elements_for_modes
 from flankload.result.accuracy_lines import accuracy_lines, percent
+from flankload.result.notes import FEWER_DO
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.bought import bought
-from flankload.steering.knobs import MOST_MODES, knobs_of
+from flankload.steering.knobs import ANYWHERE, MOST_MODES, knobs_of
 from flankload.steering.laws import (
     BOUND,
     LAWS,
@@ -28,6 +31,7 @@ from flankload.steering.laws import (
     as_told,
     together,
 )
+from flankload.steering.making import is_worth
 from flankload.steering.pick import PARTS, STRIPS, cheapest, finest_part
 from flankload.steering.told import told_by_source
 
@@ -307,6 +311,35 @@ def test_no_other_step_is_cheaper(kind: str, tolerance: float) -> None:
             assert worst > tolerance or seconds >= best.seconds * (1.0 - SECONDS)
         else:
             assert worst > tolerance
+
+
+@pytest.mark.parametrize("name", ["external_gear", "internal_gear", "spline"])
+@pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.001])
+def test_elements_bear_the_modes_that_are_picked(name: str, tolerance: float) -> None:
+    """On the bodies as they are meshed, which the pick does not look at."""
+    tree = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))
+    tree["accuracy"] = {"tolerance": tolerance}
+    scene = first_scene(fl.Scene.from_dict(tree))
+    assert scene.accuracy.modes is not None
+    pair = build_bodies(scene)
+    for body in (pair.body_1, pair.body_2):
+        assert body.mesh is not None
+        wanted = elements_for_modes(scene.accuracy.modes)
+        assert scene.accuracy.modes <= ANYWHERE or wanted <= FEWER_DO * body.mesh.flank_elements
+
+
+def test_a_second_run_must_meet_something_or_come_much_nearer() -> None:
+    first = first_pick(fl.Scene.from_dict(small(tolerance=0.01)))
+    found = {"peak_pressure": 0.1, "load_share": 0.02}
+
+    def worth(peak: float, share: float) -> bool:
+        foreseen = {**first.errors, "peak_pressure": peak, "load_share": share}
+        return is_worth(replace(first, errors=foreseen), found, found, 0.01)
+
+    assert worth(0.1, 0.009)
+    assert worth(0.06, 0.013)
+    assert not worth(0.06, 0.019)
+    assert not worth(0.09, 0.013)
 
 
 def test_a_law_as_told_tells_what_was_told() -> None:

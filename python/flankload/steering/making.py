@@ -157,15 +157,30 @@ def _tightened(
             same_elements=same_elements,
             aim=AIM,
         )
-        if _is_worth(pick, missed, found, tolerance):
+        if is_worth(pick, missed, found, tolerance):
             return pick
     return None
 
 
-def _is_worth(
+def is_worth(
     pick: Pick, missed: Collection[str], found: Mapping[str, float], tolerance: float
 ) -> bool:
-    """Whether a finer run is likely to meet some of what is missed, or to come much nearer."""
+    """Whether a finer run is likely to meet some of what is missed, or to come much nearer.
+
+    Parameters
+    ----------
+    pick : Pick
+        Of the finer run.
+    missed : collection of str
+        Quantities.
+    found : mapping of str to float
+        Their errors now.
+    tolerance : float
+
+    Returns
+    -------
+    bool
+    """
     return any(pick.errors[quantity] <= tolerance for quantity in missed) or all(
         pick.errors[quantity] <= MUCH_NEARER * found[quantity] for quantity in missed
     )
