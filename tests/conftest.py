@@ -1,0 +1,14 @@
+"""State of the test process that every test relies on."""
+
+from __future__ import annotations
+
+import signal
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C reach this process and the programs that the tests start.
+
+    A shell that starts the tests in the background ignores SIGINT, and programs inherit that.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
