@@ -1,7 +1,8 @@
 """Plane elements: assembly of the stiffness of a mesh, per mm of width, and its supports.
 
-scikit-fem integrates; here its degrees of freedom are brought into the order 2*node + component of
-the mesh's own nodes, so that every other room speaks of nodes only.
+scikit-fem has the shapes and the points of integration; the products of all elements are summed at
+once. Degree of freedom 2*node + component belongs to the mesh's own nodes, so that every other room
+speaks of nodes only.
 """
 
 from __future__ import annotations
@@ -90,14 +91,24 @@ def _block_stiffness(
     material: Material,
     plane: str,
 ) -> csc_matrix:
-    from skfem.models.elasticity import linear_elasticity
-
-    basis, order = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE)
-    matrix = linear_elasticity(*lame_parameters(material, plane)).assemble(basis).tocoo()
+    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE)
+    gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
+    shapes, _, elements, points = gradients.shape
+    each = gradients.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
+    # [e, a, i, b, j]: integral of dN_a/dx_i dN_b/dx_j over element e
+    products = ((each * basis.dx[:, None]) @ each.transpose(0, 2, 1)).reshape(
+        elements, shapes, 2, shapes, 2
+    )
+    lame_lambda, lame_mu = lame_parameters(material, plane)
+    blocks = lame_lambda * products + lame_mu * products.transpose(0, 1, 4, 3, 2)
+    same = lame_mu * np.trace(products, axis1=2, axis2=4)
+    for component in range(2):
+        blocks[:, :, component, :, component] += same
+    degrees = degrees_of(connectivity.ravel()).reshape(elements, 2 * shapes)
+    rows = np.repeat(degrees, 2 * shapes, axis=1).ravel()
+    columns = np.tile(degrees, 2 * shapes).ravel()
     size = 2 * len(nodes)
-    return coo_matrix(
-        (matrix.data, (order[matrix.row], order[matrix.col])), shape=(size, size)
-    ).tocsc()
+    return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
 def place_load(
@@ -115,20 +126,19 @@ def place_load(
     (2N,) array
         Integral of N_q x, mm³; times density and the square of the speed a force per mm of width.
     """
-    import skfem
-
-    pull = skfem.LinearForm(lambda v, w: w.x[0] * v[0] + w.x[1] * v[1])
-    loads = np.zeros(2 * len(nodes))
+    loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
-        basis, order = _block_basis(nodes, kind, connectivity, LOAD_DEGREE)
-        loads[order] += pull.assemble(basis)
-    return loads
+        basis = _block_basis(nodes, kind, connectivity, LOAD_DEGREE)
+        force = basis.dx * np.asarray(basis.global_coordinates())  # (2, E, points)
+        for shape, node in zip(basis.basis, connectivity.T, strict=True):
+            np.add.at(loads, node, (force * shape[0]).sum(axis=2).T)
+    return loads.ravel()
 
 
 def _block_basis(
     nodes: NDArray[np.float64], kind: str, connectivity: NDArray[np.int64], degree: int
-) -> tuple[Basis, NDArray[np.int64]]:
-    """scikit-fem's basis of a block, and its degrees of freedom as 2*node + component."""
+) -> Basis:
+    """scikit-fem's basis of a block; shape k of an element belongs to its node k."""
     import skfem
 
     mesh_type, element = {
@@ -136,14 +146,9 @@ def _block_basis(
         "triangle6": (skfem.MeshTri2, skfem.ElementTriP2()),
     }[kind]
     used, local = np.unique(connectivity, return_inverse=True)
-    local = local.reshape(connectivity.shape)
-    mesh = mesh_type(nodes[used].T.copy(), local.T.copy(), sort_t=False)
-    basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=degree)
-    order = np.empty(2 * len(used), dtype=np.int64)
-    for component in range(2):
-        dofs = basis.element_dofs[component::2]  # (nodes of an element, E)
-        order[dofs.T] = 2 * used[local] + component
-    return basis, order
+    places = local.reshape(connectivity.shape).T.copy()
+    mesh = mesh_type(nodes[used].T.copy(), places, sort_t=False)
+    return skfem.Basis(mesh, element, intorder=degree)
 
 
 def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
