@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from decimal import Decimal
 from pathlib import Path
 
@@ -19,11 +22,21 @@ BUILD = ROOT / "build-core"
 EXAMPLES = BUILD / "prefix" / "share" / "doc" / "flankload" / "examples"
 
 
+@contextmanager
+def alone() -> Iterator[None]:
+    """Keep other processes of the same test run from building here at the same time."""
+    BUILD.mkdir(exist_ok=True)
+    with (BUILD / "tests.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 @pytest.fixture(scope="session")
 def prefix() -> Path:
-    """Where the library stands."""
+    """Where the library is installed."""
     target = BUILD / "prefix"
-    subprocess.run([ROOT / "dev", "install", target], check=True, capture_output=True)
+    with alone():
+        subprocess.run([ROOT / "dev", "install", target], check=True, capture_output=True)
     return target
 
 
@@ -44,21 +57,34 @@ def workshop(prefix: Path) -> Path:
     folder = BUILD / "programs"
     folder.mkdir(exist_ok=True)
     newest = max(path.stat().st_mtime for path in prefix.rglob("*") if path.is_file())
-    for program in folder.glob("*/*"):
-        if os.access(program, os.X_OK) and program.is_file() and program.stat().st_mtime < newest:
-            program.unlink()
+    with alone():
+        for program in folder.glob("*/*"):
+            old = program.is_file() and program.stat().st_mtime < newest
+            if old and os.access(program, os.X_OK):
+                program.unlink()
     return folder
+
+
+def written(path: Path, text: str) -> Path:
+    """A file that other processes of the same test run may be reading already."""
+    with alone():
+        if not path.exists() or path.read_text(encoding="ascii") != text:
+            path.write_text(text, encoding="ascii")
+    return path
 
 
 def built(source: Path, folder: Path, environment: dict[str, str], *, static: bool) -> Path:
     """Copy a folder with a Makefile out of the tree and make it there."""
-    folder.mkdir(exist_ok=True)
-    for path in source.iterdir():
-        copy = folder / path.name
-        if path.is_file() and (not copy.exists() or copy.stat().st_mtime < path.stat().st_mtime):
-            shutil.copy2(path, copy)
     command = ["make", "-C", str(folder), *(["LINK=link_static"] if static else [])]
-    made = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    with alone():
+        folder.mkdir(exist_ok=True)
+        for path in source.iterdir():
+            copy = folder / path.name
+            if path.is_file() and (
+                not copy.exists() or copy.stat().st_mtime < path.stat().st_mtime
+            ):
+                shutil.copy2(path, copy)
+        made = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert made.returncode == 0, made.stdout + made.stderr
     assert "warning" not in made.stderr, made.stderr
     return folder

@@ -14,7 +14,7 @@ from nodal_position import DATA, read_data
 import flankload as fl
 from flankload import _core
 
-from .conftest import EXAMPLES, LINKING, PROGRAMS, ROOT, built, expect_printed, run
+from .conftest import EXAMPLES, LINKING, PROGRAMS, ROOT, built, expect_printed, run, written
 
 
 @pytest.fixture(scope="module")
@@ -147,9 +147,7 @@ def problem_file(workshop: Path) -> Path:
         n, q = arrays[2].shape
         lines.append(f"{n} {q} {structure} {method}")
         lines += [" ".join(f"{x:.17g}" for x in part.ravel(order="F")) for part in arrays]
-    path = workshop / "problems.txt"
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
-    return path
+    return written(workshop / "problems.txt", "\n".join(lines) + "\n")
 
 
 @pytest.mark.parametrize("static", LINKING)

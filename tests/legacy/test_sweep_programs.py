@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import EXAMPLES, LINKING, PROGRAMS, built, expect_printed, run
+from .conftest import EXAMPLES, LINKING, PROGRAMS, built, expect_printed, run, written
 from .nodal_position import DATA
 from .nodal_sweep import NAMES, SWEEP_DATA, NodalSweep, read_sweep
 
@@ -102,9 +102,7 @@ def sweep_file(sweep: NodalSweep, workshop: Path) -> Path:
         *(" ".join(str(n) for n in sizes) for sizes in still.sizes),
         *("\n".join(f"{x:.17g}" for x in part.ravel()) for part in parts),
     ]
-    path = workshop / "sweep.txt"
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
-    return path
+    return written(workshop / "sweep.txt", "\n".join(lines) + "\n")
 
 
 @pytest.mark.parametrize("static", LINKING)
