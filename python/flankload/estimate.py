@@ -13,6 +13,9 @@ elements
     With what the elements miss by their smoothed stresses (`element_error`).
 positions
     What the curve through the positions finds between them (`position_error`).
+period
+    What other teeth do that yield differently and come later than the last position
+    (`period_error`).
 lumped
     Lumped contact has no cells; what it leaves is taken from what was measured of it.
 
@@ -43,6 +46,7 @@ from flankload.error_rules import (
     peak_of_modes,
     what_is_left,
 )
+from flankload.period_error import HARMONICS_KEY, OtherTeeth, of_other_teeth
 from flankload.position_error import between_positions
 from flankload.sweep import END_WOULD_TOUCH
 
@@ -138,7 +142,7 @@ class Estimate:
         all_of = self
         if positions is not None:
             doubt = {
-                "transmission_error_harmonics": positions.harmonics,
+                HARMONICS_KEY: positions.harmonics,
                 "transmission_error_peak_to_peak": positions.peak_to_peak,
             }
             name = "transmission_error_peak_to_peak"
@@ -160,6 +164,7 @@ def estimate_errors(
     lumped: bool = False,
     position_rad: Floats,
     window: Window | None = None,
+    unlike: OtherTeeth | None = None,
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
@@ -177,6 +182,8 @@ def estimate_errors(
     position_rad : (P,) array
     window : Window, optional
         What the positions run over; absent where nothing is claimed of what is between them.
+    unlike : OtherTeeth, optional
+        Teeth that yield differently, of which the positions see some.
 
     Returns
     -------
@@ -211,6 +218,8 @@ def estimate_errors(
             missed = between_positions(part, window, position_rad)
             if missed:
                 left["positions"] = {name: Left(*both) for name, both in missed.items()}
+        if unlike is not None:
+            left["period"] = of_other_teeth(part, unlike)
         estimates.append(Estimate.of(left))
     return tuple(estimates)
 

@@ -25,6 +25,11 @@ MOST_COLUMNS = 8
 CORNER_MARK = "*"
 #: Parts of a quantity below are rounding, and printed as none.
 ROUNDING = 1e-9
+#: Sources of the estimate that have a line of their own: they tell of harmonics, which others do
+#: not.
+SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
+#: What such a line leaves out of its names.
+OF_ROTATION = "transmission_error_"
 #: A single position has none: what follows from several.
 OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: What the contact solver certifies of a position, beyond "solved" (0).
@@ -224,9 +229,13 @@ def _footer(result: Result) -> Iterator[str]:
         if result.position_rad.size == 1:
             estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
         yield _labelled("estimated error", _estimate(estimate))
-        if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
-            text = _estimate({key.split("_", 2)[-1]: error for key, error in left.items()})
-            yield _labelled("by positions alone", text)
+        for source, label in SHOWN_ALONE.items():
+            left = result.estimate.get("by_source", {}).get(source, {})
+            if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
+                text = _estimate(
+                    {key.removeprefix(OF_ROTATION): error for key, error in left.items()}
+                )
+                yield _labelled(label, text)
     if result.accuracy is not None:
         first, *more = accuracy_lines(result.accuracy)
         yield _labelled("tolerance", first)
