@@ -290,6 +290,16 @@ def test_pairs_that_could_carry_are_those_on_the_path_and_those_that_do(external
     assert external.summary["contact_ratio_under_load"] > mesh.contact_ratio
     text = external.table()
     assert f", {mesh.contact_ratio:.3f} by geometry)" in text
+    assert external.summary["contact_ratio_usable"] == pytest.approx(mesh.contact_ratio, rel=SOLVER)
+
+
+def test_contact_ratio_on_both_involutes_is_told_where_it_is_another_one(external: Result) -> None:
+    """Of 1.787 by the tip circles an undercut may leave less than one pair."""
+    geometry = replace(external.geometry, contact_ratio=1.787, usable_contact_ratio=0.835)
+    result = replace(external, geometry=geometry)
+    assert ", 1.787 by geometry, 0.835 of it on both involutes)" in result.table()
+    summary = json.loads(result.to_json())["summary"]
+    assert (summary["contact_ratio_geometric"], summary["contact_ratio_usable"]) == (1.787, 0.835)
 
 
 def test_line_load_is_force_over_width(external: Result) -> None:

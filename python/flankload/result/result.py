@@ -208,6 +208,7 @@ class Result(ContactQuantities):
         with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
         the same of `peak_pressure_off_corners`, the largest that means something. Beside them
         `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
+        `contact_ratio_usable` (the same between form circles and tip roundings or chamfers),
         the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
         and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
         asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`,
@@ -226,6 +227,7 @@ class Result(ContactQuantities):
             ),
             "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
             "contact_ratio_geometric": self.geometry.contact_ratio if self.geometry else None,
+            "contact_ratio_usable": self.geometry.usable_contact_ratio if self.geometry else None,
             "loaded_pairs_min": int(loaded.min()),
             "loaded_pairs_max": int(loaded.max()),
             **self._largest("peak_pressure", self.peak_pressure_MPa),

@@ -209,7 +209,11 @@ def _footer(result: Result) -> Iterator[str]:
     if summary["contact_ratio_under_load"] is not None:
         text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f}"
         if summary["contact_ratio_geometric"] is not None:
-            text += f", {summary['contact_ratio_geometric']:.3f} by geometry"
+            by_tips, usable = (
+                f"{summary[f'contact_ratio_{kind}']:.3f}" for kind in ("geometric", "usable")
+            )
+            text += f", {by_tips} by geometry"
+            text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
     if result.whole_circle:
         text += f" of {result.sites.size} teeth carry"
