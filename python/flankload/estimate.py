@@ -42,6 +42,7 @@ from flankload.error_rules import (
     NODES,
     STRIPS,
     Left,
+    any_smooth_peak,
     peak_of_cells,
     peak_of_modes,
     what_is_left,
@@ -220,6 +221,9 @@ def estimate_errors(
                 left["positions"] = {name: Left(*both) for name, both in missed.items()}
         if unlike is not None:
             left["period"] = of_other_teeth(part, unlike)
+        if not any_smooth_peak(part):  # all on sharp corners: of those nothing is told
+            for parts in left.values():
+                parts.pop("peak_pressure", None)
         estimates.append(Estimate.of(left))
     return tuple(estimates)
 

@@ -231,7 +231,7 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
         "transmission_error_peak_to_peak": _left(span, all_spans, most),
     }
     for name, softness in (
-        ("stiffness_secant", rotation),
+        ("stiffness_secant", found.turned_rad),
         ("stiffness_tangent", found.tangent_rad_per_Nmm * found.torque_Nmm),
     ):
         other = softness + changes

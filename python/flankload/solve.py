@@ -22,7 +22,7 @@ from flankload.result.geometry import pair_geometry
 from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
-from flankload.tangent import with_tangents
+from flankload.tangent import with_tangents, with_unloaded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping
@@ -215,6 +215,17 @@ def solve_with(
                     progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
                 ),
             )
+    with Account() as aside:
+        found = with_unloaded(
+            found,
+            partial(
+                run,
+                compliances=compliances,
+                grid=pair.resolution.grid,
+                keep_pairs=False,
+                account=aside,
+            ),
+        )
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
@@ -224,6 +235,7 @@ def solve_with(
         for z, compliance in enumerate(compliances):
             account.bytes += held_bytes(compliance.missed)
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
+    clock.stages["result"] = aside
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
         geometry = pair_geometry(pair, compliances)
         unseen = _unseen(pair, compliances) if estimates else ()

@@ -340,6 +340,35 @@ def test_secant_stiffness_is_not_claimed_where_body_1_stands_behind() -> None:
     assert (np.isnan(secant) == (turned <= 0)).all()
 
 
+def test_secant_stiffness_of_made_up_deflections_is_exact() -> None:
+    """10 mrad with errors that leave 8 of them before there is torque."""
+    unloaded = np.linspace(-2e-3, 8e-3, 32)
+    deflection = np.full(32, 2e-3)
+    found = made_up_result(
+        torque_Nm=100.0, rotation_rad=unloaded + deflection, unloaded_rotation_rad=unloaded
+    )
+    np.testing.assert_allclose(found.stiffness_secant_Nm_per_rad, 5e4, rtol=SOLVER, atol=0)
+    mean_um = 2.0 * found.reference_radius_mm
+    assert found.summary["transmission_error_by_load_mean_um"] == pytest.approx(mean_um, rel=SOLVER)
+    assert f"({mean_um:.3f} um beyond the state without load), peak" in found.table()
+    rows = list(csv.DictReader(io.StringIO(found.to_csv())))
+    assert float(rows[0]["unloaded_transmission_error_um"]) == pytest.approx(
+        -2.0 * found.reference_radius_mm, rel=SOLVER
+    )
+    assert json.loads(found.to_json())["unloaded_transmission_error_um"] == pytest.approx(
+        list(found.unloaded_transmission_error_um), rel=SOLVER
+    )
+
+
+def test_pressures_that_are_all_on_corners_have_no_estimate_of_none() -> None:
+    """It was told to be 0 %."""
+    plain = made_up_result()
+    corners = replace(plain, corner_contact=np.ones_like(plain.corner_contact))
+    text = "peak pressure not estimated (sharp corners)"
+    assert text in corners.table()
+    assert text not in plain.table()
+
+
 def test_stiffness_table_closes_over_the_period_and_reads_back() -> None:
     results = [made_up_result(torque_Nm=torque, count=8) for torque in (0.0, 100.0, 302.0)]
     table = stiffness_table(results)
