@@ -174,6 +174,7 @@ def build_bodies(
     resolution: Resolution | None = None,
     *,
     bodies: tuple[Body, Body] | None = None,
+    groups: tuple[int, int] = (1, 1),
 ) -> BodyPair:
     """Bodies of a scene and their pairing; no finite elements are solved.
 
@@ -184,6 +185,8 @@ def build_bodies(
         Knobs; those of the scene if absent.
     bodies : two Body, optional
         From `bodies_of`, where they are there already.
+    groups : (int, int)
+        Teeth after which the compliance of each body repeats, where that is known.
 
     Returns
     -------
@@ -203,7 +206,11 @@ def build_bodies(
             body_1, body_2 = _without_ends(body_1), _without_ends(body_2)
         by_tooth = coefficients_by_tooth(scene, body_1)
         period = period_of(body_1, body_2, by_tooth=by_tooth)
-        pitches = _pitches(scene.positions, period)
+        whole = period.with_compliance(groups)
+        pitches = _pitches(scene.positions, _reached(period, groups, (body_1, body_2)))
+        geometric = period
+        if not _stands_for_all(scene.positions, pitches, period):
+            period = whole
         closed = pitches is not None and pitches % period.pitches == 0
         position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
         position_rad, alike = _without_copies(scene, position_rad)
@@ -233,7 +240,8 @@ def build_bodies(
         *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
         *pairing.warnings,
         *alike,
-        *_beyond_window(pitches, period),
+        *_beyond_window(pitches, geometric),
+        *_beyond_teeth(pitches, whole, groups, (body_1, body_2)),
         *friction_notes(friction, pairing),
         *growth_notes(scene),
         *(
@@ -358,6 +366,25 @@ def _positions(
     return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
 
 
+def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
+    """Whether teeth that only yield differently are taken for alike: one turn of those alike.
+
+    More than that are wanted for the differences.
+    """
+    if pitches is not None:
+        return pitches == period.pitches
+    angles = np.radians(np.asarray(wanted.angles_deg, dtype=float))
+    return bool(np.ptp(angles) < period.rad * (1.0 + 1e-9))
+
+
+def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
+    """What positions can run over: teeth without a flank in their file never carry."""
+    one, two = (
+        1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
+    )
+    return period.with_compliance((one, two))
+
+
 def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
     """What a window leaves out."""
     if pitches is None or pitches % period.pitches == 0:
@@ -366,6 +393,29 @@ def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
     note = (
         f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, these "
         f"positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+    )
+    return (note,)
+
+
+def _beyond_teeth(
+    pitches: int | None, whole: Period, groups: tuple[int, int], bodies: tuple[Body, Body]
+) -> tuple[str, ...]:
+    """What a window leaves out of teeth that yield differently."""
+    if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
+        return ()
+    unlike = [z for z in (0, 1) if groups[z] > 1]
+    yielding = " and ".join(
+        f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
+    )
+    cure = "positions.pitches = 'hunting' for all"
+    for z in unlike:
+        if bodies[z].named_teeth:
+            cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
+    window = "one" if pitches == 1 else f"{pitches}"
+    note = (
+        f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
+        f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
+        f"and harmonics are not those of all teeth ({cure})"
     )
     return (note,)
 

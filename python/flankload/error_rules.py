@@ -118,6 +118,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     dict
         By quantity.
     """
+    unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
     left = {
         "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
@@ -131,7 +132,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
         "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
     }
     for name, softness in (
-        ("stiffness_secant", [rotation, base.rotation_rad, other.rotation_rad]),
+        ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)]),
         ("stiffness_tangent", [s.tangent_rad_per_Nmm for s in (found, base, other)]),
     ):
         stiffness = [mean_stiffness(values) for values in softness]
@@ -194,6 +195,11 @@ def _smooth(*parts: Sweep) -> NDArray[np.bool_]:
 
 def _largest_peak(found: Sweep) -> float:
     return float(np.max(found.site_peak_N_per_mm, initial=0.0, where=_smooth(found)))
+
+
+def any_smooth_peak(found: Sweep) -> bool:
+    """Whether a site carries off sharp corners anywhere."""
+    return _largest_peak(found) > 0.0
 
 
 def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:

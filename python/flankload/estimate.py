@@ -13,6 +13,9 @@ elements
     With what the elements miss by their smoothed stresses (`element_error`).
 positions
     What the curve through the positions finds between them (`position_error`).
+period
+    What other teeth do that yield differently and come later than the last position
+    (`period_error`).
 lumped
     Lumped contact has no cells; what it leaves is taken from what was measured of it.
 
@@ -39,10 +42,12 @@ from flankload.error_rules import (
     NODES,
     STRIPS,
     Left,
+    any_smooth_peak,
     peak_of_cells,
     peak_of_modes,
     what_is_left,
 )
+from flankload.period_error import HARMONICS_KEY, OtherTeeth, of_other_teeth
 from flankload.position_error import between_positions
 from flankload.sweep import END_WOULD_TOUCH
 
@@ -138,7 +143,7 @@ class Estimate:
         all_of = self
         if positions is not None:
             doubt = {
-                "transmission_error_harmonics": positions.harmonics,
+                HARMONICS_KEY: positions.harmonics,
                 "transmission_error_peak_to_peak": positions.peak_to_peak,
             }
             name = "transmission_error_peak_to_peak"
@@ -160,6 +165,7 @@ def estimate_errors(
     lumped: bool = False,
     position_rad: Floats,
     window: Window | None = None,
+    unlike: OtherTeeth | None = None,
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
@@ -177,6 +183,8 @@ def estimate_errors(
     position_rad : (P,) array
     window : Window, optional
         What the positions run over; absent where nothing is claimed of what is between them.
+    unlike : OtherTeeth, optional
+        Teeth that yield differently, of which the positions see some.
 
     Returns
     -------
@@ -211,6 +219,11 @@ def estimate_errors(
             missed = between_positions(part, window, position_rad)
             if missed:
                 left["positions"] = {name: Left(*both) for name, both in missed.items()}
+        if unlike is not None:
+            left["period"] = of_other_teeth(part, unlike)
+        if not any_smooth_peak(part):  # all on sharp corners: of those nothing is told
+            for parts in left.values():
+                parts.pop("peak_pressure", None)
         estimates.append(Estimate.of(left))
     return tuple(estimates)
 

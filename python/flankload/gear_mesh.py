@@ -13,6 +13,7 @@ from math import acos, cos, degrees, hypot, pi, sqrt, tan
 from typing import TYPE_CHECKING
 
 from flankload.bodies.involute import roll_of_involute_angle
+from flankload.bodies.profile_deviation import deviation_at
 from flankload.errors import SceneError
 from flankload.interference import overlapping_flanks, root_contacts
 
@@ -47,6 +48,9 @@ class Mesh:
         motion.
     contact_ratio : float
         Length of that path over the base pitch.
+    usable_contact_ratio : float
+        The same of the part on which both flanks are involutes: from the form circles, where an
+        undercut or a fillet ends, to the tip roundings or chamfers. Relieved flanks count.
     backlash_mm : float
         Circular backlash on the working pitch circles; negative where the flanks overlap.
     """
@@ -58,6 +62,7 @@ class Mesh:
     path_start_mm: float
     path_end_mm: float
     contact_ratio: float
+    usable_contact_ratio: float
     backlash_mm: float
 
 
@@ -141,6 +146,13 @@ def gear_mesh(
         warnings.append(
             f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
         )
+    usable = _usable_path(pair.sense, body_1, body_2, (tangent_1, tangent_2)) / pair.base_pitch
+    usable = min(usable, contact_ratio)
+    if usable < 1.0 <= contact_ratio:
+        warnings.append(
+            f"both flanks are involutes over {usable:.3f} of the contact ratio of "
+            f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
+        )
     deepest = (tangent_1 + start, tangent_2 - pair.sense * end)
     warnings += [
         *root_contacts((one, two), deepest),
@@ -154,6 +166,7 @@ def gear_mesh(
         path_start_mm=start,
         path_end_mm=end,
         contact_ratio=contact_ratio,
+        usable_contact_ratio=usable,
         backlash_mm=backlash,
     )
 
@@ -161,6 +174,28 @@ def gear_mesh(
 def _length_at_tip(involute: Involute) -> float:
     """Distance along the line of action from the base circle to the tip circle, mm."""
     return sqrt(max(0.0, involute.tip_radius_mm**2 - involute.base_radius_mm**2))
+
+
+def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[float, float]) -> float:
+    """Length of the path of contact on which both flanks are involutes, mm.
+
+    `tangents_mm` are the lengths along the line of action from both base circles to the pitch
+    point; what grows on body 1 falls on body 2, or grows where body 2 stands around it.
+    """
+    (root_1, tip_1), (root_2, tip_2) = (_ends_of_involute(body) for body in (body_1, body_2))
+    start = max(root_1 - tangents_mm[0], sense * (tangents_mm[1] - tip_2))
+    end = min(tip_1 - tangents_mm[0], sense * (tangents_mm[1] - root_2))
+    return max(0.0, end - start)
+
+
+def _ends_of_involute(body: Body) -> tuple[float, float]:
+    """Lengths along the line of action at which a flank's involute begins (root) and ends (tip)."""
+    involute, curve = body.involute, body.curve
+    assert involute is not None
+    active = {"flank", "relief"}.intersection(curve.labels)
+    end = curve.range_of(*active)[1] if active else curve.length_mm
+    at_tip = float(deviation_at(involute, curve.point([end]))[0][0])
+    return involute.base_radius_mm * involute.roll_at(involute.form_radius_mm), at_tip
 
 
 def _check_teeth(pair: _Pair) -> None:
@@ -290,6 +325,7 @@ def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:
         ),
         ("base pitch", f"{mesh.base_pitch_mm:.4f} mm"),
         ("contact ratio", f"{mesh.contact_ratio:.4f}"),
+        ("of it, both flanks involutes", f"{mesh.usable_contact_ratio:.4f}"),
         ("backlash on the pitch circle", f"{mesh.backlash_mm:.4f} mm"),
         ("backlash, normal", f"{mesh.backlash_mm * cos(mesh.pressure_angle_rad):.4f} mm"),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import lcm, pi
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,8 @@ class Period:
     pitches : int
         After so many pitches teeth alike meet again: 1 where all teeth of a body are alike; where
         they are not, the number of them, or of the least group that repeats; of two such bodies the
-        least common multiple.
+        least common multiple. Teeth are alike that stand alike, rub alike and, where that is said,
+        yield alike.
     """
 
     pitch_rad: float
@@ -33,6 +34,10 @@ class Period:
     def rad(self) -> float:
         """Turn of body 1 after which all repeats."""
         return self.pitches * self.pitch_rad
+
+    def with_compliance(self, groups: tuple[int, int]) -> Period:
+        """The same of bodies whose compliances repeat after so many teeth."""
+        return replace(self, pitches=lcm(self.pitches, *groups))
 
 
 def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -> Period:

@@ -88,7 +88,7 @@ def between_positions(
             missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
         ),
     }
-    secant = mean_stiffness(rotation)
+    secant = mean_stiffness(part.turned_rad)
     if secant is not None:
         found["stiffness_secant"] = of_mean(secant)
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
@@ -108,7 +108,7 @@ def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
     found = {}
     for name, values in (
         ("transmission_error_mean", rotation),
-        ("stiffness_secant", mean_stiffness(rotation)),
+        ("stiffness_secant", mean_stiffness(part.turned_rad)),
         ("stiffness_tangent", mean_stiffness(part.tangent_rad_per_Nmm)),
     ):
         if values is not None:

@@ -12,6 +12,7 @@ from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, beside_plan, held_bytes
 from flankload.errors import SceneError
 from flankload.estimate import MOST_SWEEPS, Estimate, estimate_errors
+from flankload.period_error import ALIKE, OtherTeeth, teeth_until_alike
 from flankload.prediction import predicted_work
 from flankload.resolution import position_tolerance
 from flankload.result import Result
@@ -21,7 +22,7 @@ from flankload.result.geometry import pair_geometry
 from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
-from flankload.tangent import with_tangents
+from flankload.tangent import with_tangents, with_unloaded
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping
@@ -178,8 +179,13 @@ def solve_with(
         account.bytes += held_bytes(pair)
     predicted = beside_plan(predicted_work(scene, pair), guessed)
     compliances = _compliances(scene, pair, clock, kept)
+    planned, pair = pair, _with_compliance_period(scene, pair, compliances)
+    if pair.position_rad.size != planned.position_rad.size:
+        # teeth that yield differently, of which nothing is known before elements are solved
+        predicted = beside_plan(predicted_work(scene, pair))
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
+    width = scene.pair.face_width_mm
     with clock.stage("sweep", fixed) as account:
 
         def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
@@ -209,13 +215,27 @@ def solve_with(
                     progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
                 ),
             )
+    with Account() as aside:
+        found = with_unloaded(
+            found,
+            partial(
+                run,
+                compliances=compliances,
+                grid=pair.resolution.grid,
+                keep_pairs=False,
+                account=aside,
+            ),
+        )
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
-            estimates = _estimates(found, partial(run, account=account), pair, compliances, clock)
+            estimates = _estimates(
+                found, partial(run, account=account), pair, compliances, clock, width
+            )
         for z, compliance in enumerate(compliances):
             account.bytes += held_bytes(compliance.missed)
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
+    clock.stages["result"] = aside
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
         geometry = pair_geometry(pair, compliances)
         unseen = _unseen(pair, compliances) if estimates else ()
@@ -225,7 +245,7 @@ def solve_with(
                 pair,
                 compliances,
                 name=scene.name,
-                face_width_mm=scene.pair.face_width_mm,
+                face_width_mm=width,
                 estimate=estimates[t].as_dict(positions=errors[t]) if t in estimates else None,
                 geometry=geometry,
                 notes=(*chosen, *standing, *unseen, *_not_enough(scene, pair, errors[t])),
@@ -250,6 +270,7 @@ def _estimates(
     pair: BodyPair,
     compliances: tuple[BodyCompliance, BodyCompliance],
     clock: _Clock,
+    face_width_mm: float,
 ) -> dict[int, Estimate]:
     """Error estimates by number of the torque; without torque nothing is approximated."""
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
@@ -266,6 +287,7 @@ def _estimates(
         )
 
     parts = tuple(found[t] for t in loaded)
+    window = None if pair.pitches is None else window_of(pair)
     estimated = estimate_errors(
         parts,
         run_again,
@@ -273,9 +295,25 @@ def _estimates(
         pair.resolution.grid,
         lumped=pair.effects.lumped_contact,
         position_rad=pair.position_rad,
-        window=None if pair.pitches is None or pair.adaptive else window_of(pair),
+        window=None if pair.adaptive else window,
+        unlike=None if window is None else OtherTeeth.of(pair, compliances, face_width_mm, window),
     )
     return dict(zip(loaded, estimated, strict=True))
+
+
+def _with_compliance_period(
+    scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> BodyPair:
+    """The pair at positions for teeth that yield differently, which only compliances tell."""
+    part = ALIKE * scene.accuracy.tolerance
+    bodies = (pair.body_1, pair.body_2)
+    one, two = (
+        teeth_until_alike(compliance, body.teeth, part)
+        for compliance, body in zip(compliances, bodies, strict=True)
+    )
+    if (one, two) == (1, 1):
+        return pair
+    return build_bodies(scene, pair.resolution, bodies=bodies, groups=(one, two))
 
 
 def _all_positions(

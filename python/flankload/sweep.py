@@ -93,6 +93,8 @@ class Sweep:
         Of working flanks; empty where pairs are not kept.
     coast : CoastSweep or None
         The same of the coast flanks, where they can carry.
+    unloaded_rad : (P,) array or None
+        Rotation without torque, where that has been looked at.
     """
 
     torque_Nmm: float
@@ -107,6 +109,13 @@ class Sweep:
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
     coast: CoastSweep | None = None
+    unloaded_rad: NDArray[np.float64] | None = None
+
+    @property
+    def turned_rad(self) -> NDArray[np.float64]:
+        """(P,) Rotation beyond that without torque, as far as that is known."""
+        unloaded = self.unloaded_rad
+        return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
 
 
 def sweep(
@@ -273,7 +282,7 @@ def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
     """What has a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast")
+    single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
     names = [item.name for item in fields(parts[0]) if item.name not in single]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return {name: values[order] for name, values in joined.items()} | {

@@ -1,4 +1,4 @@
-"""Tangent stiffness as what the rotation itself does when the torque grows.
+"""Stiffness as what the rotation itself does: when the torque grows, and from no torque on.
 
 With the pairs in contact held, the derivative of the rotation lacks what the edges of the contacts
 add when their cells grow along: 0.1 to 0.3 % on gears with ten cells to the half-width. As cells
@@ -58,6 +58,35 @@ def with_tangents(
     for k, t in enumerate(loaded):
         parts[t] = _differenced(found[t], beside[2 * k], beside[2 * k + 1])
     return tuple(parts)
+
+
+def with_unloaded(
+    found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
+) -> tuple[Sweep, ...]:
+    """Add the rotation without torque, from which the deflection by a torque counts.
+
+    Deviations of pitch and profile, an offset of the axes, growth and preload turn body 1 before
+    there is any torque.
+
+    Parameters
+    ----------
+    found : tuple of Sweep
+        One for each torque.
+    run : callable
+        run(torques_Nmm=…) sweeps the same positions under other torques.
+
+    Returns
+    -------
+    tuple of Sweep
+        As they were where there is no state without torque.
+    """
+    none = next((part for part in found if part.torque_Nmm == 0.0), None)
+    if none is None:
+        try:
+            (none,) = run(torques_Nmm=[0.0])
+        except ContactError:
+            return found
+    return tuple(replace(part, unloaded_rad=none.rotation_rad) for part in found)
 
 
 def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,10 +14,12 @@ import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance
 from flankload.error_rules import Left
-from flankload.estimate import OVERALL, POINTWISE, Estimate
+from flankload.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
 from flankload.near_field import mode_values
 from flankload.resolution import DEFAULT, Grid, Resolution
 from flankload.solve import solve_with
+from flankload.stages import compliance_of, sweep_of
+from flankload.sweep import Sweep
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)
@@ -176,6 +179,48 @@ def test_errors_add_up_with_their_signs_and_doubts_by_their_squares() -> None:
     assert estimate.errors == {"load_share": 6.0}  # |3 - 3| + 5 and |1 - 3| + 4
     assert estimate.by_source == {"one": {"load_share": 6.0}, "two": {"load_share": 7.0}}
     assert estimate.dominant_source == {"load_share": "two"}
+
+
+def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
+    """They were told to have no error, since none was looked at."""
+    scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
+    pair = build_bodies(scene)
+    compliances = tuple(
+        compliance_of(body, scene, estimate=True) for body in (pair.body_1, pair.body_2)
+    )
+
+    def run(**changes: object) -> tuple[Sweep, ...]:
+        changes.pop("part", None)
+        keys = {"position_rad": pair.position_rad, "torques_Nmm": [302e3], **changes}
+        found = sweep_of(scene, pair)(**keys)
+        return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
+
+    grid = pair.resolution.grid
+    (estimate,) = estimate_errors(
+        run(compliances=compliances, grid=grid),
+        run,
+        compliances,
+        grid,
+        position_rad=pair.position_rad,
+    )
+    assert "peak_pressure" not in estimate.as_dict()
+    assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
+    assert estimate.errors["load_share"] > 0
+
+
+def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
+    """Metal that touches early by more than the teeth yield, on all teeth alike."""
+    early = {**PAIR["body_1"], "pitch_errors_um": [500.0] * 16}
+    (behind, plain) = (
+        fl.solve(fl.Scene.from_dict({**PAIR, "body_1": body, "positions": {"count": 8}}))
+        for body in (early, PAIR["body_1"])
+    )
+    assert behind.rotation_rad.max() < 0
+    np.testing.assert_allclose(
+        behind.stiffness_secant_Nm_per_rad, plain.stiffness_secant_Nm_per_rad, rtol=2e-2, atol=0
+    )
+    one, other = (found.estimate["stiffness_secant"] for found in (behind, plain))
+    assert one == pytest.approx(other, rel=0.5)
 
 
 def test_without_an_estimate_nothing_is_smoothed() -> None:

@@ -34,6 +34,56 @@ def test_tangent_is_what_the_rotation_does(name: str, friction: float) -> None:
     assert "tangent" in here.cost["stages"]
 
 
+PITCH_ERRORS = [6.0, -4.0, 0.0, 5.0] * 4
+#: Scenes in which body 1 has turned before there is any torque, by up to this many um.
+BEFORE = {
+    "external_gear, pitch errors": ({"body_1": {"pitch_errors_um": PITCH_ERRORS}}, 5.0),
+    "external_gear, crowned": ({"body_2": {"profile_crowning_um": 20}}, 1.0),
+    "external_gear_warm": ({}, 20.0),
+    "spline": ({}, 5.0),
+    "spline_press_fit": ({}, 1.0),
+}
+
+
+@pytest.mark.parametrize("name", BEFORE)
+def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> None:
+    """It was torque over all rotation: 625 kN m/rad beside a tangent of 323 on a warm gear."""
+    scene, (changes, turned_um) = name.split(",")[0], BEFORE[name]
+    tables = tomllib.loads((SCENES / f"{scene}.toml").read_text(encoding="utf-8"))
+    for table, keys in changes.items():
+        tables[table] |= keys
+    torque = np.max(tables["load"]["torque_Nm"])
+    positions = {"positions": {"count": 8}} if "external" in scene else {}
+    tables |= {"accuracy": {"estimate": False, "modes": 3}, **positions}
+    alone, (none, loaded) = (
+        fl.solve(fl.Scene.from_dict(tables | {"load": {"torque_Nm": load}}))
+        for load in (torque, [0.0, torque])
+    )
+    np.testing.assert_array_equal(alone.unloaded_rotation_rad, none.rotation_rad)
+    np.testing.assert_array_equal(loaded.unloaded_rotation_rad, none.rotation_rad)
+    assert np.abs(none.transmission_error_um).max() > turned_um
+    for found in (alone, loaded):
+        np.testing.assert_allclose(
+            found.stiffness_secant_Nm_per_rad * (found.rotation_rad - none.rotation_rad),
+            torque,
+            rtol=1e-12,
+            atol=0,
+        )
+    # one state more a position, where the torques do not have it
+    states = [run.cost["stages"]["result"]["counters"].get("states", 0) for run in (alone, loaded)]
+    assert states == [alone.position_rad.size, 0]
+
+
+def test_secant_and_tangent_of_a_press_fit_are_one_stiffness() -> None:
+    """Neither flanks nor teeth come or go, and conforming flanks yield in proportion."""
+    found = fl.solve(fl.read_scene(SCENES / "spline_press_fit.toml"))
+    assert isinstance(found, fl.Result)
+    np.testing.assert_allclose(
+        found.stiffness_secant_N_per_um, found.stiffness_tangent_N_per_um, rtol=1e-4, atol=0
+    )
+    assert "4.742 um at one position (3.241 um beyond the state without load)" in found.table()
+
+
 def test_no_torque_needs_no_tangent() -> None:
     tables = tomllib.loads((SCENES / "external_gear.toml").read_text(encoding="utf-8"))
     tables["load"]["torque_Nm"] = 0

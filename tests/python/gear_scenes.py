@@ -6,8 +6,10 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from flankload.assembly import BodyPair
 from flankload.errors import SceneError
 from flankload.scene import Scene
 
@@ -59,3 +61,28 @@ def one_line(changes: dict[str, Any], key: str, expected: str, found: str) -> No
     assert str(error) == f"a.toml: {key}: expected {expected}, found {found}"
     assert (error.key, error.expected, error.found) == (key, expected, found)
     assert "\n" not in str(error)
+
+
+def usable_contact_ratio(pair: BodyPair) -> float:
+    """Part of the path of contact where both radii lie between form circle and tip rounding.
+
+    Place by place along the path, to 1e-5 of it.
+    """
+    mesh, sense = pair.pairing.mesh, pair.body_2.outward
+    assert mesh is not None
+    x = np.linspace(mesh.path_start_mm, mesh.path_end_mm, 100_001)
+    on_both = np.ones(x.size, dtype=bool)
+    for body, pitch_radius, along in (
+        (pair.body_1, mesh.pitch_radius_1_mm, x),
+        (pair.body_2, mesh.pitch_radius_2_mm, -sense * x),
+    ):
+        curve, involute = body.curve, body.involute
+        assert involute is not None
+        to_pitch_point = pitch_radius * np.sin(mesh.pressure_angle_rad)
+        reach = to_pitch_point + along
+        radius = np.hypot(involute.base_radius_mm, reach)
+        last = max(k for k, label in enumerate(curve.labels) if label in ("flank", "relief"))
+        end = float(np.linalg.norm(curve.point(curve.breaks[last + 1 : last + 2])[0]))
+        low, high = sorted((involute.form_radius_mm, end))
+        on_both &= (reach >= 0) & (radius >= low) & (radius <= high)
+    return float(on_both.mean()) * mesh.contact_ratio

@@ -7,6 +7,7 @@ from math import acos, cos, pi, radians, sqrt, tan
 
 import numpy as np
 import pytest
+from gear_scenes import usable_contact_ratio
 from tolerances import SOLVER
 
 import flankload as fl
@@ -79,6 +80,15 @@ def test_working_geometry_is_that_of_din_3960() -> None:
     assert mesh.backlash_mm == pytest.approx(backlash, rel=1e-9)
     assert mesh.path_start_mm < 0 < mesh.path_end_mm
     assert dict(describe_mesh(mesh))["contact ratio"] == f"{mesh.contact_ratio:.4f}"
+
+
+@pytest.mark.parametrize("blunt", [{}, {"tip_radius_mm": 0.4}, {"tip_chamfer_mm": 0.4}])
+def test_contact_ratio_on_both_involutes_inside_a_ring(blunt: dict) -> None:
+    found = pair(pinion=blunt, **blunt)
+    mesh = found.pairing.mesh
+    assert mesh is not None
+    assert mesh.usable_contact_ratio == pytest.approx(usable_contact_ratio(found), rel=3e-5)
+    assert (mesh.usable_contact_ratio < mesh.contact_ratio - 0.05) == bool(blunt)
 
 
 def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:

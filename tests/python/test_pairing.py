@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from gear_scenes import usable_contact_ratio
 from tolerances import SOLVER
 
 import flankload as fl
@@ -65,6 +66,59 @@ def test_working_geometry_of_the_fzg_pair() -> None:
     assert mesh.path_start_mm < 0 < mesh.path_end_mm
     # the published nominal backlash of these numbers is 0.6 um
     assert mesh.backlash_mm == pytest.approx(0.0006, abs=1e-4)
+
+
+#: Places along the path of contact are counted.
+COUNTED = 3e-5
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"tip_radius_mm": 0.5}, {"tip_chamfer_mm": 0.5}, {"profile_crowning_um": 20}],
+    ids=["sharp", "rounded", "chamfered", "crowned"],
+)
+def test_contact_ratio_on_both_involutes_ends_at_tip_roundings(changes: dict) -> None:
+    found = pair(body_1=changes, **changes)
+    mesh = found.pairing.mesh
+    assert mesh.usable_contact_ratio == pytest.approx(usable_contact_ratio(found), rel=COUNTED)
+    blunt = bool({"tip_radius_mm", "tip_chamfer_mm"}.intersection(changes))
+    assert (mesh.usable_contact_ratio < mesh.contact_ratio - 0.05) == blunt
+    if not blunt:
+        assert mesh.usable_contact_ratio == pytest.approx(mesh.contact_ratio, rel=SOLVER)
+
+
+def test_relieved_tip_is_part_of_the_contact_ratio_on_both_involutes() -> None:
+    relief = {"tip_relief_um": 20, "tip_relief_start_diameter_mm": 116}
+    mesh = pair(**relief).pairing.mesh
+    assert mesh.usable_contact_ratio == pytest.approx(mesh.contact_ratio, rel=SOLVER)
+
+
+def test_contact_ratio_on_both_involutes_ends_at_the_form_circle() -> None:
+    """The tip of a large gear reaches far below where the undercut of a small one ends."""
+    module = {"module_mm": 1.0, "profile_shift": 0.0, "bore_diameter_mm": 3.0}
+    found = pair(
+        56.5,
+        {**module, "teeth": 10, "tip_diameter_mm": 12.0},
+        **{**module, "teeth": 103, "tip_diameter_mm": 105.0},
+    )
+    mesh, one = found.pairing.mesh, found.body_1.involute
+    reach = [np.sqrt(r**2 - one.base_radius_mm**2) for r in (one.form_radius_mm, 6.0)]
+    by_hand = (reach[1] - reach[0]) / (np.pi * np.cos(np.radians(20)))
+    assert mesh.usable_contact_ratio == pytest.approx(by_hand, rel=SOLVER)
+    assert mesh.usable_contact_ratio == pytest.approx(usable_contact_ratio(found), rel=COUNTED)
+    assert mesh.contact_ratio > mesh.usable_contact_ratio + 0.5
+
+
+def test_contact_ratio_below_one_on_both_involutes_is_said() -> None:
+    rounded = {"tip_radius_mm": 0.8}
+    found = pair(body_1={**rounded, "tip_diameter_mm": 80.0}, **rounded, tip_diameter_mm=116.0)
+    mesh = found.pairing.mesh
+    assert mesh.usable_contact_ratio < 1.0 < mesh.contact_ratio
+    (said,) = [note for note in found.notes if "both flanks are involutes" in note]
+    assert said.startswith(
+        f"both flanks are involutes over {mesh.usable_contact_ratio:.3f} of the contact ratio of "
+        f"{mesh.contact_ratio:.3f}"
+    )
 
 
 def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:

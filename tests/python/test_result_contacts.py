@@ -290,6 +290,16 @@ def test_pairs_that_could_carry_are_those_on_the_path_and_those_that_do(external
     assert external.summary["contact_ratio_under_load"] > mesh.contact_ratio
     text = external.table()
     assert f", {mesh.contact_ratio:.3f} by geometry)" in text
+    assert external.summary["contact_ratio_usable"] == pytest.approx(mesh.contact_ratio, rel=SOLVER)
+
+
+def test_contact_ratio_on_both_involutes_is_told_where_it_is_another_one(external: Result) -> None:
+    """Of 1.787 by the tip circles an undercut may leave less than one pair."""
+    geometry = replace(external.geometry, contact_ratio=1.787, usable_contact_ratio=0.835)
+    result = replace(external, geometry=geometry)
+    assert ", 1.787 by geometry, 0.835 of it on both involutes)" in result.table()
+    summary = json.loads(result.to_json())["summary"]
+    assert (summary["contact_ratio_geometric"], summary["contact_ratio_usable"]) == (1.787, 0.835)
 
 
 def test_line_load_is_force_over_width(external: Result) -> None:
@@ -328,6 +338,35 @@ def test_secant_stiffness_is_not_claimed_where_body_1_stands_behind() -> None:
     turned = np.linspace(-1e-4, 1e-3, 32)
     secant = made_up_result(rotation_rad=turned).stiffness_secant_Nm_per_rad
     assert (np.isnan(secant) == (turned <= 0)).all()
+
+
+def test_secant_stiffness_of_made_up_deflections_is_exact() -> None:
+    """10 mrad with errors that leave 8 of them before there is torque."""
+    unloaded = np.linspace(-2e-3, 8e-3, 32)
+    deflection = np.full(32, 2e-3)
+    found = made_up_result(
+        torque_Nm=100.0, rotation_rad=unloaded + deflection, unloaded_rotation_rad=unloaded
+    )
+    np.testing.assert_allclose(found.stiffness_secant_Nm_per_rad, 5e4, rtol=SOLVER, atol=0)
+    mean_um = 2.0 * found.reference_radius_mm
+    assert found.summary["transmission_error_by_load_mean_um"] == pytest.approx(mean_um, rel=SOLVER)
+    assert f"({mean_um:.3f} um beyond the state without load), peak" in found.table()
+    rows = list(csv.DictReader(io.StringIO(found.to_csv())))
+    assert float(rows[0]["unloaded_transmission_error_um"]) == pytest.approx(
+        -2.0 * found.reference_radius_mm, rel=SOLVER
+    )
+    assert json.loads(found.to_json())["unloaded_transmission_error_um"] == pytest.approx(
+        list(found.unloaded_transmission_error_um), rel=SOLVER
+    )
+
+
+def test_pressures_that_are_all_on_corners_have_no_estimate_of_none() -> None:
+    """It was told to be 0 %."""
+    plain = made_up_result()
+    corners = replace(plain, corner_contact=np.ones_like(plain.corner_contact))
+    text = "peak pressure not estimated (sharp corners)"
+    assert text in corners.table()
+    assert text not in plain.table()
 
 
 def test_stiffness_table_closes_over_the_period_and_reads_back() -> None:

@@ -37,7 +37,7 @@ ALONG_POSITIONS = {
 }
 
 #: The same, which only some pairs have.
-ALONG_SOME_POSITIONS = {"follower_angle_rad": "rad"}
+ALONG_SOME_POSITIONS = {"follower_angle_rad": "rad", "unloaded_transmission_error_um": "um"}
 
 #: Arrays over positions and sites, with their units.
 OVER_SITES = {

@@ -106,6 +106,7 @@ def result_of(
         follower_angle_rad=None
         if pair.pairing.motion is None
         else pair.pairing.turns(pair.position_rad)[0],
+        unloaded_rotation_rad=found.unloaded_rad,
     )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))

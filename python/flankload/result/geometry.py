@@ -27,6 +27,8 @@ class PairGeometry:
         Turn of both bodies, counter-clockwise, per rad of position.
     contact_ratio : float or None
         Length of the path of contact over the base pitch.
+    usable_contact_ratio : float or None
+        The same of the part on which both flanks are involutes.
     path_pitches : (float, float) or None
         Ends of that path in base pitches from the pitch point, in the sense of motion.
     coast : CoastSide or None
@@ -39,6 +41,7 @@ class PairGeometry:
     speed_1: NDArray[np.float64]
     speed_2: NDArray[np.float64]
     contact_ratio: float | None = None
+    usable_contact_ratio: float | None = None
     path_pitches: tuple[float, float] | None = None
     coast: CoastSide | None = None
     coast_unknown: str = ""
@@ -73,6 +76,7 @@ def pair_geometry(
         speed_1=speeds[0],
         speed_2=speeds[1],
         contact_ratio=None if mesh is None else mesh.contact_ratio,
+        usable_contact_ratio=None if mesh is None else mesh.usable_contact_ratio,
         path_pitches=path,
         coast=coast,
         coast_unknown=unknown,

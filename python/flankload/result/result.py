@@ -73,6 +73,9 @@ class Result(ContactQuantities):
         Estimated relative errors.
     cost : dict
         Seconds by stage and counters.
+    unloaded_rotation_rad : (P,) array or None
+        Rotation without torque: what deviations, offset, growth and preload do by themselves. None
+        where there is no such state, and of chains and belts.
     accuracy : dict or None
         What a tolerance that the scene names has bought: which knob stands where and for what.
     warnings : tuple of str
@@ -118,6 +121,7 @@ class Result(ContactQuantities):
     drive: ChainDrive | BeltDrive | None = None
     coast: CoastContact | None = None
     accuracy: Mapping[str, Any] | None = None
+    unloaded_rotation_rad: Floats | None = None
 
     @property
     def coast_force_N(self) -> Floats | None:
@@ -138,6 +142,18 @@ class Result(ContactQuantities):
     def transmission_error_um(self) -> Floats:
         """(P,) Rotation times reference radius, um; positive where body 1 has turned further."""
         return frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
+
+    @property
+    def unloaded_transmission_error_um(self) -> Floats | None:
+        """(P,) Transmission error without torque, um; None where there is no such state."""
+        unloaded = self.unloaded_rotation_rad
+        return None if unloaded is None else 1000.0 * unloaded * self.reference_radius_mm
+
+    @property
+    def turned_by_load_rad(self) -> Floats:
+        """(P,) Rotation beyond that without torque; where that is not known, all of it."""
+        unloaded = self.unloaded_rotation_rad
+        return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
 
     @cached_property
     def load_share(self) -> Floats:
@@ -174,21 +190,28 @@ class Result(ContactQuantities):
 
     @cached_property
     def stiffness_secant_Nm_per_rad(self) -> Floats:
-        """(P,) Torque over rotation, gaps without load included; NaN unless both are above 0."""
-        stiffness = np.full_like(self.rotation_rad, np.nan)
-        turned = (self.rotation_rad > 0) & (self.torque_Nm > 0)
-        np.divide(self.torque_Nm, self.rotation_rad, out=stiffness, where=turned)
+        """(P,) Torque over the rotation beyond that without torque; NaN unless both are above 0.
+
+        What deviations, an offset, growth and preload turn body 1 by themselves is no deflection.
+        """
+        turned = self.turned_by_load_rad
+        stiffness = np.full_like(turned, np.nan)
+        np.divide(self.torque_Nm, turned, out=stiffness, where=(turned > 0) & (self.torque_Nm > 0))
         return frozen(stiffness)
 
     @property
     def stiffness_secant_N_per_um(self) -> Floats:
-        """(P,) Secant stiffness along the line of action (force there over transmission error)."""
+        """(P,) Secant stiffness along the line of action (force there over deflection there)."""
         return self._along_line_of_action(self.stiffness_secant_Nm_per_rad)
 
     @property
     def stiffness_tangent_N_per_um(self) -> Floats:
         """(P,) Tangent stiffness along the line of action."""
         return self._along_line_of_action(self.stiffness_tangent_Nm_per_rad)
+
+    @property
+    def _by_load_um(self) -> Floats:
+        return 1000.0 * self.turned_by_load_rad * self.reference_radius_mm
 
     def _along_line_of_action(self, stiffness_Nm_per_rad: Floats) -> Floats:
         # N m = 1000 N mm and mm = 1000 um: the factors cancel.
@@ -199,7 +222,8 @@ class Result(ContactQuantities):
         """What a report quotes.
 
         `transmission_error_mean_um` (over the period; weighted by the turn that each position
-        stands for where they are uneven), `transmission_error_peak_to_peak_um` (of the positions);
+        stands for where they are uneven), `transmission_error_by_load_mean_um` (the same beyond the
+        state without torque), `transmission_error_peak_to_peak_um` (of the positions);
         `transmission_error_harmonics_um` (amplitudes of the first five of the period),
         `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
         twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None
@@ -208,6 +232,7 @@ class Result(ContactQuantities):
         with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
         the same of `peak_pressure_off_corners`, the largest that means something. Beside them
         `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
+        `contact_ratio_usable` (the same between form circles and tip roundings or chamfers),
         the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
         and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
         asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`,
@@ -219,6 +244,7 @@ class Result(ContactQuantities):
         over = over_positions(self)
         return {
             "transmission_error_mean_um": over.mean(error),
+            "transmission_error_by_load_mean_um": over.mean(self._by_load_um),
             "transmission_error_peak_to_peak_um": float(np.ptp(error)),
             "transmission_error_harmonics_um": over.harmonics(error),
             "transmission_error_mesh_harmonics_um": over.harmonics(
@@ -226,6 +252,7 @@ class Result(ContactQuantities):
             ),
             "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
             "contact_ratio_geometric": self.geometry.contact_ratio if self.geometry else None,
+            "contact_ratio_usable": self.geometry.usable_contact_ratio if self.geometry else None,
             "loaded_pairs_min": int(loaded.min()),
             "loaded_pairs_max": int(loaded.max()),
             **self._largest("peak_pressure", self.peak_pressure_MPa),
@@ -311,6 +338,7 @@ def make_result(
     geometry: PairGeometry | None = None,
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None),
     follower_angle_rad: Floats | None = None,
+    unloaded_rotation_rad: Floats | None = None,
 ) -> Result:
     """Put a result together; arrays are copied and frozen.
 
@@ -370,4 +398,7 @@ def make_result(
         follower_angle_rad=None
         if follower_angle_rad is None
         else array("follower_angle_rad", follower_angle_rad, along),
+        unloaded_rotation_rad=None
+        if unloaded_rotation_rad is None
+        else array("unloaded_rotation_rad", unloaded_rotation_rad, along),
     )

@@ -25,6 +25,13 @@ MOST_COLUMNS = 8
 CORNER_MARK = "*"
 #: Parts of a quantity below are rounding, and printed as none.
 ROUNDING = 1e-9
+#: Sources of the estimate that have a line of their own: they tell of harmonics, which others do
+#: not.
+SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
+#: What such a line leaves out of its names.
+OF_ROTATION = "transmission_error_"
+#: Part of the mean transmission error that the state without load is told from.
+LEAST_UNLOADED = 1e-3
 #: A single position has none: what follows from several.
 OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: What the contact solver certifies of a position, beyond "solved" (0).
@@ -186,12 +193,14 @@ def _site_cell(result: Result, p: int, s: int) -> str:
 
 def _footer(result: Result) -> Iterator[str]:
     summary = result.summary
-    text = (
-        f"mean {summary['transmission_error_mean_um']:.3f} um, "
-        f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
-    )
+    mean, by_load = (summary[f"transmission_error_{kind}mean_um"] for kind in ("", "by_load_"))
+    beyond = ""
+    if result.torque_Nm > 0 and abs(by_load - mean) > LEAST_UNLOADED * abs(mean):
+        beyond = f" ({by_load:.3f} um beyond the state without load)"
+    text = f"mean {mean:.3f} um{beyond}, "
+    text += f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
     if result.position_rad.size == 1:
-        text = f"{result.transmission_error_um[0]:.3f} um at one position"
+        text = f"{mean:.3f} um at one position{beyond}"
     harmonics = summary["transmission_error_mesh_harmonics_um"]
     if harmonics is not None:
         text += f", harmonics 1 to {len(harmonics)}: {_amplitudes(harmonics)} um"
@@ -204,7 +213,11 @@ def _footer(result: Result) -> Iterator[str]:
     if summary["contact_ratio_under_load"] is not None:
         text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f}"
         if summary["contact_ratio_geometric"] is not None:
-            text += f", {summary['contact_ratio_geometric']:.3f} by geometry"
+            by_tips, usable = (
+                f"{summary[f'contact_ratio_{kind}']:.3f}" for kind in ("geometric", "usable")
+            )
+            text += f", {by_tips} by geometry"
+            text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
     if result.whole_circle:
         text += f" of {result.sites.size} teeth carry"
@@ -223,10 +236,18 @@ def _footer(result: Result) -> Iterator[str]:
         estimate = result.estimate
         if result.position_rad.size == 1:
             estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
-        yield _labelled("estimated error", _estimate(estimate))
-        if (left := result.estimate.get("by_source", {}).get("positions")) is not None:
-            text = _estimate({key.split("_", 2)[-1]: error for key, error in left.items()})
-            yield _labelled("by positions alone", text)
+        text = _estimate(estimate)
+        off_corners = summary["peak_pressure_off_corners_pair"] is not None
+        if summary["peak_pressure_pair"] is not None and not off_corners:
+            text += ", peak pressure not estimated (sharp corners)"
+        yield _labelled("estimated error", text)
+        for source, label in SHOWN_ALONE.items():
+            left = result.estimate.get("by_source", {}).get(source, {})
+            if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
+                text = _estimate(
+                    {key.removeprefix(OF_ROTATION): error for key, error in left.items()}
+                )
+                yield _labelled(label, text)
     if result.accuracy is not None:
         first, *more = accuracy_lines(result.accuracy)
         yield _labelled("tolerance", first)

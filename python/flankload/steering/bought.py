@@ -25,6 +25,7 @@ BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faste
 #: Sources that no knob answers for, and what does.
 LEFT_BY = {
     "lumped": "effects.contact = 'lumped' leaves it",
+    "period": "positions.pitches leaves out teeth that yield differently",
     "one solution": "effects.large_displacement = false leaves it",
 }
 
