@@ -10,9 +10,17 @@ from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptivel
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, beside_plan, held_bytes
-from flankload.errors import SceneError
+from flankload.errors import ContactError, SceneError
 from flankload.estimate import MOST_SWEEPS, Estimate, estimate_errors
 from flankload.prediction import predicted_work
+from flankload.premises import (
+    blame_load,
+    broken_by_drive,
+    broken_by_geometry,
+    broken_by_load,
+    held,
+    marked,
+)
 from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
@@ -155,12 +163,12 @@ def solve_with(
     if scene.body_2.kind == "chain":
         from flankload.chain_drive import solve_chain
 
-        drives = solve_chain(scene, progress, guessed)
+        drives = _approved(scene, solve_chain(scene, progress, guessed))
         return drives if scene.has_torque_list else drives[0]
     if scene.body_2.kind == "belt":
         from flankload.belt_drive import solve_belts
 
-        drives = solve_belts(scene, progress, guessed)
+        drives = _approved(scene, solve_belts(scene, progress, guessed))
         return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
@@ -174,12 +182,14 @@ def solve_with(
         chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene, resolution)
+        by_geometry = held(scene, tuple(broken_by_geometry(pair)))
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
     predicted = beside_plan(predicted_work(scene, pair), guessed)
     compliances = _compliances(scene, pair, clock, kept)
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
+    geometry = pair_geometry(pair, compliances)
     with clock.stage("sweep", fixed) as account:
 
         def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
@@ -192,7 +202,13 @@ def solve_with(
                 progress=clock.sweep_progress("sweep", fixed, number if pair.adaptive else None),
             )
 
-        pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+        try:
+            pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+        except ContactError:
+            grid, at = pair.resolution.grid, pair.position_rad
+            part = partial(run, compliances=compliances, grid=grid, position_rad=at)
+            blame_load(scene, pair, geometry, lambda torque: part(torques_Nmm=[torque]))
+            raise
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
     if not pair.effects.lumped_contact:
@@ -209,6 +225,11 @@ def solve_with(
                     progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
                 ),
             )
+    geometry = pair_geometry(pair, compliances)  # at all its positions
+    broken = [
+        (*by_geometry, *held(scene, tuple(broken_by_load(scene, pair, geometry, part, t))))
+        for t, part in enumerate(found)
+    ]
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
@@ -217,7 +238,6 @@ def solve_with(
             account.bytes += held_bytes(compliance.missed)
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
-        geometry = pair_geometry(pair, compliances)
         unseen = _unseen(pair, compliances) if estimates else ()
         results = tuple(
             result_of(
@@ -235,13 +255,21 @@ def solve_with(
         account.bytes += held_bytes(results)
     results = tuple(
         replace(
-            result,
+            marked(result, outside),
             cost=cost_of(clock.stages, part, compliances, predicted=predicted, rounds=rounds),
         )
-        for result, part in zip(results, found, strict=True)
+        for result, part, outside in zip(results, found, broken, strict=True)
     )
     clock.finish()
     return results if scene.has_torque_list else results[0]
+
+
+def _approved(scene: Scene, drives: tuple[Result, ...]) -> tuple[Result, ...]:
+    """Results of a chain or a belt, but for those that break a premise."""
+    return tuple(
+        marked(result, held(scene, tuple(broken_by_drive(scene, result, t))))
+        for t, result in enumerate(drives)
+    )
 
 
 def _estimates(

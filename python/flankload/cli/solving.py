@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> None:
     results = found if isinstance(found, tuple) else (found,)
     if arguments.plot is not None:
         _plot(results, arguments.plot)
-    from flankload.result import results_to_csv, results_to_json
+    from flankload.result import results_to_csv, results_to_json, results_to_text
 
     for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
         if path == STDOUT:
@@ -47,7 +47,7 @@ def run(arguments: Namespace) -> None:
             text_of(found, path)
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
-    texts = [] if arguments.quiet else [result.table() for result in results]
+    texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # of all torques together
         texts.append(results[0].cost_table())
     if texts and STDOUT not in _files(arguments).values():
