@@ -70,7 +70,9 @@ BACKLASH = Premise(
 #: module, and by 1.9 % at twice as much.
 DEFLECTION = Premise("deflection", 0.1, "flanks that give way by at most 0.1 of a module")
 #: Where there is no module; of a cam's follower parts of a radian.
-ROTATION = Premise("rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch")
+ROTATION = Premise(
+    "rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch, or of a radian"
+)
 #: Far beyond it strains are not small; metals yield at a hundredth, polymers at a tenth.
 PRESSURE = Premise(
     "pressure", 0.5, "pressures of at most 0.5 of Young's modulus, that of the softer body"

@@ -26,6 +26,7 @@ from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
+from flankload.scene import MeshBody
 from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.plan import Plan
+    from flankload.plan.duration import Duration
     from flankload.resolution import Resolution
     from flankload.scene import Scene
     from flankload.sweep import Sweep
@@ -99,7 +101,11 @@ class _Clock:
 
 
 def solve(
-    scene: Scene, progress: Progress | None = None, *, plan: Plan | None = None
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    plan: Plan | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result | tuple[Result, ...]:
     """Load distribution of a scene at all its positions.
 
@@ -113,6 +119,8 @@ def solve(
     plan : Plan, optional
         Of this scene: its predictions stand in `result.cost` beside what is spent. What can be
         counted before stands there in any case.
+    on_duration : callable, optional
+        Called once with how long the run will take, roughly, before its elements are solved.
 
     Returns
     -------
@@ -126,11 +134,12 @@ def solve(
         If a position has no answer, or the plan is one of another scene.
     """
     if not scene.steers:
-        return solve_with(scene, {}, progress, plan=plan)
-    plans = iter((plan,))  # of the first run
+        return solve_with(scene, {}, progress, plan=plan, on_duration=on_duration)
+    plans, told = iter((plan,)), iter((on_duration,))  # of the first run
 
     def run(scene: Scene, kept: Kept, progress: Progress | None) -> Result | tuple[Result, ...]:
-        return solve_with(scene, kept, progress, plan=next(plans, None))
+        plan, on_duration = next(plans, None), next(told, None)
+        return solve_with(scene, kept, progress, plan=plan, on_duration=on_duration)
 
     return solve_to_tolerance(scene, run, progress)
 
@@ -142,12 +151,13 @@ def solve_with(
     *,
     plan: Plan | None = None,
     resolution: Resolution | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result | tuple[Result, ...]:
     """The same with compliances that another scene of the same bodies and knobs has left.
 
     Parameters
     ----------
-    scene, progress, plan
+    scene, progress, plan, on_duration
         As of `solve`.
     kept : mapping of 0 and 1 to BodyCompliance and Account
         Of body 1 and 2, with what they took, which is counted as if it were spent here. What is
@@ -168,6 +178,10 @@ def solve_with(
     if scene.body_2.kind == "belt":
         from flankload.belt_drive import solve_belts
 
+        if on_duration is not None:
+            from flankload.plan.duration import duration_of_belt
+
+            on_duration(duration_of_belt(scene))
         drives = _approved(scene, solve_belts(scene, progress, guessed))
         return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
@@ -186,6 +200,10 @@ def solve_with(
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
     predicted = beside_plan(predicted_work(scene, pair), guessed)
+    if on_duration is not None:
+        from flankload.plan.duration import duration_of
+
+        on_duration(duration_of(scene, pair))
     compliances = _compliances(scene, pair, clock, kept)
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
@@ -421,6 +439,7 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"
     if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
+        _blame_flank(scene, pair, f"{apart} {abs(gap_mm):.3f} mm")
         raise SceneError(
             file=scene.file,
             key="pair.center_distance_mm",
@@ -432,3 +451,21 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
         "position; rotation and transmission error count from there"
     )
     return (note,)
+
+
+def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
+    """Refuse the flank of a mesh that faces the other way round than its mate's."""
+    if pair.body_1.mirrored == pair.body_2.mirrored:
+        return
+    key, spec = ("body_1", scene.body_1) if pair.body_1.mirrored else ("body_2", scene.body_2)
+    assert isinstance(spec, MeshBody)
+    sets = spec.flank_sets
+    name = "flank_set" if sets is None else "flank_sets"
+    raise SceneError(
+        file=scene.file,
+        key=f"{key}.{name}",
+        expected="the other flank of the tooth: one that faces counter-clockwise about the axis of "
+        "its body, as that of the mate does",
+        found=f"{(sets or (spec.flank_set,))[0]!r}, which faces clockwise: in their "
+        f"mirror image the flanks {stand}",
+    )

@@ -32,6 +32,8 @@ CORNERS = {
     ),
 }
 TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
+#: Where tips and fillets are left out.
+CUT = ("the end of its active flank", "effects.tip_contact = true lets it go on")
 #: Of bodies from files.
 OF_FILE = ("a sharp corner of its flank", "a rounding in its file cures it")
 
@@ -77,9 +79,12 @@ def _corner(body: Body, s: float) -> tuple[str, str]:
     """The corner next to a place, and its cure."""
     if body.kind not in PARAMETRIC:
         return OF_FILE
-    curve = body.curve
+    curve, ends = body.curve, body.active_range_mm or ()
     corners = np.flatnonzero(curve.corners)
-    k = int(corners[np.argmin(np.abs(curve.breaks[corners] - s))])
+    apart = np.abs(curve.breaks[corners] - s)
+    if min((abs(end - s) for end in ends), default=np.inf) <= apart.min(initial=np.inf):
+        return CUT
+    k = int(corners[np.argmin(apart)])
     if not 0 < k < len(curve.labels):
         return TIP
     before, behind = curve.labels[k - 1], curve.labels[k]
