@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 
 #: Parts of a torque without an answer that are tried, until one of them has one.
 PARTS = tuple(0.25**k for k in range(1, 9))
+#: Teeth that carry lean back by this part of the turn under load, and their coast flanks with them:
+#: on the FZG type C pair under 30 to 900 N m coast flanks that overlap by 0.14 of that turn before
+#: there is torque carry nothing, 0.19 change the transmission error by 0.5 %, 0.43 by 9 %.
+LEAN = 0.8
 #: Coast flanks that overlap by less are apart but for rounding, um.
 ROUNDING_UM = 1e-3
 
@@ -234,7 +238,9 @@ def broken_by_load(
     overlap_um = _coast_overlap_um(pair, geometry, found)
     if overlap_um > ROUNDING_UM:
         yield Broken(
-            BACKLASH, _closes_backlash(scene), f"{overlap_um:.3g} um of overlap {torque.under}"
+            BACKLASH,
+            _closes_backlash(scene),
+            f"about {overlap_um:.3g} um of overlap {torque.under}",
         )
 
 
@@ -330,14 +336,13 @@ def _peak_off_corners(found: Sweep) -> float:
 
 
 def _coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> float:
-    """By how much coast flanks overlap, body 1 turned as loaded; 0 where they cannot.
-
-    Teeth that carry lean back by a part of that turn: that is left to a warning.
-    """
+    """By how much coast flanks overlap, body 1 turned and its teeth bent; 0 where they cannot."""
     coast = geometry.coast
     if coast is None or not _may_close(pair):
         return 0.0
-    gap_rad = coast.gap_rad + found.rotation_rad
+    wind_up_rad = found.torque_Nmm * found.tangent_rad_per_Nmm
+    bent_rad = LEAN * np.where(np.isfinite(wind_up_rad), wind_up_rad, 0.0)
+    gap_rad = coast.gap_rad + found.rotation_rad - bent_rad
     known = np.isfinite(gap_rad)
     return -1000.0 * coast.base_radius_mm * float(np.min(gap_rad, where=known, initial=0.0))
 

@@ -489,7 +489,7 @@ def test_a_report_tells_of_flanks_that_overlap_and_of_load_cases() -> None:
 def test_growth_that_takes_up_the_backlash_is_warned_of() -> None:
     """The flanks overlap before there is torque; under torque at least a part of that is known.
 
-    Without torque that is refused (test_premises.py), unless it is asked for.
+    Both are refused (test_premises.py), unless it is asked for.
     """
     warm = ("temperature_rise_K", 40.0)
     free, loaded = (solved(warm, torque=torque) for torque in (0.0, 302.0))

@@ -33,9 +33,9 @@ CORNERS = {
 }
 TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
 #: Where tips and fillets are left out.
-CUT = ("the end of its active flank", "effects.tip_contact = true lets it go on")
-#: Of bodies from files.
-OF_FILE = ("a sharp corner of its flank", "a rounding in its file cures it")
+CUT = ("the end of its active flank", "the tip or fillet beyond it is left out")
+#: Of bodies whose profile comes from a file.
+OF_FILE = ("a sharp corner of its flank", "a rounding there cures it")
 
 
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
