@@ -18,10 +18,14 @@ from gear_scenes import EXAMPLES, changed
 
 import flankload as fl
 from flankload import premises
+from flankload.accuracy.notes import limit_notes
+from flankload.accuracy.runs import Runs
+from flankload.accuracy.study import Row
 from flankload.assembly import build_bodies
 from flankload.cli import main
 from flankload.compliance import no_compliance
 from flankload.result.geometry import pair_geometry
+from flankload.setting import Setting
 from flankload.sweep import sweep
 
 COARSE = {"flank_element_mm": 2.0, "estimate": False}
@@ -237,6 +241,9 @@ def test_functions_refuse_what_a_load_breaks(solved: Any) -> None:
 
 
 def test_a_study_beyond_limits_says_so() -> None:
-    scene = gears(load__torque_Nm=[302, 10000], effects=ALLOWED)
-    study = fl.accuracy(scene, budget_s=1.0)
-    assert "errors outside the model's limits (deflection)" in study.notes
+    run = Runs(gears(load__torque_Nm=[302, 10000], effects=ALLOWED)).at(Setting())
+    assert run.outside == ("deflection",)
+    assert limit_notes([Row("default", run, {}, {})]) == (
+        "errors outside the model's limits (deflection)",
+    )
+    assert limit_notes([Row("default", replace(run, outside=()), {}, {})]) == ()

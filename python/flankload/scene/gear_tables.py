@@ -45,7 +45,12 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
     ] = None
     tip_relief_shape: Annotated[
-        Literal["linear", "parabolic"], about("", "shape of the tip relief over the roll angle")
+        Literal["linear", "parabolic"],
+        about(
+            "",
+            "shape of the tip relief over the roll angle: 'linear', as drawings have it, begins "
+            "with a kink, which is a sharp corner; 'parabolic' without",
+        ),
     ] = "linear"
     tip_radius_mm: Annotated[
         Length | None,
