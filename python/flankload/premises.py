@@ -219,7 +219,7 @@ def broken_by_load(
     ------
     Broken
     """
-    torque = _Torque(scene, number, part)
+    torque = Torque(scene, number, part)
     turned_rad = _finite(found.torque_Nmm * found.tangent_rad_per_Nmm)
     deflection_mm = turned_rad * pair.body_1.reference_radius_mm
     involute = pair.body_1.involute
@@ -228,7 +228,7 @@ def broken_by_load(
         if deflection_mm > DEFLECTION.limit * module:
             amount = f"{deflection_mm / module:.3g} of a module ({deflection_mm:.3g} mm)"
             yield torque.broken(DEFLECTION, amount)
-    yield from _turned_too_far(torque, turned_rad, pair.pairing.pitch_rad)
+    yield from broken_by_turn(turned_rad, pair.pairing.pitch_rad, torque)
     softer = [body.material.young_modulus_MPa for body in (pair.body_1, pair.body_2)
               if not body.rigid]  # fmt: skip
     pressure = _peak_off_corners(found) / scene.pair.face_width_mm
@@ -292,17 +292,28 @@ def broken_by_drive(scene: Scene, result: Result, number: int) -> Iterator[Broke
         stiffness = result.stiffness_tangent_Nm_per_rad
         with np.errstate(divide="ignore", invalid="ignore"):
             turned_rad = _finite(result.torque_Nm / stiffness)
-        yield from _turned_too_far(_Torque(scene, number), turned_rad, result.pitch_rad)
+        yield from broken_by_turn(turned_rad, result.pitch_rad, Torque(scene, number))
 
 
-def _turned_too_far(torque: _Torque, turned_rad: float, pitch_rad: float) -> Iterator[Broken]:
+def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
+    """A body 1 that turns too far under load.
+
+    Parameters
+    ----------
+    turned_rad, pitch_rad : float
+    torque : Torque
+
+    Yields
+    ------
+    Broken
+    """
     unit = min(pitch_rad, 1.0)
     if turned_rad > ROTATION.limit * unit:
         of = "a pitch" if unit < 1.0 else "a radian"
         yield torque.broken(ROTATION, f"{turned_rad / unit:.3g} of {of}")
 
 
-class _Torque:
+class Torque:
     """A torque of a scene, as a message names it."""
 
     def __init__(self, scene: Scene, number: int, part: float = 1.0) -> None:
