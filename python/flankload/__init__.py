@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         NoContactState,
         OtherProgramError,
         PivotLimit,
+        PremiseError,
         SceneError,
         SingularContact,
     )
@@ -47,6 +48,7 @@ __all__ = [
     "OtherProgramError",
     "PivotLimit",
     "Plan",
+    "PremiseError",
     "Result",
     "Scene",
     "SceneError",
@@ -75,6 +77,7 @@ _ROOM_OF_NAME = {
     "NoContactState": "errors",
     "OtherProgramError": "errors",
     "PivotLimit": "errors",
+    "PremiseError": "errors",
     "SceneError": "errors",
     "SingularContact": "errors",
     "Scene": "scene",

@@ -26,6 +26,7 @@ from flankload.resolution import DEFAULT, Resolution, choose_resolution, element
 from flankload.root_fillet import RootFillets, root_fillets
 from flankload.scene import Belt, Chain
 from flankload.scene.effect_rules import check_coast_kinds
+from flankload.scene.usual import question_notes
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
 #: the result may have.
@@ -235,6 +236,7 @@ def build_bodies(
         or any(_is_modified_file(body) for body in (body_1, body_2)),
     )
     notes = (
+        *question_notes(scene),
         *(f"body_1: {note}" for note in body_1.notes),
         *(f"body_2: {note}" for note in body_2.notes),
         *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),

@@ -13,6 +13,7 @@ from flankload.cost import Account, totals
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
+from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -143,7 +144,7 @@ def result_of_belt(
                 for name, account in stages.items()
             },
         },
-        warnings=_warnings(scene, sites, drive),
+        warnings=(*question_notes(scene), *_warnings(scene, sites, drive)),
         drawing=_drawing(strip, sites, position_rad),
     )
     return replace(result, drive=drive)

@@ -14,6 +14,7 @@ from flankload.cost import Account, totals
 from flankload.result.drive import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
+from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -126,7 +127,7 @@ def result_of_chain(
                 for name, account in stages.items()
             },
         },
-        warnings=_warnings(chain, sprocket, drive),
+        warnings=(*question_notes(scene), *_warnings(chain, sprocket, drive)),
         drawing=_drawing(sprocket, wraps, position_rad),
     )
     return replace(result, drive=drive)

@@ -48,6 +48,13 @@ class SceneError(FlankloadError):
         return type(self)(key=self.key, expected=self.expected, found=self.found, file=path)
 
 
+class PremiseError(SceneError):
+    """A scene that breaks a premise of the model (`docs/limits.md`).
+
+    `effects.beyond_limits = true` solves it all the same.
+    """
+
+
 class MeshError(SceneError):
     """A mesh file that cannot be read or does not make a body."""
 

@@ -10,15 +10,24 @@ from flankload.adaptive_positions import PositionErrors, Window, sweep_adaptivel
 from flankload.assembly import BodyPair, build_bodies
 from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account, beside_plan, held_bytes
-from flankload.errors import SceneError
+from flankload.errors import ContactError, SceneError
 from flankload.estimate import MOST_SWEEPS, Estimate, estimate_errors
 from flankload.period_error import ALIKE, OtherTeeth, teeth_until_alike
 from flankload.prediction import predicted_work
+from flankload.premises import (
+    blame_load,
+    broken_by_drive,
+    broken_by_geometry,
+    broken_by_load,
+    held,
+    marked,
+)
 from flankload.resolution import position_tolerance
 from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
+from flankload.scene import MeshBody
 from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
@@ -31,6 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.plan import Plan
+    from flankload.plan.duration import Duration
     from flankload.resolution import Resolution
     from flankload.scene import Scene
     from flankload.sweep import Sweep
@@ -92,7 +102,11 @@ class _Clock:
 
 
 def solve(
-    scene: Scene, progress: Progress | None = None, *, plan: Plan | None = None
+    scene: Scene,
+    progress: Progress | None = None,
+    *,
+    plan: Plan | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result | tuple[Result, ...]:
     """Load distribution of a scene at all its positions.
 
@@ -106,6 +120,8 @@ def solve(
     plan : Plan, optional
         Of this scene: its predictions stand in `result.cost` beside what is spent. What can be
         counted before stands there in any case.
+    on_duration : callable, optional
+        Called once with how long the run will take, roughly, before its elements are solved.
 
     Returns
     -------
@@ -119,11 +135,12 @@ def solve(
         If a position has no answer, or the plan is one of another scene.
     """
     if not scene.steers:
-        return solve_with(scene, {}, progress, plan=plan)
-    plans = iter((plan,))  # of the first run
+        return solve_with(scene, {}, progress, plan=plan, on_duration=on_duration)
+    plans, told = iter((plan,)), iter((on_duration,))  # of the first run
 
     def run(scene: Scene, kept: Kept, progress: Progress | None) -> Result | tuple[Result, ...]:
-        return solve_with(scene, kept, progress, plan=next(plans, None))
+        plan, on_duration = next(plans, None), next(told, None)
+        return solve_with(scene, kept, progress, plan=plan, on_duration=on_duration)
 
     return solve_to_tolerance(scene, run, progress)
 
@@ -135,12 +152,13 @@ def solve_with(
     *,
     plan: Plan | None = None,
     resolution: Resolution | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result | tuple[Result, ...]:
     """The same with compliances that another scene of the same bodies and knobs has left.
 
     Parameters
     ----------
-    scene, progress, plan
+    scene, progress, plan, on_duration
         As of `solve`.
     kept : mapping of 0 and 1 to BodyCompliance and Account
         Of body 1 and 2, with what they took, which is counted as if it were spent here. What is
@@ -156,12 +174,16 @@ def solve_with(
     if scene.body_2.kind == "chain":
         from flankload.chain_drive import solve_chain
 
-        drives = solve_chain(scene, progress, guessed)
+        drives = _approved(scene, solve_chain(scene, progress, guessed))
         return drives if scene.has_torque_list else drives[0]
     if scene.body_2.kind == "belt":
         from flankload.belt_drive import solve_belts
 
-        drives = solve_belts(scene, progress, guessed)
+        if on_duration is not None:
+            from flankload.plan.duration import duration_of_belt
+
+            on_duration(duration_of_belt(scene))
+        drives = _approved(scene, solve_belts(scene, progress, guessed))
         return drives if scene.has_torque_list else drives[0]
     fixed = BODY_STEPS + 2 * COMPLIANCE_STEPS
     sweeps = 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
@@ -175,9 +197,14 @@ def solve_with(
         chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
         pair = build_bodies(scene, resolution)
+        by_geometry = held(scene, tuple(broken_by_geometry(pair)))
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
     predicted = beside_plan(predicted_work(scene, pair), guessed)
+    if on_duration is not None:
+        from flankload.plan.duration import duration_of
+
+        on_duration(duration_of(scene, pair))
     compliances = _compliances(scene, pair, clock, kept)
     planned, pair = pair, _with_compliance_period(scene, pair, compliances)
     if pair.position_rad.size != planned.position_rad.size:
@@ -186,6 +213,7 @@ def solve_with(
     pair, compliances = grown_pair(pair, compliances)
     run = sweep_of(scene, pair)
     width = scene.pair.face_width_mm
+    geometry = pair_geometry(pair, compliances)
     with clock.stage("sweep", fixed) as account:
 
         def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
@@ -198,7 +226,13 @@ def solve_with(
                 progress=clock.sweep_progress("sweep", fixed, number if pair.adaptive else None),
             )
 
-        pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+        try:
+            pair, found, errors, rounds = _all_positions(scene, pair, run_round)
+        except ContactError:
+            grid, at = pair.resolution.grid, pair.position_rad
+            part = partial(run, compliances=compliances, grid=grid, position_rad=at)
+            blame_load(scene, pair, geometry, lambda torque: part(torques_Nmm=[torque]))
+            raise
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
     if not pair.effects.lumped_contact:
@@ -226,6 +260,11 @@ def solve_with(
                 account=aside,
             ),
         )
+    geometry = pair_geometry(pair, compliances)  # at all its positions
+    broken = [
+        (*by_geometry, *held(scene, tuple(broken_by_load(scene, pair, geometry, part, t))))
+        for t, part in enumerate(found)
+    ]
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
@@ -237,7 +276,6 @@ def solve_with(
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
     clock.stages["result"] = aside
     with clock.stage("result", fixed + sweeps * SWEEP_STEPS) as account:
-        geometry = pair_geometry(pair, compliances)
         unseen = _unseen(pair, compliances) if estimates else ()
         results = tuple(
             result_of(
@@ -255,13 +293,21 @@ def solve_with(
         account.bytes += held_bytes(results)
     results = tuple(
         replace(
-            result,
+            marked(result, outside),
             cost=cost_of(clock.stages, part, compliances, predicted=predicted, rounds=rounds),
         )
-        for result, part in zip(results, found, strict=True)
+        for result, part, outside in zip(results, found, broken, strict=True)
     )
     clock.finish()
     return results if scene.has_torque_list else results[0]
+
+
+def _approved(scene: Scene, drives: tuple[Result, ...]) -> tuple[Result, ...]:
+    """Results of a chain or a belt, but for those that break a premise."""
+    return tuple(
+        marked(result, held(scene, tuple(broken_by_drive(scene, result, t))))
+        for t, result in enumerate(drives)
+    )
 
 
 def _estimates(
@@ -431,6 +477,7 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"
     if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
+        _blame_flank(scene, pair, f"{apart} {abs(gap_mm):.3f} mm")
         raise SceneError(
             file=scene.file,
             key="pair.center_distance_mm",
@@ -442,3 +489,21 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
         "position; rotation and transmission error count from there"
     )
     return (note,)
+
+
+def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
+    """Refuse the flank of a mesh that faces the other way round than its mate's."""
+    if pair.body_1.mirrored == pair.body_2.mirrored:
+        return
+    key, spec = ("body_1", scene.body_1) if pair.body_1.mirrored else ("body_2", scene.body_2)
+    assert isinstance(spec, MeshBody)
+    sets = spec.flank_sets
+    name = "flank_set" if sets is None else "flank_sets"
+    raise SceneError(
+        file=scene.file,
+        key=f"{key}.{name}",
+        expected="the other flank of the tooth: one that faces counter-clockwise about the axis of "
+        "its body, as that of the mate does",
+        found=f"{(sets or (spec.flank_set,))[0]!r}, which faces clockwise: in their "
+        f"mirror image the flanks {stand}",
+    )

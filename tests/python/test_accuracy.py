@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up_result import made_up_result
 from test_cli import SCENE
 from tolerances import ROUND_OFF, SOLVER
 
@@ -75,6 +76,20 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def study(short_ladders: None, kept: Path) -> Study:
     return accuracy(small(), QUANTITIES, ENOUGH, resume=kept)
+
+
+def test_torques_under_which_other_pairs_carry_are_observed_together() -> None:
+    """Regression: results of one scene with different sites ended in a traceback."""
+    whole = made_up_result(count=4)
+    arrays = ("site_force_N", "peak_pressure_MPa", "corner_contact")
+    first_two = {name: getattr(whole, name)[:, :2] for name in arrays}
+    few = made_up_result(count=4, sites=whole.sites[:2], **first_two)
+    found = observed((few, whole))
+    np.testing.assert_array_equal(found["sites"], whole.sites)
+    assert found["load_share"].shape == (2, 4, 3)
+    np.testing.assert_array_equal(found["load_share"][0, :, :2], few.load_share)
+    assert (found["load_share"][0, :, 2] == 0.0).all()
+    np.testing.assert_array_equal(found["load_share"][1], whole.load_share)
 
 
 # --- limits ---------------------------------------------------------------------------------------

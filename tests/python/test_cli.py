@@ -6,6 +6,7 @@ import importlib
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,7 @@ from made_up_result import made_up_result
 
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
-from flankload.result import stiffness_table
+from flankload.result import results_to_text, stiffness_table
 
 SCENE = """
 name = "small job"
@@ -253,6 +254,18 @@ def test_quiet_prints_nothing(
     assert run(capsys, "run", scene, "--quiet") == (0, "", "")
 
 
+def test_a_long_run_says_so_before_it_starts(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solving = importlib.import_module("flankload.cli.solving")
+    assert run(capsys, "run", scene)[2] == ""  # less than 10 s
+    monkeypatch.setattr(solving, "LONG_S", 0.0)
+    code, _, err = run(capsys, "run", scene)
+    assert code == 0
+    assert re.fullmatch(r"about [\d.]+ s: 2 positions, elements with \d+ unknowns", one_line(err))
+    assert run(capsys, "run", scene, "--quiet") == (0, "", "")
+
+
 def test_costs_follow_the_tables_once(
     scene: Path,
     solved: list[Any],
@@ -261,8 +274,8 @@ def test_costs_follow_the_tables_once(
 ) -> None:
     monkeypatch.setattr(importlib.import_module("flankload.plan"), "plan", lambda _: None)
     solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
-    tables, cost = [found.table() for found in solved[0]], solved[0][0].cost_table()
-    expected = "\n\n".join([*tables, cost]) + "\n"
+    cost = solved[0][0].cost_table()
+    expected = "\n\n".join([results_to_text(solved[0]), cost]) + "\n"
     assert run(capsys, "run", scene, "--cost") == (0, expected, "")
     assert run(capsys, "run", scene, "--cost", "--quiet") == (0, cost + "\n", "")
     assert "0.120  0.100" in cost

@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}
 
 #: Keys of [effects] that are no effect themselves.
-NO_EFFECTS = {"choose"}
+NO_EFFECTS = {"choose", "beyond_limits"}
 
 
 #: How the page calls the entries of Work.

@@ -265,6 +265,35 @@ def test_bodies_that_stand_wrong_are_refused_or_named(distance: float) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("whole", [False, True])
+def test_the_wrong_flank_is_blamed_not_the_centre_distance(tmp_path: Path, whole: bool) -> None:
+    """Regression: the coast flank, taken in its mirror image, stood half a pitch apart."""
+
+    def name_the_coast_flank(mesh: meshio.Mesh) -> None:
+        tags = mesh.cell_data["gmsh:physical"]
+        (lines,) = (k for k, block in enumerate(mesh.cells) if block.type == "line3")
+        flank = mesh.cells[lines].data[tags[lines] == 2]
+        angles = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+        cuts = [angles[mesh.cells[lines].data[tags[lines] == tag]].mean() for tag in (4, 5)]
+        turn = np.exp(1j * sum(cuts))  # twice the centre line of the tooth
+        places = mesh.points[:, 0] + 1j * mesh.points[:, 1]
+        mate = np.abs(turn * places.conj()[:, None] - places).argmin(axis=1)
+        mesh.cells.append(meshio.CellBlock("line3", mate[flank][:, [1, 0, 2]]))
+        mesh.field_data["COAST"] = np.array([6, 1])
+        for name in ("gmsh:physical", "gmsh:geometrical"):
+            mesh.cell_data[name].append(np.full(len(flank), 6))
+
+    path = changed(tmp_path, name_the_coast_flank)
+    # the sector by itself is a whole body with one flank
+    name, named = ("flank_sets", ["COAST"]) if whole else ("flank_set", "COAST")
+    with pytest.raises(SceneError) as caught:
+        fl.solve(mesh_scene(path, **{name: named}))
+    assert caught.value.key == f"body_1.{name}"
+    assert "faces counter-clockwise" in caught.value.expected
+    assert caught.value.found.startswith("'COAST', which faces clockwise: in their mirror image")
+    fl.solve(mesh_scene(path))
+
+
 def test_linear_elements_are_raised_and_noted(tmp_path: Path) -> None:
     """The same nodes as four times as many linear elements: coarser, but the same body."""
 

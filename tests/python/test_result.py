@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import os
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,14 @@ import pytest
 from made_up_result import made_up_result
 from tolerances import ROUND_OFF
 
-from flankload.result import Result, results_to_csv, results_to_json, write_atomically
+from flankload.result import (
+    Result,
+    results_to_csv,
+    results_to_json,
+    results_to_text,
+    write_atomically,
+)
+from flankload.result.warning_lines import warning_lines
 
 
 def small_result(**changes: Any) -> Result:
@@ -312,7 +319,43 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
     assert "transmission error 0.1 %" in text
     assert "2 FE factorisations, 10 unit loads" in text
     assert "backlash" in text
-    assert "sums are right: positions 1\n" in text
+    assert text.endswith("sums are right: positions 1")
+
+
+# --- warnings -------------------------------------------------------------------------------------
+def test_warnings_stand_before_the_table() -> None:
+    lines = small_result().table().splitlines()
+    (warning,) = (k for k, line in enumerate(lines) if line.startswith("warning  "))
+    assert warning == 2
+    assert lines[warning + 2].startswith("position")
+
+
+def test_warnings_of_several_torques_stand_once_before_all_tables() -> None:
+    """Those that differ in numbers alone are one, in the words of the largest torque."""
+    of_torque = {
+        100.0: ("always", "at 3 of 8 positions body_1 works", "only here"),
+        900.0: ("always", "at 7 of 8 positions body_1 works", "pairs 2 carry"),
+        302.0: ("always", "at 5 of 8 positions body_1 works", "at 1.5e-3 body_2"),
+    }
+    results = [
+        replace(small_result(), torque_Nm=torque, warnings=said)
+        for torque, said in of_torque.items()
+    ]
+    assert warning_lines(results) == [
+        "always",
+        "at 7 of 8 positions body_1 works [under 900 N m; similar under 100, 302 N m]",
+        "only here [under 100 N m]",
+        "pairs 2 carry [under 900 N m]",
+        "at 1.5e-3 body_2 [under 302 N m]",
+    ]
+    text = results_to_text(results)
+    first, *tables = text.split("\n\nmade-up pair: ")
+    assert len(tables) == len(results)
+    assert first.count("warning  ") == text.count("warning  ") == 5
+
+
+def test_one_result_says_its_warnings_as_they_are() -> None:
+    assert warning_lines([small_result()]) == list(small_result().warnings)
 
 
 def test_one_position_has_neither_mean_nor_peak_to_peak() -> None:

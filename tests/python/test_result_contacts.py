@@ -249,7 +249,7 @@ def test_coast_flanks_of_a_spline_leave_its_backlash() -> None:
 def test_pitch_errors_leave_coast_flanks_where_they_are() -> None:
     plain = solved(EXTERNAL, 0.0, rigid=True, count=1)
     early = {**EXTERNAL, "body_1": {**PINION, "pitch_errors_um": [7.0] + [0.0] * 15}}
-    moved = solved(early, 0.0, rigid=True, count=1)
+    moved = solved(early, 0.0, rigid=True, count=1, effects={"beyond_limits": True})
     assert plain.coast_flank_gap_um is not None
     assert moved.coast_flank_gap_um is not None
     # metal that touches 7 um early turns body 1 back by as much

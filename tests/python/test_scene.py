@@ -148,6 +148,7 @@ def test_schema_knows_ranges_defaults_and_no_null() -> None:
     assert gear["properties"]["tip_radius_mm"] == {
         "description": "radius of the arc between flank and tip circle",
         "unit": "mm",
+        "usual": [0.002, 50.0],
         "type": "number",
         "minimum": 0.001,
         "maximum": 100000.0,

@@ -104,9 +104,11 @@ def test_between_two_paths_nothing_is_left_to_touch() -> None:
         "body_1": {**EXTERNAL["body_1"], "tip_diameter_mm": 77.5},
         "body_2": {**EXTERNAL["body_2"], "tip_diameter_mm": 113.5},
     }
-    assert solved(short, 302.0, count=16).summary["contact_ratio_geometric"] < 1.0
+    beyond = {"beyond_limits": True}
+    with_tips = solved(short, 302.0, count=16, effects=beyond)
+    assert with_tips.summary["contact_ratio_geometric"] < 1.0
     with pytest.raises(NoContactState, match=r"which effects\.tip_contact = false leaves out"):
-        solved(short, 302.0, count=16, **WITHOUT)
+        solved(short, 302.0, count=16, effects={**WITHOUT["effects"], **beyond})
 
 
 def test_cams_have_no_tips() -> None:

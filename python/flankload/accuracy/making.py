@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from flankload.accuracy.combinations import search
 from flankload.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
-from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
+from flankload.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
 from flankload.accuracy.observed import MEASURES
 from flankload.accuracy.runs import Run, Runs
 from flankload.accuracy.study import Row, Study
@@ -220,6 +220,7 @@ class _Making:
             knobs=self.knobs,
             doubts=truth.doubts,
             notes=(
+                *limit_notes(rows),
                 *corner_notes(steps.get("strips_per_half_width", ())),
                 *file_notes(self.scene),
                 *failure_notes(rows),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.accuracy.observed import CORNER
+from flankload.result.accuracy_lines import outside_words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
 
 #: What kinds of bodies bring along.
 FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}
+
+
+def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
+    """What no error knows of: premises of the model that the scene breaks."""
+    names = sorted({name for row in rows for name in row.run.outside})
+    return (f"errors {outside_words(names).removeprefix('; ')}",) if names else ()
 
 
 def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:

@@ -82,16 +82,23 @@ def observed(results: Result | Sequence[Result]) -> Observed:
     dict of arrays
     """
     parts = results if isinstance(results, Sequence) else (results,)
-    smooth = [np.where(r.corner_contact, np.nan, r.peak_pressure_MPa) for r in parts]
+    sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own
+
+    def over_sites(r: Result, values: Floats) -> Floats:
+        whole = np.zeros((len(values), sites.size))
+        whole[:, np.searchsorted(sites, r.sites)] = values
+        return whole
+
+    smooth = [over_sites(r, np.where(r.corner_contact, np.nan, r.peak_pressure_MPa)) for r in parts]
 
     def summary(key: str) -> Floats:
         return np.array([r.summary[key] for r in parts], dtype=float)
 
     return {
         "position_rad": parts[0].position_rad,
-        "sites": parts[0].sites.astype(float),
+        "sites": sites.astype(float),
         "transmission_error": np.array([r.transmission_error_um for r in parts]),
-        "load_share": np.array([r.load_share for r in parts]),
+        "load_share": np.array([over_sites(r, r.load_share) for r in parts]),
         "peak_pressure": np.array(smooth),
         "transmission_error_mean": summary("transmission_error_mean_um"),
         "transmission_error_peak_to_peak": summary("transmission_error_peak_to_peak_um"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.accuracy.observed import Observed, from_tree, observed, to_tree
 from flankload.cost import Account
-from flankload.errors import FlankloadError, SceneError
+from flankload.errors import FlankloadError, PremiseError, SceneError
 from flankload.result import write_atomically
 from flankload.setting import Setting, scene_at
 from flankload.solve import solve_with
@@ -48,6 +48,8 @@ class Run:
         Why it has none.
     stages : dict
         CPU seconds by stage.
+    outside : tuple of str
+        Premises of the model that it breaks.
     """
 
     setting: Setting
@@ -56,6 +58,7 @@ class Run:
     values: Observed | None
     failure: str | None = None
     stages: dict[str, float] = field(default_factory=dict)
+    outside: tuple[str, ...] = ()
 
 
 def fingerprint(scene: Scene) -> str:
@@ -128,6 +131,8 @@ class Runs:
                 again = _measured(setting, scene, {}, progress)
                 stages = {key: min(run.stages[key], again.stages[key]) for key in run.stages}
                 run = replace(run, stages=stages, cpu_s=sum(stages.values()))
+        except PremiseError:  # whatever the setting
+            raise
         except FlankloadError as error:
             return Run(setting, 0.0, 0, None, failure=str(error))
         return run
@@ -162,7 +167,8 @@ def _with_modes(
 
 def _measured(setting: Setting, scene: Scene, kept: Kept, progress: Progress | None) -> Run:
     results = solve_with(scene, kept, progress)
-    cost = (results if not isinstance(results, tuple) else results[0]).cost
+    several = results if isinstance(results, tuple) else (results,)
+    cost = several[0].cost
     stages = {name: stage["cpu_s"] for name, stage in cost["stages"].items()}
     largest = max(stage["workspace_bytes"] for stage in cost["stages"].values())
     return Run(
@@ -171,6 +177,7 @@ def _measured(setting: Setting, scene: Scene, kept: Kept, progress: Progress | N
         memory_bytes=int(cost["bytes"] + largest),
         values=observed(results),
         stages=stages,
+        outside=tuple(sorted({name for result in several for name in result.outside_limits})),
     )
 
 
@@ -181,6 +188,7 @@ def _to_tree(run: Run) -> dict[str, Any]:
         "memory_bytes": run.memory_bytes,
         "failure": run.failure,
         "stages": run.stages,
+        "outside": list(run.outside),
         "values": None if run.values is None else to_tree(run.values),
     }
 
@@ -193,4 +201,5 @@ def _from_tree(tree: dict[str, Any]) -> Run:
         values=None if tree["values"] is None else from_tree(tree["values"]),
         failure=tree["failure"],
         stages=tree["stages"],
+        outside=tuple(tree.get("outside", ())),
     )

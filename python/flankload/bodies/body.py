@@ -197,6 +197,8 @@ class Body:
     flank_angle_known : bool
         True: pairing turns the body so that pair 0 stands in the pitch point. False: the body
         stands as it is.
+    mirrored : bool
+        The flank in its file faces the other way round: the body is taken in its mirror image.
     pitch_errors_um : tuple of float
         Empty, or one per tooth.
     outline : (k, 2) array
@@ -245,6 +247,7 @@ class Body:
     touches: Roller | Flat | None = None
     turns_clockwise: bool = False
     active_range_mm: tuple[float, float] | None = None
+    mirrored: bool = False
 
     @property
     def outward(self) -> int:

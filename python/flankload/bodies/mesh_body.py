@@ -66,7 +66,8 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     bare = _is_bare(source, spec)
     radii = np.hypot(*nodes.T)
     inwards = _is_ring(source, spec, radii, radii[flanks[0][:, 0]], bare=bare)
-    if faces_clockwise(nodes, flanks[0], inwards=inwards):
+    mirrored = faces_clockwise(nodes, flanks[0], inwards=inwards)
+    if mirrored:
         nodes = nodes * np.array([1.0, -1.0])
         cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells)
         flanks = [flank[::-1][:, [1, 0, 2]] for flank in flanks]
@@ -117,6 +118,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         flank_turns_rad=turns,
         named_teeth=named,
         flank_nodes=fit.nodes,
+        mirrored=mirrored,
     )
 
 

@@ -33,6 +33,7 @@ def _check_scene(path: Path) -> None:
     from flankload.assembly import build_bodies
     from flankload.effects import EFFECTS, switches_of
     from flankload.gear_mesh import describe_mesh
+    from flankload.premises import broken_by_geometry, held
     from flankload.spline_fit import describe_fit
     from flankload.stages import compliance_of
     from flankload.steering import first_pick, first_scene
@@ -67,16 +68,23 @@ def _check_scene(path: Path) -> None:
         print()
     for note in pair.notes:
         print(f"warning: {note}")
+    for broken in held(scene, tuple(broken_by_geometry(pair))):
+        print(f"warning: {broken.note}")
 
 
 def _check_drive(scene: Scene) -> None:
     from flankload.belt_drive import describe_belt
     from flankload.chain_drive import describe_drive
+    from flankload.scene.usual import question_notes
 
     rows = describe_drive(scene) if scene.body_2.kind == "chain" else describe_belt(scene)
     print(f"{scene.name}: a valid scene")
     for title, found in rows.items():
         _print_rows(title, found)
+    if notes := question_notes(scene):
+        print()
+    for note in notes:
+        print(f"warning: {note}")
 
 
 def _said(switch: Switch) -> str:

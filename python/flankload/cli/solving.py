@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any, Self
@@ -15,11 +16,15 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from flankload.plan import Plan
+    from flankload.plan.duration import Duration
     from flankload.result import Result
     from flankload.scene import Scene
 
 #: Seconds after which a run shows that it is alive.
 PATIENCE_S = 1.0
+
+#: A run of more seconds says so before it starts.
+LONG_S = 10.0
 
 STDOUT = "-"
 
@@ -34,11 +39,12 @@ def run(arguments: Namespace) -> None:
 
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
-        found = solve(scene, progress=progress.tell, plan=plan)
+        announce = None if arguments.quiet else partial(_announce, progress)
+        found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
     results = found if isinstance(found, tuple) else (found,)
     if arguments.plot is not None:
         _plot(results, arguments.plot)
-    from flankload.result import results_to_csv, results_to_json
+    from flankload.result import results_to_csv, results_to_json, results_to_text
 
     for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
         if path == STDOUT:
@@ -47,11 +53,17 @@ def run(arguments: Namespace) -> None:
             text_of(found, path)
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
-    texts = [] if arguments.quiet else [result.table() for result in results]
+    texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # of all torques together
         texts.append(results[0].cost_table())
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
+
+
+def _announce(progress: Progress, duration: Duration) -> None:
+    """Say before a long run how long it will be."""
+    if duration.seconds > LONG_S:
+        progress.say(f"flankload: {duration}")
 
 
 def _plan(scene: Scene, progress: Progress) -> Plan:
@@ -160,6 +172,13 @@ class Progress:
         self._told = (stage, done, total)
         if self._bar is not None:
             self._bar.update(self._task, description=stage, completed=done, total=total)
+
+    def say(self, line: str) -> None:
+        """Print a line on stderr, above the bar where there is one."""
+        if self._bar is not None:
+            self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        else:
+            print(line, file=sys.stderr, flush=True)
 
     def _show(self) -> None:
         from rich.console import Console

@@ -40,6 +40,7 @@ from flankload.plan.measuring import Measured
 from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, size_of
 from flankload.plan.variants import Variant, other_way, with_keys, without_keys
+from flankload.premises import Torque, broken_by_turn, held
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,6 +81,7 @@ def plan_belt(scene: Scene) -> Plan:
     strip = strip_of(scene)
     position_rad, _ = positions_of(scene, strip)
     coarse = _Coarse(scene, strip, position_rad)
+    coarse.check_load()
     switches = switches_of(scene)
     stages = price_belt(scene, strip, position_rad, coarse.slower)
     measured, extra = {"several_torques": Measured()}, {}
@@ -160,6 +162,18 @@ class _Coarse:
         states = count * len(self._base)
         self.slower["compliance body 2"] = (solved - start - pulley_s) / law
         self.slower["sweep"] = spent / (states * seconds_of_state(sizes, asked))
+
+    def check_load(self) -> None:
+        """Refuse a scene whose torque breaks a premise of the model.
+
+        Raises
+        ------
+        PremiseError
+        """
+        for states in self._base:
+            torque = Torque(self._scene, self._scene.torques_Nm.index(states.torque_Nm))
+            turned_rad = float((states.rotation_rad - self._unloaded).max())
+            held(self._scene, tuple(broken_by_turn(turned_rad, self._strip.pitch_rad, torque)))
 
     def pulley(self) -> Measured:
         """What a pulley that yields changes against a rigid one."""

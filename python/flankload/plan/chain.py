@@ -19,6 +19,7 @@ from flankload.errors import FlankloadError
 from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
 from flankload.plan.measuring import Measured
 from flankload.plan.sizes import Size, States, size_of
+from flankload.premises import broken_by_drive, held
 from flankload.scene.pair_tables import Positions
 
 if TYPE_CHECKING:
@@ -58,6 +59,9 @@ def plan_chain(scene: Scene) -> Plan:
     few = _at_few_positions(scene, 2 * np.pi / sprocket.teeth)
     large = scene.effects.large_displacement
     mine, tried = _tried(few)
+    for result in mine:
+        number = scene.torques_Nm.index(result.torque_Nm)
+        held(scene, tuple(broken_by_drive(scene, result, number)))
     found, other_tried = Measured(), tried
     try:
         other, other_tried = _tried(_large(few, large=not large))

@@ -7,6 +7,7 @@ what they depend on. Bodies from files are what they are; their meshes cannot be
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,11 @@ from flankload.bodies.body import Material
 from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account
 from flankload.elasticity import condensed, stiffness
+from flankload.errors import ContactError
 from flankload.plan.sizes import States
+from flankload.premises import blame_load, broken_by_geometry, broken_by_load, held
 from flankload.resolution import Grid, Resolution, choose_resolution
+from flankload.result.geometry import pair_geometry
 from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.pair_tables import Positions
 from flankload.stages import compliance_of, grown_pair, sweep_of
@@ -68,7 +72,9 @@ class Coarse:
         scene = without_knobs(scene)
         self._has_coast = scene.effects.coast_flank
         bodies = (self._body(scene, 0), self._body(scene, 1))
-        self.position_rad = some_of(build_bodies(scene, COARSE, bodies=bodies).position_rad)
+        pair = build_bodies(scene, COARSE, bodies=bodies)
+        held(scene, tuple(broken_by_geometry(pair)))
+        self.position_rad = some_of(pair.position_rad)
         self.reference_radius_mm = bodies[0].reference_radius_mm
         self.torques_Nm = some_torques(scene)
 
@@ -215,6 +221,27 @@ class Coarse:
             States.of(torque, sites, part.rotation_rad, part.site_force_N)
             for torque, part in zip(torques, found, strict=True)
         ]
+
+    def check_load(self, scene: Scene) -> None:
+        """Refuse a scene whose least or largest torque breaks a premise of the model.
+
+        Raises
+        ------
+        PremiseError
+        """
+        coarse = self.pair(scene)
+        sweep = self._sweep(scene, coarse)
+        pair, compliances = grown_pair(coarse, self.compliances(scene, coarse))
+        geometry = pair_geometry(pair, compliances)
+        run = partial(sweep, self.position_rad, grid=COARSE.grid)
+        try:
+            sweeps = run(self.torques_Nm)
+        except ContactError:
+            blame_load(scene, pair, geometry, lambda torque_Nmm: run([torque_Nmm / 1000.0]))
+            raise
+        for torque, found in zip(self.torques_Nm, sweeps, strict=True):
+            number = scene.torques_Nm.index(torque)
+            held(scene, tuple(broken_by_load(scene, pair, geometry, found, number)))
 
     def state_seconds(self, scene: Scene) -> float:
         """CPU seconds of a state on coarse cells, with its part of the call."""

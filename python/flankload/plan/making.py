@@ -59,6 +59,7 @@ def plan(scene: Scene) -> Plan:
         return replace(plan_belt(scene), picked=picked)
     plain = without_choice(scene)
     coarse = Coarse(plain)
+    coarse.check_load(plain)
     sizes, switches = Sizes(plain, coarse), switches_of(plain)
     measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows(scene)}
     chosen, left_out = plain, None

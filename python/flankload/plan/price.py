@@ -127,7 +127,7 @@ def _price_elements(
     coarse: BodyCompliance,
 ) -> Account:
     """Price of the elements of a body, by what the formulas miss on its coarse ones."""
-    account, told = _elements(body, counters), _elements(small, coarse.counters)
+    account, told = elements_price(body, counters), elements_price(small, coarse.counters)
     account.cpu_s *= _slower(small, coarse)
     account.bytes += held_bytes(fillets.points) if fillets is not None else 0
     part = coarse.workspace_bytes / told.workspace_bytes
@@ -156,11 +156,22 @@ def _price_smoothing(
 def _slower(small: Body, coarse: BodyCompliance) -> float:
     """Seconds on this machine over those by the formulas."""
     spent = sum(coarse.seconds.get(step, 0.0) for step in STEPS)
-    return spent / _elements(small, coarse.counters).cpu_s if spent > 0 else 1.0
+    return spent / elements_price(small, coarse.counters).cpu_s if spent > 0 else 1.0
 
 
-def _elements(body: Body, counters: Mapping[str, int]) -> Account:
-    """Seconds and bytes by the formulas."""
+def elements_price(body: Body, counters: Mapping[str, int]) -> Account:
+    """Seconds and bytes of the elements of a body, by the formulas.
+
+    Parameters
+    ----------
+    body : Body
+    counters : mapping of str to int
+        Of its stage.
+
+    Returns
+    -------
+    Account
+    """
     mesh, unknowns = body.mesh, unknowns_of(body)
     assert mesh is not None
     n_elements = sum(len(cells) for _, cells in mesh.cells)

@@ -9,6 +9,7 @@ from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result, make_result
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
+from flankload.result.table import texts_of as results_to_text
 
 __all__ = [
     "FrictionResult",
@@ -19,6 +20,7 @@ __all__ = [
     "make_result",
     "results_to_csv",
     "results_to_json",
+    "results_to_text",
     "stiffness_table",
     "write_atomically",
 ]

@@ -1,4 +1,4 @@
-"""What a tolerance has bought, as a few lines of text."""
+"""What a tolerance has bought, as a few lines of text; what an error estimate is worth."""
 
 from __future__ import annotations
 
@@ -10,6 +10,26 @@ if TYPE_CHECKING:
 
 #: Bound as part of the largest transmission error, where the estimate tells it as part of itself.
 PEAK_TO_PEAK = "transmission_error_peak_to_peak"
+#: How results call what breaks a premise.
+OUTSIDE = "outside the model's limits"
+
+
+def outside_words(names: Sequence[str]) -> str:
+    """Words that an error estimate does not go without.
+
+    Parameters
+    ----------
+    names : sequence of str
+        `Result.outside_limits`.
+
+    Returns
+    -------
+    str
+        Empty where all premises hold.
+    """
+    if not names:
+        return ""
+    return f"; {OUTSIDE} ({', '.join(name.replace('_', ' ') for name in names)})"
 
 
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:

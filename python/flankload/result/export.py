@@ -159,6 +159,8 @@ def _tree(result: Result) -> dict[str, Any]:
     ]
     keys += ["summary", "estimate", "cost", "warnings"]
     tree = {key: getattr(result, key) for key in keys}
+    if result.outside_limits:
+        tree["outside_limits"] = result.outside_limits
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
     if result.accuracy is not None:
         tree["accuracy"] = result.accuracy

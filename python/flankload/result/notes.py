@@ -8,6 +8,7 @@ import numpy as np
 
 from flankload.node_spacing import wide_nodes_notes
 from flankload.resolution import elements_for_modes
+from flankload.result.corners import corner_notes
 from flankload.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
@@ -60,13 +61,7 @@ def notes_of_sweep(
         found.torque_Nmm / 1000.0,
         face_width_mm,
     )
-    corner = np.flatnonzero((found.site_corner > 0).any(axis=1))
-    if corner.size:
-        yield (
-            f"at {corner.size} of {found.status.size} positions a flank works on a sharp tip "
-            "corner: its peak pressure grows with the resolution and is no number to design by; a "
-            "tip radius or chamfer cures it"
-        )
+    yield from corner_notes(pair, found)
     shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
     if shaped:
         yield (

@@ -79,6 +79,9 @@ class Result(ContactQuantities):
     accuracy : dict or None
         What a tolerance that the scene names has bought: which knob stands where and for what.
     warnings : tuple of str
+    outside_limits : tuple of str
+        Premises of the model that the scene breaks, with `effects.beyond_limits = true`; the error
+        estimate, which lists them too, knows nothing of what follows from that.
     drawing : PairDrawing
     friction : FrictionResult or None
         Friction forces, losses, torque on body 2; None without friction.
@@ -122,6 +125,7 @@ class Result(ContactQuantities):
     coast: CoastContact | None = None
     accuracy: Mapping[str, Any] | None = None
     unloaded_rotation_rad: Floats | None = None
+    outside_limits: tuple[str, ...] = ()
 
     @property
     def coast_force_N(self) -> Floats | None:

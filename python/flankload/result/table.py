@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.result.accuracy_lines import accuracy_lines
+from flankload.result.accuracy_lines import accuracy_lines, outside_words
+from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from flankload.result.friction import FrictionResult
     from flankload.result.result import Result
@@ -43,7 +44,7 @@ STATUS_WORDS = {
 
 
 def text_of(result: Result) -> str:
-    """Return a row per position, then summary, estimate, cost and warnings.
+    """Return warnings, a row per position, then summary, estimate and cost.
 
     Parameters
     ----------
@@ -54,6 +55,42 @@ def text_of(result: Result) -> str:
     str
         Lines without a line break at the end.
     """
+    return _text([_title(result), "", *_warnings((result,)), *_body(result)])
+
+
+def texts_of(results: Sequence[Result]) -> str:
+    """Return the same of several torques: warnings once for all of them, then each table.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        Of one scene.
+
+    Returns
+    -------
+    str
+    """
+    if len(results) == 1:
+        return text_of(results[0])
+    tables = [_text([_title(result), "", *_body(result)]) for result in results]
+    warnings = _text([*_warnings(results)])
+    return "\n\n".join([warnings, *tables] if warnings else tables)
+
+
+def _text(lines: list[str]) -> str:
+    return "\n".join(line.rstrip() for line in lines).rstrip("\n")
+
+
+def _warnings(results: Sequence[Result]) -> Iterator[str]:
+    """Warnings and an empty line."""
+    lines = warning_lines(results)
+    yield from (_labelled("warning", line) for line in lines)
+    if lines:
+        yield ""
+
+
+def _body(result: Result) -> list[str]:
+    """Rows and what stands below them."""
     rows = _rows(result)
     if result.drive is not None:
         rows = result.drive.rows(result)
@@ -61,8 +98,7 @@ def text_of(result: Result) -> str:
         rows = _rows_of_circle(result)
     elif result.sites.size > MOST_COLUMNS:
         rows = _rows_of_loaded(result)
-    lines = [_title(result), "", *rows, "", *_footer(result)]
-    return "\n".join(line.rstrip() for line in lines)
+    return [*rows, "", *_footer(result)]
 
 
 def _title(result: Result) -> str:
@@ -232,6 +268,7 @@ def _footer(result: Result) -> Iterator[str]:
             yield _labelled(f"root of body {z}", _root_stress(summary[f"root_stress_{z}"]))
     if result.friction is not None:
         yield _labelled("friction", _friction(result.friction))
+    beyond = outside_words(result.outside_limits)
     if result.estimate is not None:
         estimate = result.estimate
         if result.position_rad.size == 1:
@@ -240,17 +277,17 @@ def _footer(result: Result) -> Iterator[str]:
         off_corners = summary["peak_pressure_off_corners_pair"] is not None
         if summary["peak_pressure_pair"] is not None and not off_corners:
             text += ", peak pressure not estimated (sharp corners)"
-        yield _labelled("estimated error", text)
+        yield _labelled("estimated error", text + beyond)
         for source, label in SHOWN_ALONE.items():
             left = result.estimate.get("by_source", {}).get(source, {})
             if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
                 text = _estimate(
                     {key.removeprefix(OF_ROTATION): error for key, error in left.items()}
                 )
-                yield _labelled(label, text)
+                yield _labelled(label, text + beyond)
     if result.accuracy is not None:
         first, *more = accuracy_lines(result.accuracy)
-        yield _labelled("tolerance", first)
+        yield _labelled("tolerance", first + beyond)
         for text in more:
             yield _labelled("", text)
     yield _labelled("cost", _cost(result.cost))
@@ -259,8 +296,6 @@ def _footer(result: Result) -> Iterator[str]:
         if positions.size:
             listed = ", ".join(map(str, positions[:8])) + (", ..." if positions.size > 8 else "")
             yield _labelled(f"status {status}", f"{words}: positions {listed}")
-    for warning in result.warnings:
-        yield _labelled("warning", warning)
 
 
 def _amplitudes(harmonics: list[float | None]) -> str:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from flankload.scene.table import (
+    USUAL_SIZE,
     EvenBody,
     Length,
     NotNegative,
@@ -13,7 +14,7 @@ from flankload.scene.table import (
     about,
 )
 
-Pitch = Annotated[Length, about("mm", "pitch")]
+Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
 
 
@@ -60,7 +61,10 @@ class Pulley(EvenBody, frozen=True, kw_only=True, tag="pulley"):
         ),
     ] = True
     bore_diameter_mm: Annotated[
-        Length | None, about("mm", "diameter of the bore, which is fixed; elastic pulleys need it")
+        Length | None,
+        about(
+            "mm", "diameter of the bore, which is fixed; elastic pulleys need it", usual=USUAL_SIZE
+        ),
     ] = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -79,7 +83,7 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         Annotated[int, Meta(ge=1, le=200)],
         about("-", "teeth of the belt that lie in grooves"),
     ]
-    width_mm: Annotated[Length, about("mm", "width of the belt")]
+    width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
     cord_stiffness_N_per_mm: Annotated[
         Annotated[float, Meta(gt=0, le=1e9)],
         about("N/mm", "tension of the cord over its strain, per mm of width"),
@@ -97,13 +101,16 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         about("deg", "between flank and centre line of a tooth, 'T' only, needed there"),
     ] = None
     young_modulus_MPa: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)], about("MPa", "Young's modulus of the belt's material")
+        Annotated[float, Meta(gt=0, le=1e9)],
+        # from soft rubber to filled polyurethane
+        about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
     ]
     poisson_ratio: Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson ratio")] = (
         0.45
     )
     pitch_difference_um: Annotated[
-        float, about("um", "pitch of the belt without load, minus body_1.pitch_mm")
+        float,
+        about("um", "pitch of the belt without load, minus body_1.pitch_mm", usual=(0.1, 2000.0)),
     ] = 0.0
     prestress_N: Annotated[
         NotNegative,

@@ -4,7 +4,16 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import EvenBody, Length, PoissonRatio, Rigid, Text, YoungModulus, about
+from flankload.scene.table import (
+    USUAL_SIZE,
+    EvenBody,
+    Length,
+    PoissonRatio,
+    Rigid,
+    Text,
+    YoungModulus,
+    about,
+)
 
 #: One row of a cam's table.
 ProfileRow = tuple[
@@ -16,7 +25,9 @@ ProfileRow = tuple[
 class CamKeys(EvenBody, frozen=True, kw_only=True):
     """What a cam and its follower have in common."""
 
-    bore_diameter_mm: Annotated[Length, about("mm", "diameter of the bore, which is fixed")]
+    bore_diameter_mm: Annotated[
+        Length, about("mm", "diameter of the bore, which is fixed", usual=USUAL_SIZE)
+    ]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -64,10 +75,12 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
     """A lever that turns about its own axis and follows a cam with a roller or a flat."""
 
     arm_mm: Annotated[
-        Length | None, about("mm", "distance of the roller's centre from the follower's axis")
+        Length | None,
+        about("mm", "distance of the roller's centre from the follower's axis", usual=USUAL_SIZE),
     ] = None
     roller_radius_mm: Annotated[
-        Length | None, about("mm", "radius of the roller, which is one piece with its arm")
+        Length | None,
+        about("mm", "radius of the roller, which is one piece with its arm", usual=USUAL_SIZE),
     ] = None
     flat_offset_mm: Annotated[
         Place | None,

@@ -6,8 +6,8 @@ from msgspec import Meta
 
 from flankload.scene.table import EvenBody, Length, Positive, about
 
-Pitch = Annotated[Length, about("mm", "pitch")]
-RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers")]
+Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
+RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
 
 
 class Sprocket(EvenBody, frozen=True, kw_only=True, tag="sprocket"):

@@ -101,7 +101,11 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     ] = None
     thermal_expansion_per_K: Annotated[
         Expansion | PerBody[Expansion] | None,
-        about("1/K", "linear thermal expansion of the bodies, or of each; absent = 11.5e-6, steel"),
+        about(
+            "1/K",
+            "linear thermal expansion of the bodies, or of each; absent = 11.5e-6, steel",
+            usual=(5e-7, 5e-4),
+        ),
     ] = None
     support_expansion_per_K: Annotated[
         Expansion | PerBody[Expansion] | None,
@@ -120,7 +124,11 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     ] = None
     density_kg_m3: Annotated[
         Density | PerBody[Density] | None,
-        about("kg/m^3", "density of the bodies, or of each; absent = 7850, steel"),
+        about(
+            "kg/m^3",
+            "density of the bodies, or of each; absent = 7850, steel",
+            usual=(200.0, 25000.0),
+        ),
     ] = None
     large_displacement: Annotated[
         bool,
@@ -148,3 +156,11 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     ] = True
     land_friction: LandFriction = 0.0
     land_lift: LandLift = False
+    beyond_limits: Annotated[
+        bool,
+        about(
+            "",
+            "true: a scene that breaks a premise of the model (docs/limits.md) is solved all the "
+            "same, its error estimates marked as outside the model's limits",
+        ),
+    ] = False

@@ -19,13 +19,16 @@ from flankload.scene.table import Table
 
 T = TypeVar("T", bound=Table)
 
-#: Keys that later versions know, and what this one does not do; where they stand, by table.
+LEAD = "lead modifications, which are three-dimensional"
+#: Keys that later versions know, and what this one does not do; where they stand, by table. A name
+#: that ends in an underscore stands for all that begin so.
 NOT_YET = {
     "body": {
         "helix_angle_deg": "helical gears",
         "hand": "helical gears",
         "axial_offset_mm": "axially displaced bodies",
         "face_width_mm": "bodies of different face widths",
+        **dict.fromkeys(("lead_", "helix_slope_", "end_relief_", "profile_twist_"), LEAD),
     },
 }
 
@@ -52,7 +55,7 @@ def read_table(form: type[T], table: object, key: str) -> T:
     """
     if not isinstance(table, Mapping):
         raise SceneError(key=key or "scene", expected="a table", found=shown(table))
-    fields = _fields(form)
+    fields = fields_of(form)
     tag = form.__struct_config__.tag_field
     for name in table:
         if name not in fields and name != tag:
@@ -68,7 +71,8 @@ def read_table(form: type[T], table: object, key: str) -> T:
 
 
 @cache
-def _fields(form: type[Table]) -> dict[str, inspect.Field]:
+def fields_of(form: type[Table]) -> dict[str, inspect.Field]:
+    """Fields of a table by their keys."""
     info = inspect.type_info(form)
     assert isinstance(info, inspect.StructType)
     return {field.encode_name: field for field in info.fields}
@@ -76,7 +80,7 @@ def _fields(form: type[Table]) -> dict[str, inspect.Field]:
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> None:
     path = f"{key}.{name}" if key else name
-    later = NOT_YET.get("body" if key.startswith("body_") else key, {}).get(name)
+    later = _later("body" if key.startswith("body_") else key, name)
     if later is not None:
         raise SceneError(
             key=path,
@@ -90,6 +94,14 @@ def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> Non
     else:
         expected = f"a known key ({', '.join(known)})"
     raise SceneError(key=path, expected=expected, found=f"the unknown key '{name}'")
+
+
+def _later(table: str, name: str) -> str | None:
+    """What later versions do with an unknown key; None where it is no key of theirs."""
+    for known, does in NOT_YET.get(table, {}).items():
+        if name == known or (known.endswith("_") and name.startswith(known)):
+            return does
+    return None
 
 
 def _read(kind: inspect.Type, value: Any, key: str) -> Any:

@@ -6,6 +6,7 @@ from msgspec import Meta
 
 from flankload.scene.gear_tables import Geometry
 from flankload.scene.table import (
+    USUAL_SIZE,
     BodyTable,
     Length,
     PitchErrors,
@@ -59,6 +60,7 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
             "mm",
             "radius that turns rotation into transmission error; needed without profile, else the "
             "base radius",
+            usual=USUAL_SIZE,
         ),
     ] = None
     profile: Annotated[

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import Angles, Length, NotNegative, Table, Torques, about
+from flankload.scene.table import USUAL_SIZE, Angles, Length, NotNegative, Table, Torques, about
 
 
 class Pair(Table, frozen=True, kw_only=True):
@@ -16,13 +16,21 @@ class Pair(Table, frozen=True, kw_only=True):
             "mm",
             "distance of the two axes as they stand: a centre-distance error is part of it, while "
             "teeth and flanks stay what they are; needed, but for splines",
+            usual=USUAL_SIZE,
         ),
     ] = None
     center_offset_mm: Annotated[
         Annotated[float, Meta(ge=0, le=1e5)] | None,
-        about("mm", "distance of a spline's two axes; absent = 0, they are one"),
+        about(
+            "mm",
+            "distance of a spline's two axes; absent = 0, they are one",
+            # a hundredth is usual, ten are what was meant as um
+            usual=(1e-5, 2.0),
+        ),
     ] = None
-    face_width_mm: Annotated[Length, about("mm", "width over which the flanks touch")]
+    face_width_mm: Annotated[
+        Length, about("mm", "width over which the flanks touch", usual=(0.05, 5000.0))
+    ]
 
     @property
     def axes_apart_mm(self) -> float:

@@ -17,15 +17,36 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
-def about(unit: str, meaning: str) -> Meta:
-    """Meaning and unit of a key ("-" for a pure number, "" for words)."""
-    return Meta(description=meaning, extra_json_schema={"unit": unit} if unit else None)
+def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:
+    """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
+    A value outside of the usual range is allowed, and a question to the user (`usual`). The range
+    is so wide that no sensible design leaves it, and so narrow that a common value in another
+    unit, a thousand times as much or as little, does.
+    """
+    more: dict[str, object] = {"unit": unit} if unit else {}
+    if usual is not None:
+        more["usual"] = list(usual)
+    return Meta(description=meaning, extra_json_schema=more or None)
+
+
+#: Usual diameters, distances and widths, mm: of watches and of mills.
+USUAL_SIZE = (0.2, 1e4)
+#: Usual roundings and chamfers, mm.
+USUAL_ROUNDING = (2e-3, 50.0)
+#: Usual modifications of a flank, um.
+USUAL_MODIFICATION = (0.3, 2000.0)
+#: The largest of usual errors of the pitch, um.
+USUAL_ERRORS = (0.1, 2000.0)
 
 # Keys that several kinds of body have.
 Teeth = Annotated[int, Meta(ge=3)]
 Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
-YoungModulus = Annotated[Modulus, about("MPa", "Young's modulus")]
+YoungModulus = Annotated[
+    Modulus,
+    # from PTFE to carbides
+    about("MPa", "Young's modulus", usual=(400.0, 1e6)),
+]
 PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
 Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
 PitchErrors = Annotated[
@@ -34,6 +55,7 @@ PitchErrors = Annotated[
         "um",
         "one deviation per tooth along the base tangent, positive = metal that touches early; in "
         "the order in which the teeth come into contact, from the tooth of pair 0",
+        usual=USUAL_ERRORS,
     ),
 ]
 

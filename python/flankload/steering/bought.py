@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Table = Mapping[str, Mapping[str, float]]
 
 #: Why finer steps help little: what is added to a reason.
-CORNERS = "; pairs work on sharp corners, beside which all converges slowly (tip_radius_mm)"
+CORNERS = "; pairs work on sharp corners, beside which all converges slowly (a warning names them)"
 BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
 #: Sources that no knob answers for, and what does.
 LEFT_BY = {

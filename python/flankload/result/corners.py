@@ -1,0 +1,91 @@
+"""Sharp corners of flanks that work: which ones, and what takes them away."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.assembly import BodyPair
+    from flankload.bodies import Body
+    from flankload.sweep import Sweep
+
+#: Kinds of bodies whose profile the keys of a scene make.
+PARAMETRIC = ("gear", "ring", "spline_shaft", "spline_hub")
+#: Labels of the curve before and behind a corner: what it is, and the key that takes it away. What
+#: is not here is the end of the curve.
+CORNERS = {
+    ("flank", "relief"): (
+        "the kink where its tip relief begins",
+        '{body}.tip_relief_shape = "parabolic" begins without one',
+    ),
+    ("fillet", "flank"): (
+        "the end of its undercut",
+        "more {body}.profile_shift leaves none",
+    ),
+    ("*", "tip_chamfer"): (
+        "the edge between flank and chamfer",
+        "{body}.tip_radius_mm in place of {body}.tip_chamfer_mm has none",
+    ),
+}
+TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
+#: Where tips and fillets are left out.
+CUT = ("the end of its active flank", "the tip or fillet beyond it is left out")
+#: Of bodies whose profile comes from a file.
+OF_FILE = ("a sharp corner of its flank", "a rounding there cures it")
+
+
+def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
+    """Say where sharp corners work, each kind of each body once.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    found : Sweep
+
+    Yields
+    ------
+    str
+        A warning.
+    """
+    at: dict[tuple[str, str], set[int]] = {}
+    for z, body in enumerate((pair.body_1, pair.body_2)):
+        for p, s in _places(found, z):
+            what, cure = _corner(body, s)
+            cure = cure.format(body=f"body_{z + 1}")
+            at.setdefault((f"body_{z + 1} works on {what}", cure), set()).add(p)
+    for (works, cure), positions in at.items():
+        yield (
+            f"at {len(positions)} of {found.status.size} positions {works}: the peak pressure "
+            f"there grows with the resolution and is no number to design by; {cure}"
+        )
+
+
+def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
+    """Position, and place of the largest pressure, where a corner of body z works."""
+    names = found.pairs.names
+    place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
+    for p, j in np.argwhere(found.site_corner == z + 1):
+        sites, table = found.pairs.at(int(p))
+        rows = table[sites == j]
+        if len(rows):
+            yield int(p), float(rows[np.argmax(rows[:, force] / rows[:, cell]), place])
+
+
+def _corner(body: Body, s: float) -> tuple[str, str]:
+    """The corner next to a place, and its cure."""
+    if body.kind not in PARAMETRIC:
+        return OF_FILE
+    curve, ends = body.curve, body.active_range_mm or ()
+    corners = np.flatnonzero(curve.corners)
+    apart = np.abs(curve.breaks[corners] - s)
+    if min((abs(end - s) for end in ends), default=np.inf) <= apart.min(initial=np.inf):
+        return CUT
+    k = int(corners[np.argmin(apart)])
+    if not 0 < k < len(curve.labels):
+        return TIP
+    before, behind = curve.labels[k - 1], curve.labels[k]
+    return CORNERS.get((before, behind)) or CORNERS.get(("*", behind)) or TIP

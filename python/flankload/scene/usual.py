@@ -1,0 +1,105 @@
+"""Values far from the usual: allowed, and a question, since most of them are in another unit.
+
+The usual range of a key stands in its table, beside the range that is allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct, inspect
+
+from flankload.scene.form import fields_of
+from flankload.scene.refusal import shown
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
+
+#: Units of the same quantity differ by this (um and mm, GPa and MPa), or by its square.
+THOUSAND = 1000.0
+TABLES = ("body_1", "body_2", "pair", "load", "positions", "effects", "accuracy")
+
+
+def questions(scene: Scene) -> dict[str, str]:
+    """What a scene is asked about.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to str
+        By dotted path of the key, its value and a question.
+    """
+    return {
+        path: f"{shown(value)}, {asked}"
+        for name in TABLES
+        for path, value, usual in _numbers(getattr(scene, name), name)
+        if (asked := question(_largest(value), usual)) is not None
+    }
+
+
+def question_notes(scene: Scene) -> tuple[str, ...]:
+    """The same as lines.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    tuple of str
+    """
+    return tuple(f"{path} = {asked}" for path, asked in questions(scene).items())
+
+
+def question(value: float, usual: tuple[float, float]) -> str | None:
+    """What to ask about a value.
+
+    Parameters
+    ----------
+    value : float
+    usual : (float, float)
+        Its usual range, of positive numbers; the sign is free.
+
+    Returns
+    -------
+    str or None
+        None of a usual value, and of 0, which leaves a thing out.
+    """
+    low, high = usual
+    if value == 0.0 or low <= abs(value) <= high:
+        return None
+    for factor in (THOUSAND, 1.0 / THOUSAND, THOUSAND**2, THOUSAND**-2):
+        if low <= abs(value) * factor <= high:
+            return f"did you mean {value * factor:.12g}? (usual: {low:g} to {high:g})"
+    return f"is that what you mean? (usual: {low:g} to {high:g})"
+
+
+def _numbers(table: Any, key: str) -> Iterator[tuple[str, Any, tuple[float, float]]]:
+    """Path, value and usual range of each key that has one."""
+    if not isinstance(table, Struct):
+        return
+    for name, field in fields_of(type(table)).items():
+        value, path = getattr(table, name), f"{key}.{name}"
+        if isinstance(value, Struct):
+            yield from _numbers(value, path)
+        elif value is not None and (usual := _usual(field.type)) is not None:
+            yield path, value, usual
+
+
+def _usual(kind: inspect.Type) -> tuple[float, float] | None:
+    """The usual range that stands at a key."""
+    if not isinstance(kind, inspect.Metadata):
+        return None
+    known = (kind.extra_json_schema or {}).get("usual")
+    return (known[0], known[1]) if known is not None else _usual(kind.type)
+
+
+def _largest(value: float | Sequence[float]) -> float:
+    """Of a list the largest amount: single entries may be small."""
+    if isinstance(value, Sequence):
+        return max((float(part) for part in value), key=abs, default=0.0)
+    return float(value)
