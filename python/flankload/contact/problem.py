@@ -26,7 +26,7 @@ RUNGS = {number: name for name, number in METHODS.items()} | {5: "single_pivoted
 
 # What the core is told of K.
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)
-# So few pairs cost nothing to prove unique.
+# So few pairs cost nothing to scale and to prove unique.
 _FEW_PAIRS = 60
 
 
@@ -96,9 +96,13 @@ def from_angles(
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
+    if n > _FEW_PAIRS and row_scale.min() == row_scale.max():
+        # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
+        row_scale = np.ones(n)
+    else:
+        matrix = np.multiply(row_scale[:, np.newaxis], matrix, order="F")
     return _problem(
         matrix,
-        row_scale,
         row_scale * gaps,
         row_scale[:, np.newaxis],
         torque_row[:, np.newaxis],
@@ -126,7 +130,6 @@ def general(
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
     return _problem(
         matrix,
-        np.ones(n),
         gaps,
         levers,
         rows,
@@ -190,8 +193,7 @@ def _square(name: str, values: ArrayLike) -> Vector:
 
 
 def _problem(
-    matrix: Vector,
-    row_scale: Vector,
+    compliance: Vector,
     gaps: Vector,
     motions: Vector,
     load_rows: Vector,
@@ -200,18 +202,19 @@ def _problem(
     gap_scale: Vector,
     names: tuple[str, str],
 ) -> ContactProblem:
-    """Scale the rows of the matrix and look whether it is symmetric: one pass in the core."""
-    if not matrix.flags.forc:
-        matrix = np.ascontiguousarray(matrix)
-    by_rows = not matrix.flags.f_contiguous
-    compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
-        matrix.T if by_rows else matrix, int(by_rows), row_scale
-    )
-    if not symmetric:
-        expect_finite(names[0], matrix)
+    """Look at the whole matrix, in one pass in the core, and copy it only where that has to be."""
+    if not compliance.flags.forc:
+        compliance = np.asfortranarray(compliance)
+    # The core reads columns; a symmetric matrix is its own transpose.
+    by_columns = compliance if compliance.flags.f_contiguous else compliance.T
+    symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(by_columns)
+    if not finite:
+        expect_finite(names[0], compliance)
+    if not mirrored:
+        by_columns = np.asfortranarray(compliance)
     expect_positive_diagonal(compliance.diagonal(), names[0])
     return ContactProblem(
-        compliance=compliance,
+        compliance=by_columns,
         gaps=gaps,
         motions=np.asfortranarray(motions),
         load_rows=np.asfortranarray(load_rows),
