@@ -21,8 +21,14 @@ module flankload_row_scaling
         logical :: finite = .true.
     end type matrix_form
 
-    !> Rows and columns of a tile, which fits in the nearest store together with its mirror image.
+    !> Rows and columns of a tile, which fits in the nearest store together with its mirror image,
+    !> and of a block of tiles, which fits in the next one.
     integer, parameter :: tile = 40
+    integer, parameter :: block = 4*tile
+    !> Matrices with more rows come from further off: their blocks are fetched before they are read.
+    integer, parameter :: near_rows = 4*block
+    !> Numbers of a line of the store
+    integer, parameter :: line = 8
     !> Columns that are compared at once: so many neighbours in a row of the mirror image.
     integer, parameter :: width = 4
     !> Numbers that are added at once
@@ -70,19 +76,66 @@ contains
         type(matrix_form) :: form
 
         integer :: i, j, n
+        real(wp) :: seen
         real(wp), allocatable :: root(:)
 
         n = size(matrix, 1)
         root = [(sqrt(max(matrix(i, i), 0.0_wp)), i=1, n)]
-        do j = 1, n, tile
-            do i = j, n, tile
-                if (form%symmetric) call compare_tiles(matrix, root, i, j, form)
+        seen = 0.0_wp
+        do j = 1, n, block
+            do i = j, n, block
+                if (.not. form%symmetric) exit
+                if (n > near_rows) seen = seen + fetched(matrix, i, j) + fetched(matrix, j, i)
+                call compare_blocks(matrix, root, i, j, form)
             end do
         end do
         form%mirrored = form%mirrored .and. form%symmetric
         form%elastic = form%elastic .and. form%symmetric
-        if (.not. form%symmetric) form%finite = is_finite_matrix(matrix)
+        if (form%symmetric .and. abs(seen) <= huge(1.0_wp)) return
+        form%finite = is_finite_matrix(matrix)
     end function form_of
+
+    !> Fetch a block: one number of each line, which can all be on their way at once. Their sum.
+    pure function fetched(matrix, first_row, first_column) result(seen)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> First row and column of the block
+        integer, intent(in) :: first_row
+        integer, intent(in) :: first_column
+        real(wp) :: seen
+
+        integer :: r, c
+        real(wp) :: sums(width)
+
+        sums = 0.0_wp
+        do c = first_column, min(first_column + block, size(matrix, 2) + 1) - 1
+            do r = first_row, min(first_row + block, size(matrix, 1) + 1) - width*line, width*line
+                sums = sums + matrix(r:r + width*line - 1:line, c)
+            end do
+        end do
+        seen = sum(sums)
+    end function fetched
+
+    !> A block and its mirror image, tile by tile.
+    pure subroutine compare_blocks(matrix, root, first_row, first_column, form)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> Roots of its diagonal
+        real(wp), intent(in) :: root(:)
+        !> First row and column of the block below the diagonal
+        integer, intent(in) :: first_row
+        integer, intent(in) :: first_column
+        !> What is known so far
+        type(matrix_form), intent(inout) :: form
+
+        integer :: i, j
+
+        do j = first_column, min(first_column + block - 1, size(root)), tile
+            do i = max(first_row, j), min(first_row + block - 1, size(root)), tile
+                if (form%symmetric) call compare_tiles(matrix, root, i, j, form)
+            end do
+        end do
+    end subroutine compare_blocks
 
     !> A tile and its mirror image: the tile as a whole against the least bound of its entries, its
     !> entries one by one only where that does not decide.
@@ -116,8 +169,8 @@ contains
         end do
     end subroutine compare_tiles
 
-    !> Sum of what a tile and its mirror image differ by, and the largest entry of the tile. In fixed
-    !> numbers of sums, which compilers keep in registers; NaN in the sum wherever one is.
+    !> Sum of what a tile and its mirror image differ by, NaN wherever one is, and the largest entry
+    !> of the tile; in fixed numbers of sums, which compilers keep in registers.
     pure subroutine measure_tiles(matrix, first_row, last_row, first_column, last_column, apart, &
         & largest)
         !> The matrix

@@ -86,9 +86,10 @@ def from_angles(
         row_scale = array("normal_lever_arms", normal_lever_arms, 1)
         expect_shape("normal_lever_arms", row_scale, (n,))
         name = "normal_lever_arms"
-    if not row_scale.min() > 0.0:
+    least = row_scale.min()
+    if not least > 0.0:
         raise InputError(
-            f"{name}: expected row scales > 0, found {row_scale.min():g} "
+            f"{name}: expected row scales > 0, found {least:g} "
             f"at pair {int(row_scale.argmin())}",
             code=-5,
         )
@@ -96,7 +97,7 @@ def from_angles(
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
-    if n > _FEW_PAIRS and row_scale.min() == row_scale.max():
+    if n > _FEW_PAIRS and row_scale.max() == least:
         # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
         row_scale = np.ones(n)
     else:
