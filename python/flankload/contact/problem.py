@@ -100,8 +100,6 @@ def from_angles(
     if n > _FEW_PAIRS and row_scale.max() == least:
         # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
         row_scale = np.ones(n)
-    else:
-        matrix = np.multiply(row_scale[:, np.newaxis], matrix, order="F")
     return _problem(
         matrix,
         row_scale * gaps,
@@ -194,7 +192,7 @@ def _square(name: str, values: ArrayLike) -> Vector:
 
 
 def _problem(
-    compliance: Vector,
+    matrix: Vector,
     gaps: Vector,
     motions: Vector,
     load_rows: Vector,
@@ -203,19 +201,25 @@ def _problem(
     gap_scale: Vector,
     names: tuple[str, str],
 ) -> ContactProblem:
-    """Look at the whole matrix, in one pass in the core, and copy it only where that has to be."""
-    if not compliance.flags.forc:
-        compliance = np.asfortranarray(compliance)
-    # The core reads columns; a symmetric matrix is its own transpose.
-    by_columns = compliance if compliance.flags.f_contiguous else compliance.T
-    symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(by_columns)
+    """Scale rows and look at the whole matrix, in one pass; no copy is made that is not needed."""
+    if not matrix.flags.forc:
+        matrix = np.asfortranarray(matrix)
+    by_rows = not matrix.flags.f_contiguous
+    compliance = matrix.T if by_rows else matrix
+    if (gap_scale == 1.0).all():
+        symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(compliance)
+        if not mirrored:
+            compliance = np.asfortranarray(matrix)
+    else:
+        compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
+            compliance, int(by_rows), gap_scale
+        )
+        finite = symmetric
     if not finite:
-        expect_finite(names[0], compliance)
-    if not mirrored:
-        by_columns = np.asfortranarray(compliance)
+        expect_finite(names[0], matrix)
     expect_positive_diagonal(compliance.diagonal(), names[0])
     return ContactProblem(
-        compliance=by_columns,
+        compliance=compliance,
         gaps=gaps,
         motions=np.asfortranarray(motions),
         load_rows=np.asfortranarray(load_rows),
