@@ -7,8 +7,9 @@ module flankload_contact_loop
         & no_contact_state, pivot_limit, singular_contact, out_of_range
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: contact_problem, new_contact_problem, &
-        & measure_from_zero, row_tolerance, is_finite_matrix, general_matrix, symmetric_matrix, &
-        & definite_matrix, definite_part
+        & measure_from_zero, row_tolerance, general_matrix, symmetric_matrix, definite_matrix, &
+        & definite_part
+    use flankload_row_scaling, only: is_finite_matrix
     use flankload_loop_start, only: loop_state
     use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &

@@ -15,7 +15,7 @@ module flankload_contact_problem
     public :: contact_problem
     public :: new_contact_problem, shift_gaps, measure_from_zero, contact_gaps, find_recession
     public :: row_size, least_row_sizes
-    public :: is_finite, is_finite_matrix
+    public :: is_finite
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: row_tolerance
 
@@ -171,20 +171,6 @@ contains
 
         finite = abs(number) <= huge(1.0_wp)
     end function is_finite
-
-    !> No entry is NaN or infinite.
-    pure function is_finite_matrix(matrix) result(finite)
-        !> Any matrix
-        real(wp), contiguous, intent(in) :: matrix(:, :)
-        logical :: finite
-
-        integer :: j
-
-        finite = .true.
-        do j = 1, size(matrix, 2)
-            finite = finite .and. all(is_finite(matrix(:, j)))
-        end do
-    end function is_finite_matrix
 
     !> The power of two near 1/size, 1 where the size is zero.
     elemental function power_of_two(size) result(scale_factor)

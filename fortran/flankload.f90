@@ -8,7 +8,7 @@ module flankload
         & method_load_path, method_pivoted, method_cascade, method_primal, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_contact_result, only: counters_of, certificate_of, blank
-    use flankload_row_scaling, only: scale_rows
+    use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     use flankload_contact_loads, only: solve_contact_loads
     use flankload_contact_sequence, only: solve_contact_sequence
     use flankload_column_demand, only: column_source, solve_on_demand, solve_known_columns
@@ -31,7 +31,7 @@ module flankload
     public :: wp, version_number
     public :: error_type, status_text, refused_argument
     public :: contact_result, solve_contact_problem
-    public :: scale_rows
+    public :: scale_rows, form_of, matrix_form
     public :: solve_contact_loads, solve_contact_sequence
     public :: column_source, solve_on_demand, solve_known_columns
     public :: counters_of, certificate_of, blank

@@ -7,7 +7,7 @@ module flankload_nodal_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, no_contact_state
-    use flankload_row_scaling, only: is_symmetric
+    use flankload_row_scaling, only: form_of, matrix_form
     use flankload_contact_loop, only: contact_result, solve_contact_problem, general_matrix, &
         & symmetric_matrix, method_auto
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
@@ -68,9 +68,10 @@ contains
         type(nodal_sweep_type), intent(out) :: found
 
         integer :: k, structure
+        type(matrix_form) :: forms(2)
 
-        structure = merge(symmetric_matrix, general_matrix, &
-            & is_symmetric(body_1%compliance) .and. is_symmetric(body_2%compliance))
+        forms = [form_of(body_1%compliance), form_of(body_2%compliance)]
+        structure = merge(symmetric_matrix, general_matrix, all(forms%symmetric))
         call reserve(found, ubound(body_1%last, 1), size(angles_1), size(torques), &
             & merge(most_nodal_pairs(body_1, n_circles), 0, with_pairs))
         !$omp parallel do schedule(dynamic)

@@ -1,20 +1,45 @@
-!> From the flexibility matrix A [rad/N] to the compliance along the normals diag(b) A [mm/N].
+!> Passes over a whole matrix: from the flexibility matrix A [rad/N] to the compliance along the
+!> normals diag(b) A [mm/N], and what its form is.
 module flankload_row_scaling
     use flankload_kinds, only: wp
     implicit none
     private
 
-    public :: scale_rows, is_symmetric
+    public :: matrix_form
+    public :: scale_rows, form_of, is_finite_matrix
 
-    !> Rows and columns of a tile, two of which fit in the nearest store.
-    integer, parameter :: tile = 32
+    !> What one pass finds out about a square matrix.
+    type :: matrix_form
+        !> Symmetric to the rounding of its assembly, and then without NaN or infinity
+        logical :: symmetric = .true.
+        !> Also no entry is larger than those of its row and column on the diagonal allow in a
+        !> positive definite matrix: a sign of an elastic compliance, not a proof
+        logical :: elastic = .true.
+        !> Each entry equals its mirror image to the last bit
+        logical :: mirrored = .true.
+        !> Without NaN or infinity
+        logical :: finite = .true.
+    end type matrix_form
+
+    !> Rows and columns of a tile, which fits in the nearest store together with its mirror image,
+    !> and of a block of tiles, which fits in the next one.
+    integer, parameter :: tile = 40
+    integer, parameter :: block = 4*tile
+    !> Matrices with more rows come from further off: their blocks are fetched before they are read.
+    integer, parameter :: near_rows = 4*block
+    !> Numbers of a line of the store
+    integer, parameter :: line = 8
+    !> Columns that are compared at once: so many neighbours in a row of the mirror image.
+    integer, parameter :: width = 4
+    !> Numbers that are added at once
+    integer, parameter :: stride = 16
     !> Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
     real(wp), parameter :: asymmetry = 1.0e-12_wp
 
 contains
 
-    !> Multiply rows, and tell whether the outcome is symmetric; one pass, tile by tile.
-    pure subroutine scale_rows(matrix, transposed, row_scale, scaled, symmetric, elastic)
+    !> Multiply the rows of a matrix, or of its transpose tile by tile.
+    pure subroutine scale_rows(matrix, transposed, row_scale, scaled)
         !> The matrix or its transpose, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
         !> It is the transpose
@@ -23,104 +48,184 @@ contains
         real(wp), intent(in) :: row_scale(:)
         !> diag(row_scale) times the matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: scaled(:, :)
-        !> Symmetric to the rounding of its assembly, and then without NaN or infinity
-        logical, intent(out) :: symmetric
-        !> Also no entry is larger than those of its row and column on the diagonal allow in a
-        !> positive definite matrix: a sign of an elastic compliance, not a proof
-        logical, intent(out) :: elastic
 
-        integer :: i, j, n
-        real(wp), allocatable :: root(:)
+        integer :: i, j, c, r, n
 
         n = size(row_scale)
-        root = [(sqrt(max(row_scale(i)*matrix(i, i), 0.0_wp)), i=1, n)]
-        symmetric = .true.
-        elastic = .true.
+        if (.not. transposed) then
+            do c = 1, n
+                scaled(:, c) = row_scale*matrix(:, c)
+            end do
+            return
+        end if
         do j = 1, n, tile
-            do i = j, n, tile
-                call scale_tile(matrix, transposed, row_scale, i, j, scaled)
-                if (i > j) call scale_tile(matrix, transposed, row_scale, j, i, scaled)
-                if (symmetric) call compare_tiles(scaled, root, i, j, symmetric, elastic)
+            do i = 1, n, tile
+                do c = j, min(j + tile - 1, n)
+                    do r = i, min(i + tile - 1, n)
+                        scaled(r, c) = row_scale(r)*matrix(c, r)
+                    end do
+                end do
             end do
         end do
-        elastic = elastic .and. symmetric
     end subroutine scale_rows
 
-    !> Symmetric to the rounding of its assembly, without NaN or infinity.
-    pure function is_symmetric(matrix) result(symmetric)
+    !> The form of a square matrix, in one pass: each tile beside its mirror image.
+    pure function form_of(matrix) result(form)
         !> The matrix, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        logical :: symmetric
+        type(matrix_form) :: form
 
         integer :: i, j, n
-        logical :: elastic
+        real(wp) :: seen
         real(wp), allocatable :: root(:)
 
         n = size(matrix, 1)
         root = [(sqrt(max(matrix(i, i), 0.0_wp)), i=1, n)]
-        symmetric = .true.
-        elastic = .true.
-        do j = 1, n, tile
-            do i = j, n, tile
-                if (symmetric) call compare_tiles(matrix, root, i, j, symmetric, elastic)
+        seen = 0.0_wp
+        do j = 1, n, block
+            do i = j, n, block
+                if (.not. form%symmetric) exit
+                if (n > near_rows) seen = seen + fetched(matrix, i, j) + fetched(matrix, j, i)
+                call compare_blocks(matrix, root, i, j, form)
             end do
         end do
-    end function is_symmetric
+        form%mirrored = form%mirrored .and. form%symmetric
+        form%elastic = form%elastic .and. form%symmetric
+        if (form%symmetric .and. abs(seen) <= huge(1.0_wp)) return
+        form%finite = is_finite_matrix(matrix)
+    end function form_of
 
-    !> One tile of the outcome.
-    pure subroutine scale_tile(matrix, transposed, row_scale, first_row, first_column, scaled)
-        !> The matrix or its transpose
+    !> Fetch a block: one number of each line, which can all be on their way at once. Their sum.
+    pure function fetched(matrix, first_row, first_column) result(seen)
+        !> The matrix
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> It is the transpose
-        logical, intent(in) :: transposed
-        !> Factor of each row
-        real(wp), intent(in) :: row_scale(:)
-        !> First row and column of the tile
+        !> First row and column of the block
         integer, intent(in) :: first_row
         integer, intent(in) :: first_column
-        !> The outcome
-        real(wp), contiguous, intent(inout) :: scaled(:, :)
+        real(wp) :: seen
 
-        integer :: r, c, last_row
+        integer :: r, c
+        real(wp) :: sums(width)
 
-        last_row = min(first_row + tile - 1, size(row_scale))
-        do c = first_column, min(first_column + tile - 1, size(row_scale))
-            if (transposed) then
-                do r = first_row, last_row
-                    scaled(r, c) = row_scale(r)*matrix(c, r)
-                end do
-            else
-                do r = first_row, last_row
-                    scaled(r, c) = row_scale(r)*matrix(r, c)
-                end do
-            end if
+        sums = 0.0_wp
+        do c = first_column, min(first_column + block, size(matrix, 2) + 1) - 1
+            do r = first_row, min(first_row + block, size(matrix, 1) + 1) - width*line, width*line
+                sums = sums + matrix(r:r + width*line - 1:line, c)
+            end do
         end do
-    end subroutine scale_tile
+        seen = sum(sums)
+    end function fetched
 
-    !> A tile and its mirror image; NaN is never equal.
-    pure subroutine compare_tiles(scaled, root, first_row, first_column, symmetric, elastic)
-        !> The outcome
-        real(wp), contiguous, intent(in) :: scaled(:, :)
+    !> A block and its mirror image, tile by tile.
+    pure subroutine compare_blocks(matrix, root, first_row, first_column, form)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> Roots of its diagonal
+        real(wp), intent(in) :: root(:)
+        !> First row and column of the block below the diagonal
+        integer, intent(in) :: first_row
+        integer, intent(in) :: first_column
+        !> What is known so far
+        type(matrix_form), intent(inout) :: form
+
+        integer :: i, j
+
+        do j = first_column, min(first_column + block - 1, size(root)), tile
+            do i = max(first_row, j), min(first_row + block - 1, size(root)), tile
+                if (form%symmetric) call compare_tiles(matrix, root, i, j, form)
+            end do
+        end do
+    end subroutine compare_blocks
+
+    !> A tile and its mirror image: the tile as a whole against the least bound of its entries, its
+    !> entries one by one only where that does not decide.
+    pure subroutine compare_tiles(matrix, root, first_row, first_column, form)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
         !> Roots of its diagonal
         real(wp), intent(in) :: root(:)
         !> First row and column of the tile below the diagonal
         integer, intent(in) :: first_row
         integer, intent(in) :: first_column
-        !> They are equal
-        logical, intent(inout) :: symmetric
-        !> No entry is too large
-        logical, intent(inout) :: elastic
+        !> What is known so far
+        type(matrix_form), intent(inout) :: form
 
-        integer :: r, c
-        real(wp) :: bound
+        integer :: r, c, last_row, last_column
+        real(wp) :: apart, largest, least, bound
 
-        do c = first_column, min(first_column + tile - 1, size(root))
-            do r = first_row, min(first_row + tile - 1, size(root))
+        last_row = min(first_row + tile - 1, size(root))
+        last_column = min(first_column + tile - 1, size(root))
+        call measure_tiles(matrix, first_row, last_row, first_column, last_column, apart, largest)
+        least = minval(root(first_row:last_row))*minval(root(first_column:last_column))
+        form%mirrored = form%mirrored .and. apart <= 0.0_wp
+        if (apart <= asymmetry*least .and. largest <= least) return
+        do c = first_column, last_column
+            do r = first_row, last_row
                 bound = root(r)*root(c)
-                symmetric = symmetric .and. abs(scaled(r, c) - scaled(c, r)) <= asymmetry*bound
-                elastic = elastic .and. abs(scaled(r, c)) <= (1.0_wp + asymmetry)*bound
+                form%symmetric = form%symmetric &
+                    & .and. abs(matrix(r, c) - matrix(c, r)) <= asymmetry*bound
+                form%elastic = form%elastic .and. abs(matrix(r, c)) <= (1.0_wp + asymmetry)*bound
             end do
         end do
     end subroutine compare_tiles
+
+    !> Sum of what a tile and its mirror image differ by, NaN wherever one is, and the largest entry
+    !> of the tile; in fixed numbers of sums, which compilers keep in registers.
+    pure subroutine measure_tiles(matrix, first_row, last_row, first_column, last_column, apart, &
+        & largest)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> Rows and columns of the tile
+        integer, intent(in) :: first_row
+        integer, intent(in) :: last_row
+        integer, intent(in) :: first_column
+        integer, intent(in) :: last_column
+        !> Sum of the differences
+        real(wp), intent(out) :: apart
+        !> Largest entry, where the sum is a number
+        real(wp), intent(out) :: largest
+
+        integer :: r, c
+        real(wp) :: entries(width), sums(width), most(width)
+
+        sums = 0.0_wp
+        most = 0.0_wp
+        do c = first_column, last_column - width + 1, width
+            do r = first_row, last_row
+                entries = matrix(r, c:c + width - 1)
+                sums = sums + abs(entries - matrix(c:c + width - 1, r))
+                most = max(most, abs(entries))
+            end do
+        end do
+        do c = last_column - modulo(last_column - first_column + 1, width) + 1, last_column
+            do r = first_row, last_row
+                sums(1) = sums(1) + abs(matrix(r, c) - matrix(c, r))
+                most(1) = max(most(1), abs(matrix(r, c)))
+            end do
+        end do
+        apart = sum(sums)
+        largest = maxval(most)
+    end subroutine measure_tiles
+
+    !> No entry is NaN or infinite: their sum is, or else each one is looked at.
+    pure function is_finite_matrix(matrix) result(finite)
+        !> Any matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        logical :: finite
+
+        integer :: i, j, last
+        real(wp) :: sums(stride)
+
+        sums = 0.0_wp
+        last = size(matrix, 1) - modulo(size(matrix, 1), stride)
+        do j = 1, size(matrix, 2)
+            do i = 1, last, stride
+                sums = sums + abs(matrix(i:i + stride - 1, j))
+            end do
+            sums(1) = sums(1) + sum(abs(matrix(last + 1:, j)))
+        end do
+        finite = sum(sums) <= huge(1.0_wp)
+        if (.not. finite) finite = all(abs(matrix) <= huge(1.0_wp))
+    end function is_finite_matrix
 
 end module flankload_row_scaling

@@ -56,6 +56,10 @@ void flankload_normal_compliance_(const int *n, const double *flexibility, const
                                   const double *row_scale, double *compliance, int *symmetric,
                                   int *elastic, int *info);
 
+/* Whether K is symmetric, and whether all its numbers are finite: one pass. */
+void flankload_matrix_form_(const int *n, const double *compliance, int *symmetric, int *elastic,
+                            int *mirrored, int *finite, int *info);
+
 /* State of contact of one problem. */
 void flankload_solve_contact_(const int *n, const int *n_motions, const int *n_warm,
                               const double *compliance, const double *normal_gaps,

@@ -3,7 +3,7 @@
 !> diag(b) A [mm/N] of a flexibility matrix A [rad/N], and whether it is symmetric.
 subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
         & symmetric, elastic, info)
-    use flankload, only: scale_rows
+    use flankload, only: scale_rows, form_of, matrix_form
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -22,16 +22,52 @@ subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, co
     !> 0: done, -1: n < 0
     integer, intent(out) :: info
 
-    logical :: equal, bounded
+    type(matrix_form) :: form
 
     symmetric = 0
     elastic = 0
     info = merge(-1, 0, n < 0)
     if (info < 0) return
-    call scale_rows(flexibility, transposed == 1, row_scale, compliance, equal, bounded)
-    symmetric = merge(1, 0, equal)
-    elastic = merge(1, 0, bounded)
+    call scale_rows(flexibility, transposed == 1, row_scale, compliance)
+    form = form_of(compliance)
+    symmetric = merge(1, 0, form%symmetric)
+    elastic = merge(1, 0, form%elastic)
 end subroutine flankload_normal_compliance
+
+!> What one pass over a compliance matrix finds out: what the caller of flankload_solve_contact is
+!> to say of its structure, and whether there is NaN or infinity in columns that it would not read.
+subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, finite, info)
+    use flankload, only: form_of, matrix_form
+    implicit none
+    !> Number of pairs
+    integer, intent(in) :: n
+    !> K or its transpose, shape (n, n)
+    double precision, intent(in) :: compliance(n, n)
+    !> 1: symmetric to 1e-12 of its diagonal, and all its numbers are finite
+    integer, intent(out) :: symmetric
+    !> 1: symmetric, and no entry contradicts a positive definite matrix by itself
+    integer, intent(out) :: elastic
+    !> 1: symmetric to the last bit, its own transpose
+    integer, intent(out) :: mirrored
+    !> 1: all its numbers are finite
+    integer, intent(out) :: finite
+    !> 0: done, -1: n < 0
+    integer, intent(out) :: info
+
+    type(matrix_form) :: form
+
+    symmetric = 0
+    elastic = 0
+    mirrored = 0
+    finite = 0
+    info = merge(-1, 0, n < 0)
+    if (info < 0) return
+    form = form_of(compliance)
+    symmetric = merge(1, 0, form%symmetric)
+    elastic = merge(1, 0, form%elastic)
+    mirrored = merge(1, 0, form%mirrored)
+    finite = merge(1, 0, form%finite)
+end subroutine flankload_matrix_form
 
 !> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
 subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &

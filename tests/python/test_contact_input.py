@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -249,3 +250,127 @@ def test_arrays_of_a_state_are_read_only() -> None:
         for numbers in arrays:
             with pytest.raises(ValueError, match="read-only"):
                 numbers[...] = 0
+
+
+# --- one pass over the matrix ---------------------------------------------------------------------
+MANY = 90  # more pairs than a tile of the pass, no multiple of it
+
+
+def many_pairs(*, friction: float = 0.0, row_scales: float = 0.0) -> dict[str, Any]:
+    """A parabola that presses on neighbours; row scales equal to a part, or one for all."""
+    place = np.linspace(-1.0, 1.0, MANY)
+    apart = place[:, np.newaxis] - place
+    compliance = 1e-5 * (0.5 + np.exp(-3.0 * np.abs(apart)) + friction * apart)
+    levers = 30.0 * (1.0 + row_scales * place)
+    return {
+        "flexibility_matrix": compliance / levers[:, np.newaxis],
+        "lever_arms": levers * (1.0 + 0.1 * friction * place),
+        "gap_angles": 1e-3 * place**2 / levers,
+        "torque": 500.0,
+        "normal_lever_arms": levers,
+    }
+
+
+def layouts(matrix: np.ndarray) -> dict[str, np.ndarray]:
+    """The same numbers by rows, by columns, with gaps between them and backwards; read-only."""
+    spread = np.zeros((2 * MANY, 3 * MANY))
+    spread[::2, ::3] = matrix
+    found = {
+        "rows": np.ascontiguousarray(matrix),
+        "columns": np.asfortranarray(matrix),
+        "spread": spread[::2, ::3],
+        "backwards": np.ascontiguousarray(matrix[::-1, ::-1])[::-1, ::-1],
+    }
+    for numbers in found.values():
+        numbers.flags.writeable = False
+    return found
+
+
+@pytest.mark.parametrize("row_scales", [0.0, 0.01])
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_layout_of_the_matrix_changes_no_bit(friction: float, row_scales: float) -> None:
+    """Nor is it written to; to the last bit symmetric, symmetric to rounding, not symmetric."""
+    problem = many_pairs(friction=friction, row_scales=row_scales)
+    rounded = problem["flexibility_matrix"].copy()
+    rounded[np.triu_indices(MANY, 1)] *= 1.0 + 2e-16
+    for matrix in (problem["flexibility_matrix"], rounded):
+        states = {
+            name: fl.solve_contact(**problem | {"flexibility_matrix": laid})
+            for name, laid in layouts(matrix).items()
+        }
+        many = fl.solve_contact_torques(**_of_torques(problem, matrix))
+        assert 2 < states["rows"].active_pairs.size < MANY - 2
+        assert np.array_equal(many[0].normal_forces, states["rows"].normal_forces)
+        for state in states.values():
+            for name in ("normal_forces", "final_gap_angles", "motions", "tangent"):
+                assert np.array_equal(getattr(state, name), getattr(states["rows"], name)), name
+            assert state.info == states["rows"].info
+
+
+def _of_torques(problem: dict[str, Any], matrix: np.ndarray) -> dict[str, Any]:
+    """The same for a list of one torque."""
+    rest = {name: value for name, value in problem.items() if name != "torque"}
+    return rest | {"flexibility_matrix": matrix, "torques": [problem["torque"]]}
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_number_that_no_solution_reads(bad: float, order: Any) -> None:
+    """Columns of open pairs, beside the diagonal and in the corners of tiles, with its mirror."""
+    problem = many_pairs()
+    for i, j in [(0, 89), (89, 0), (1, 0), (88, 89), (40, 3), (39, 80), (80, 87), (87, 80), (5, 5)]:
+        for mirrored in (False, True):
+            matrix = np.array(problem["flexibility_matrix"], order=order)
+            matrix[i, j] = bad
+            if mirrored:
+                matrix[j, i] = bad
+            place = min([i, j], [j, i]) if mirrored else [i, j]
+            with pytest.raises(errors.InputError, match="expected finite numbers") as caught:
+                fl.solve_contact(**problem | {"flexibility_matrix": matrix})
+            assert str(caught.value).endswith(f"found {bad} at {place}")
+
+
+def test_one_entry_decides_what_is_known_of_the_matrix() -> None:
+    """Wherever it stands: symmetric, allowed by the diagonal, its own transpose to the last bit."""
+    matrix = np.asfortranarray(many_pairs()["flexibility_matrix"])
+    matrix = np.asfortranarray(0.5 * (matrix + matrix.T))
+    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
+    rng = np.random.default_rng(7)
+    for i, j in [*rng.integers(0, MANY, (60, 2)).tolist(), [89, 88], [0, 89], [40, 39], [44, 1]]:
+        if i == j:
+            continue
+        bound = np.sqrt(matrix[i, i] * matrix[j, j])
+        for step, form in ((3e-12, (0, 0, 0, 1, 0)), (3e-13, (1, 1, 0, 1, 0))):
+            changed = matrix.copy(order="F")
+            changed[i, j] += step * bound
+            assert _core.flankload_matrix_form(changed) == form, (i, j, step)
+        changed = matrix.copy(order="F")
+        changed[i, j] = changed[j, i] = -bound * (1.0 + 3e-12)
+        assert _core.flankload_matrix_form(changed) == (1, 0, 1, 1, 0), (i, j)
+
+
+def test_large_numbers_are_finite_though_their_sum_is_not() -> None:
+    matrix = np.asfortranarray(np.full((MANY, MANY), 1e307))
+    matrix[0, 1] *= 2.0
+    assert _core.flankload_matrix_form(matrix) == (0, 0, 0, 1, 0)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_symmetric_matrix_is_not_copied(order: Any) -> None:
+    problem = many_pairs()
+    matrix = problem["flexibility_matrix"]
+    matrix = np.array(0.5 * (matrix + matrix.T), order=order)
+    problem["flexibility_matrix"] = matrix
+    general = {
+        "compliance_matrix": matrix,
+        "normal_gaps": problem["gap_angles"],
+        "motions": np.ones(MANY),
+        "loads": problem["torque"] / 30.0,
+    }
+    for solve, arguments in ((fl.solve_contact, problem), (fl.solve_contact_general, general)):
+        solve(**arguments)
+        tracemalloc.start()
+        solve(**arguments)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 0.5 * matrix.nbytes

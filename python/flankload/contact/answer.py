@@ -70,7 +70,7 @@ def state_of(
         normal_forces=answer.forces,
         final_gap_angles=answer.gaps / problem.gap_scale,
         rotation=float(answer.motion[0]),
-        active_pairs=np.flatnonzero(answer.active),
+        active_pairs=answer.active.nonzero()[0],
         status=code,
         info=info,
         motions=answer.motion,

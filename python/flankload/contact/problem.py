@@ -26,7 +26,7 @@ RUNGS = {number: name for name, number in METHODS.items()} | {5: "single_pivoted
 
 # What the core is told of K.
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)
-# So few pairs cost nothing to prove unique.
+# So few pairs cost nothing to scale and to prove unique.
 _FEW_PAIRS = 60
 
 
@@ -86,9 +86,10 @@ def from_angles(
         row_scale = array("normal_lever_arms", normal_lever_arms, 1)
         expect_shape("normal_lever_arms", row_scale, (n,))
         name = "normal_lever_arms"
-    if not row_scale.min() > 0.0:
+    least = row_scale.min()
+    if not least > 0.0:
         raise InputError(
-            f"{name}: expected row scales > 0, found {row_scale.min():g} "
+            f"{name}: expected row scales > 0, found {least:g} "
             f"at pair {int(row_scale.argmin())}",
             code=-5,
         )
@@ -96,9 +97,11 @@ def from_angles(
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
+    if n > _FEW_PAIRS and row_scale.max() == least:
+        # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
+        row_scale = np.ones(n)
     return _problem(
         matrix,
-        row_scale,
         row_scale * gaps,
         row_scale[:, np.newaxis],
         torque_row[:, np.newaxis],
@@ -126,7 +129,6 @@ def general(
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
     return _problem(
         matrix,
-        np.ones(n),
         gaps,
         levers,
         rows,
@@ -191,7 +193,6 @@ def _square(name: str, values: ArrayLike) -> Vector:
 
 def _problem(
     matrix: Vector,
-    row_scale: Vector,
     gaps: Vector,
     motions: Vector,
     load_rows: Vector,
@@ -200,14 +201,21 @@ def _problem(
     gap_scale: Vector,
     names: tuple[str, str],
 ) -> ContactProblem:
-    """Scale the rows of the matrix and look whether it is symmetric: one pass in the core."""
+    """Scale rows and look at the whole matrix, in one pass; no copy is made that is not needed."""
     if not matrix.flags.forc:
-        matrix = np.ascontiguousarray(matrix)
+        matrix = np.asfortranarray(matrix)
     by_rows = not matrix.flags.f_contiguous
-    compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
-        matrix.T if by_rows else matrix, int(by_rows), row_scale
-    )
-    if not symmetric:
+    compliance = matrix.T if by_rows else matrix
+    if (gap_scale == 1.0).all():
+        symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(compliance)
+        if not mirrored:
+            compliance = np.asfortranarray(matrix)
+    else:
+        compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
+            compliance, int(by_rows), gap_scale
+        )
+        finite = symmetric
+    if not finite:
         expect_finite(names[0], matrix)
     expect_positive_diagonal(compliance.diagonal(), names[0])
     return ContactProblem(
