@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.accuracy.observed import Observed, from_tree, observed, to_tree
 from flankload.cost import Account
 from flankload.errors import FlankloadError, SceneError
-from flankload.result import write_atomically
+from flankload.files import write_atomically
 from flankload.setting import Setting, scene_at
 from flankload.solve import solve_with
 from flankload.steering import first_scene

@@ -37,8 +37,8 @@ def compliance(arguments: Namespace) -> None:
         )
     from flankload.assembly import build_bodies
     from flankload.bodies.modal_file import modal_arrays
+    from flankload.files import write_atomically
     from flankload.named_arrays import npz_of
-    from flankload.result import write_atomically
     from flankload.stages import compliance_of
 
     pair = build_bodies(scene)

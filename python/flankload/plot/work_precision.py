@@ -13,8 +13,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from flankload.accuracy.observed import MEANINGS
 from flankload.accuracy.study_text import GROUPS, KNOBS, NAMED
+from flankload.files import write_atomically
 from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of
-from flankload.result import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
