@@ -101,11 +101,12 @@ class Scene:
         SceneError
             At the first key that contradicts another one; names key, expected and found.
         """
+        drives = self.body_2.kind in ("chain", "belt")
         asked = SceneFile(
             name=self.name,
             body_1=self.body_1,
             body_2=self.body_2,
-            pair=None if self.pair is NO_PAIR else self.pair,
+            pair=None if drives and self.pair == NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
             effects=self.effects,
