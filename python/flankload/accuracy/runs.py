@@ -62,12 +62,9 @@ def fingerprint(scene: Scene) -> str:
     """What tells a scene from another: bodies, what is asked for, the files that it names."""
     parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
     parts.append(repr((scene.effects, scene.accuracy)))
-    for body in (scene.body_1, scene.body_2):
-        for key in ("file", "profile_file"):
-            name = getattr(body, key, None)
-            path = scene.folder / name if isinstance(name, str) else None
-            if path is not None and path.is_file():
-                parts.append(sha256(path.read_bytes()).hexdigest())
+    parts += [
+        sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if path.is_file()
+    ]
     return sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 

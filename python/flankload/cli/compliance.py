@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.cli.solving import check_folder
+from flankload.cli.outputs import check_apart, check_folder
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; all is computed before the first is written."""
     folder: Path = arguments.folder
-    check_folder("-o", folder)
+    check_folder("-o", folder, content="both files")
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    check_apart((("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
     if scene.body_2.kind == "cam":
         raise SceneError(
             file=scene.file,
