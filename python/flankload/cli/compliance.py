@@ -36,10 +36,10 @@ def compliance(arguments: Namespace) -> None:
             expected="'analytic': the files hold pressure modes",
             found="'nodes'",
         )
+    from flankload.array_archive import archive_of
     from flankload.assembly import build_bodies
     from flankload.bodies.modal_file import modal_arrays
     from flankload.files import write_atomically
-    from flankload.named_arrays import npz_of
     from flankload.stages import compliance_of
 
     pair = build_bodies(scene)
@@ -51,7 +51,7 @@ def compliance(arguments: Namespace) -> None:
             continue
         found = compliance_of(body, scene)
         arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
-        files[f"{name}.npz"] = npz_of(arrays)
+        files[f"{name}.npz"] = archive_of(arrays)
         said.append(
             f"{folder / name}.npz: {body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
             f"plane {scene.accuracy.plane}{_less_than_whole(scene)}"

@@ -6,7 +6,8 @@ from msgspec import Meta, Struct
 
 Positive = Annotated[float, Meta(gt=0)]
 #: mm. The range is far wider than any pair; beyond it numbers overflow or meshes have no end.
-Length = Annotated[float, Meta(ge=1e-3, le=1e5)]
+SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
+Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Text = Annotated[str, Meta(min_length=1)]
 # Beyond thousands of turns the place within a tooth pitch is lost to rounding.
@@ -24,7 +25,8 @@ def about(unit: str, meaning: str) -> Meta:
 
 # Keys that several kinds of body have.
 Teeth = Annotated[int, Meta(ge=3)]
-Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
+SMALLEST_MODULUS, LARGEST_MODULUS = 1e-3, 1e9
+Modulus = Annotated[float, Meta(ge=SMALLEST_MODULUS, le=LARGEST_MODULUS)]
 YoungModulus = Annotated[Modulus, about("MPa", "Young's modulus")]
 PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
 Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
