@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
     from flankload.named_arrays import NamedArrays
 
-#: More than any body has; a matrix for each of them still fits in memory.
-MOST_TEETH = 10000
-
 
 @dataclass(frozen=True)
 class ModalCompliance:

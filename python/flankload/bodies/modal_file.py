@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.body import Body
-from flankload.bodies.given import MOST_TEETH, ModalCompliance, read_material
+from flankload.bodies.given import ModalCompliance, read_material
 from flankload.bodies.involute import Involute
 from flankload.flank_curve import FlankCurve
-from flankload.scene.table import LARGEST_LENGTH
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,10 +11,10 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.flank_elements import mass_matrix
-from flankload.bodies.given import MOST_TEETH, NodalCompliance, read_material
+from flankload.bodies.given import NodalCompliance, read_material
 from flankload.bodies.sketch import sketched_tooth
 from flankload.flank_curve import curve_through_nodes, nodes_deviation
-from flankload.scene.table import LARGEST_LENGTH
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

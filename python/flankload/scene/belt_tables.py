@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from flankload.scene.table import (
+    Deviation,
     EvenBody,
+    Force,
     Length,
-    NotNegative,
     PoissonRatio,
     YoungModulus,
     about,
@@ -103,10 +104,10 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         0.45
     )
     pitch_difference_um: Annotated[
-        float, about("um", "pitch of the belt without load, minus body_1.pitch_mm")
+        Deviation, about("um", "pitch of the belt without load, minus body_1.pitch_mm")
     ] = 0.0
     prestress_N: Annotated[
-        NotNegative,
+        Force,
         about(
             "N",
             "mean tension of the cord, which holds it straight; half of tight and slack tension "

@@ -6,10 +6,11 @@ from msgspec import Meta
 
 from flankload.scene.table import (
     BodyTable,
+    Deviation,
     Length,
-    NotNegative,
     PitchErrors,
     PoissonRatio,
+    Relief,
     Rigid,
     Shift,
     Table,
@@ -29,7 +30,7 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
     profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
     tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle")]
     tip_relief_um: Annotated[
-        NotNegative | None, about("um", "tip relief at the tip circle, normal to the involute")
+        Relief | None, about("um", "tip relief at the tip circle, normal to the involute")
     ] = None
     tip_relief_start_diameter_mm: Annotated[
         Length | None, about("mm", "diameter at which the tip relief begins")
@@ -44,7 +45,7 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         Length | None, about("mm", "radial height of the chamfer between flank and tip circle")
     ] = None
     profile_crowning_um: Annotated[
-        NotNegative | None, about("um", "profile crowning, normal to the involute")
+        Relief | None, about("um", "profile crowning, normal to the involute")
     ] = None
 
 
@@ -118,7 +119,7 @@ SplineAngle = Annotated[
     Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
 ]
 IndexErrors = Annotated[
-    tuple[float, ...],
+    tuple[Deviation, ...],
     about(
         "um",
         "one deviation per tooth along the base tangent, positive = metal that touches early; "
