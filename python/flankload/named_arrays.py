@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -173,8 +174,8 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
         If the file is missing, unreadable, pickled, or its rows are ragged.
     """
     path = Path(path)
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "no such file"
+    if not isfile(path):  # no error either of a name that is too long
+        found = "a folder" if isdir(path) else "no such file"
         raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
     suffix = path.suffix.lower()
     if suffix not in (".npz", ".csv"):
@@ -225,8 +226,8 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
     """
     path = Path(path)
     wanted = f"a .csv file with the columns {', '.join(names)}"
-    if not path.is_file() or path.suffix.lower() != ".csv":
-        found = f"no file {path.name}" if not path.is_file() else path.name
+    if not isfile(path) or path.suffix.lower() != ".csv":
+        found = f"no file {path.name}" if not isfile(path) else path.name
         raise SceneError(key=key, expected=wanted, found=found)
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()

@@ -522,3 +522,37 @@ def test_progress_shows_after_patience_on_a_terminal_only(
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     assert "compliance body 1" in run(capsys, "run", scene)[2]
+
+
+@pytest.mark.parametrize("kind", ["mesh", "compliance", "cam"])
+def test_file_name_that_is_too_long_is_refused(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = "a" * 5000 + (".csv" if kind == "cam" else ".npz")
+    body = {
+        "mesh": f'[body_1]\nkind = "mesh"\nfile = "{name}"\nteeth = 20\nreference_radius_mm = 40',
+        "compliance": f'[body_1]\nkind = "compliance"\nfile = "{name}"',
+        "cam": '[body_1]\nkind = "follower"\nbore_diameter_mm = 16\n'
+        "arm_mm = 70\nroller_radius_mm = 10",
+    }[kind]
+    wheel = {
+        "cam": f'[body_2]\nkind = "cam"\nbore_diameter_mm = 20\nprofile_file = "{name}"',
+    }.get(kind, '[body_2]\nkind = "compliance"\nfile = "wheel.npz"')
+    scene = tmp_path / "long.toml"
+    tables = "[pair]\ncenter_distance_mm = 80\nface_width_mm = 10\n[load]\ntorque_Nm = 10"
+    scene.write_text("\n".join([body, wheel, tables]), encoding="utf-8")
+    for command in ("check", "run"):
+        code, out, err = run(capsys, command, scene, *(["--json", "a"] if command == "run" else []))
+        assert (code, out) == (2, "")
+        assert one_line(err).endswith((", found no such file", f", found no file {name}"))
+
+
+def test_letters_that_the_terminal_does_not_have_are_no_traceback(scene: Path) -> None:
+    scene.write_text(SCENE.replace("small job", "小さな歯車"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "flankload", "check", str(scene)],
+        capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("\\u5c0f\\u3055")

@@ -144,6 +144,12 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "7",
         ),
         (
+            {"name": "\ud800"},
+            "name",
+            "a non-empty string",
+            "'\ud800'",
+        ),
+        (
             {"name": " "},
             "name",
             "a non-empty string",

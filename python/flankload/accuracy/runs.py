@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from importlib.metadata import version
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,7 @@ def fingerprint(scene: Scene) -> str:
     parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
     parts.append(repr((scene.effects, scene.accuracy)))
     parts += [
-        sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if path.is_file()
+        sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if isfile(path)
     ]
     return sha256("\n".join(parts).encode()).hexdigest()[:16]
 

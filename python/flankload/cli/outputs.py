@@ -89,4 +89,4 @@ def _same(one: Path, other: Path) -> bool:
     """Whether two paths name one file, through links of both kinds."""
     if os.path.realpath(one) == os.path.realpath(other):
         return True
-    return one.exists() and other.exists() and one.samefile(other)
+    return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
