@@ -18,9 +18,9 @@ from flankload.accuracy.observed import CORNER, HEADS
 from flankload.accuracy.runs import Runs
 from flankload.accuracy.study_text import KNOBS, NAMED
 from flankload.accuracy.truth import Truth
+from flankload.files import write_atomically
 from flankload.plot.style import png_of
 from flankload.plot.work_precision import plot_work_precision
-from flankload.result import write_atomically
 from flankload.setting import Setting
 
 DOCS = Path(__file__).parent

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from io import TextIOWrapper
 from types import FrameType
 from typing import NoReturn
 
@@ -26,6 +27,9 @@ def command() -> int:
     # a shell that starts this in the background ignores Ctrl-C for it, and that stays so
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _on_interrupt)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # else the caller closed it
+            stream.reconfigure(errors="backslashreplace")  # letters that the terminal does not have
     if sys.argv[1:2] == ["accuracy"]:
         for name in THREADS:
             os.environ.setdefault(name, "1")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,19 @@ if TYPE_CHECKING:
 
 class FlankloadError(Exception):
     """Base of every error that flankload raises on purpose."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the default calls the class with its args, but these classes are made with keywords
+        return _restored, (type(self), self.args, dict(vars(self)))
+
+
+def _restored(
+    kind: type[FlankloadError], args: tuple[Any, ...], values: dict[str, Any]
+) -> FlankloadError:
+    """An error out of a pickle or a copy."""
+    error = kind.__new__(kind, *args)
+    vars(error).update(values)
+    return error
 
 
 class SceneError(FlankloadError):

@@ -6,34 +6,43 @@ name; whether they make sense is for who asks for them, with `NamedArrays` to sa
 
 from __future__ import annotations
 
-import io
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.array_archive import BadArchive, Member, read_members
 from flankload.errors import ComplianceFileError, SceneError
 
 #: Columns of a table in front of the matrix: which tooth is displaced, and the place.
 LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
+PLAIN = "a .npz file of plain arrays"
+#: Along an axis: more than nodes of any flank, less than would fill the memory.
+MOST_ROWS = 100000
+MOST_CHARACTERS = 10000
+#: Beyond any length, stiffness or compliance in mm and N; powers of it stay within a double.
+LARGEST = 1e30
 
 
 @dataclass(frozen=True)
 class NamedArrays:
-    """Arrays of one file, asked for by name.
+    """Arrays of one file, asked for by name; each is read when it is asked for.
 
     Attributes
     ----------
     file : Path
-    arrays : mapping of str to array
+    members : mapping of str to Member
     """
 
     file: Path
-    arrays: Mapping[str, NDArray[Any]]
+    members: Mapping[str, Member]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.members
 
     def refuse(self, name: str, expected: str, found: object) -> NoReturn:
         """Raise: an array is not what it should be."""
@@ -41,37 +50,50 @@ class NamedArrays:
 
     def check_names(self, *known: str) -> None:
         """Refuse arrays that nobody asks for: a misspelt one would go unnoticed."""
-        for name in self.arrays:
+        for name in self.members:
             if name not in known:
                 self.refuse(
                     name, "an array of this format (" + ", ".join(known) + ")", "an unknown name"
                 )
 
     def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
-        """An array of finite numbers; None in the shape stands for any length."""
-        values = self._array(name, "numbers")
+        """An array of finite numbers; None in the shape stands for any length up to MOST_ROWS."""
+        member = self._member(name, "numbers")
         wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
-        if values.dtype.kind not in "fiu":
-            self.refuse(name, "real numbers", f"values of type {values.dtype}")
-        fits = values.ndim == len(shape) and all(
-            n in (None, m) for n, m in zip(shape, values.shape, strict=True)
+        if member.dtype.kind not in "fiu":
+            self.refuse(name, "real numbers", f"values of type {member.dtype}")
+        fits = len(member.shape) == len(shape) and all(
+            n in (None, m) for n, m in zip(shape, member.shape, strict=True)
         )
         if not fits:
-            self.refuse(name, f"an array of shape {wanted}", f"shape {values.shape}")
-        result = values.astype(np.float64)
-        strange = np.argwhere(~np.isfinite(result))
-        if strange.size:
+            self.refuse(name, f"an array of shape {wanted}", f"shape {member.shape}")
+        if max(member.shape, default=0) > MOST_ROWS:
+            self.refuse(name, f"at most {MOST_ROWS} entries along an axis", f"{member.shape}")
+        result = self._read(name).astype(np.float64)
+        strange = np.argwhere(~(np.abs(result) <= LARGEST))
+        if len(strange):
             place = f"[{', '.join(map(str, strange[0]))}]" if result.ndim else ""
-            self.refuse(f"{name}{place}", "finite numbers", f"{result[tuple(strange[0])]}")
+            value = result[tuple(strange[0])]
+            wanted = f"numbers of at most {LARGEST:g}" if np.isfinite(value) else "finite numbers"
+            self.refuse(f"{name}{place}", wanted, f"{value:g}")
         return result
 
-    def number(self, name: str, *, above: float | None = None, least: float | None = None) -> float:
+    def number(
+        self,
+        name: str,
+        *,
+        above: float | None = None,
+        least: float | None = None,
+        most: float | None = None,
+    ) -> float:
         """A single number in a range."""
         value = float(self.numbers(name))
         if above is not None and value <= above:
             self.refuse(name, f"a number > {above:g}", f"{value:g}")
         if least is not None and value < least:
             self.refuse(name, f"a number >= {least:g}", f"{value:g}")
+        if most is not None and value > most:
+            self.refuse(name, f"a number <= {most:g}", f"{value:g}")
         return value
 
     def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
@@ -90,24 +112,46 @@ class NamedArrays:
 
     def texts(self, name: str) -> tuple[str, ...]:
         """A list of words."""
-        values = self._array(name, "text")
-        if values.ndim != 1 or (values.dtype.kind != "U" and values.size):
-            self.refuse(name, "a list of texts", f"shape {values.shape} of type {values.dtype}")
-        return tuple(str(value) for value in values)
+        member = self._member(name, "text")
+        count = member.shape[0] if len(member.shape) == 1 else MOST_ROWS + 1
+        if count > MOST_ROWS or (count and not _is_text(member)):
+            self.refuse(name, "a list of texts", f"shape {member.shape} of type {member.dtype}")
+        return tuple(str(value) for value in self._read(name))
 
     def text(self, name: str, *choices: str) -> str:
         """A single word, one of the choices where there are any."""
-        values = self._array(name, "text")
-        value = str(values)
-        if values.ndim or values.dtype.kind != "U" or (choices and value not in choices):
+        member = self._member(name, "text")
+        is_text = member.shape == () and _is_text(member)
+        value = str(self._read(name)) if is_text else ""
+        if not is_text or (choices and value not in choices):
             expected = " or ".join(f"'{choice}'" for choice in choices) or "a text"
-            self.refuse(name, expected, f"'{value[:60]}'" if values.ndim == 0 else "an array")
+            found = f"'{value[:60]}'" if is_text else f"an array of type {member.dtype}"
+            self.refuse(name, expected, found)
         return value
 
-    def _array(self, name: str, what: str) -> NDArray[Any]:
-        if name not in self.arrays:
-            self.refuse(name, what, "nothing: the file has " + ", ".join(self.arrays))
-        return self.arrays[name]
+    def flags(self, name: str, count: int) -> NDArray[np.bool_]:
+        """So many times true or false."""
+        member = self._member(name, "true or false")
+        if member.shape != (count,) or member.dtype != np.bool_:
+            self.refuse(
+                name, f"{count} times true or false", f"shape {member.shape} of type {member.dtype}"
+            )
+        return self._read(name)
+
+    def dimensions(self, name: str) -> int:
+        """Number of axes of an array; 0 where there is none."""
+        return len(self.members[name].shape) if name in self else 0
+
+    def _member(self, name: str, what: str) -> Member:
+        if name not in self.members:
+            self.refuse(name, what, "nothing: the file has " + ", ".join(self.members))
+        return self.members[name]
+
+    def _read(self, name: str) -> NDArray[Any]:
+        try:
+            return self.members[name].read()
+        except BadArchive as error:
+            self.refuse(name, PLAIN, error.found)
 
 
 def read_arrays(path: str | Path, key: str) -> NamedArrays:
@@ -130,15 +174,32 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
         If the file is missing, unreadable, pickled, or its rows are ragged.
     """
     path = Path(path)
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "no such file"
+    if not isfile(path):  # no error either of a name that is too long
+        found = "a folder" if isdir(path) else "no such file"
         raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
     suffix = path.suffix.lower()
     if suffix not in (".npz", ".csv"):
         raise ComplianceFileError(
             file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
         )
-    return NamedArrays(path, _read_npz(path, key) if suffix == ".npz" else _read_csv(path, key))
+    if suffix == ".csv":
+        arrays = _read_csv(path, key)
+        return NamedArrays(path, {name: _held(value) for name, value in arrays.items()})
+    try:
+        return NamedArrays(path, read_members(path))
+    except BadArchive as error:
+        raise ComplianceFileError(
+            file=path, key=error.name or key, expected=PLAIN, found=error.found
+        ) from None
+
+
+def _is_text(member: Member) -> bool:
+    """Of a length that texts have."""
+    return member.dtype.kind == "U" and member.dtype.itemsize <= 4 * MOST_CHARACTERS
+
+
+def _held(array: NDArray[Any]) -> Member:
+    return Member(array.shape, array.dtype, lambda: array)
 
 
 def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[np.float64]:
@@ -165,8 +226,8 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
     """
     path = Path(path)
     wanted = f"a .csv file with the columns {', '.join(names)}"
-    if not path.is_file() or path.suffix.lower() != ".csv":
-        found = f"no file {path.name}" if not path.is_file() else path.name
+    if not isfile(path) or path.suffix.lower() != ".csv":
+        found = f"no file {path.name}" if not isfile(path) else path.name
         raise SceneError(key=key, expected=wanted, found=found)
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -192,35 +253,6 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
             )
         rows.append(row)
     return np.array(rows).reshape(-1, len(names))
-
-
-def npz_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Content of a .npz file; the same arrays give the same bytes."""
-    out = io.BytesIO()
-    np.savez_compressed(out, allow_pickle=False, **arrays)
-    return out.getvalue()
-
-
-def _read_npz(path: Path, key: str) -> dict[str, NDArray[Any]]:
-    name = key
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            archive = np.load(io.BytesIO(path.read_bytes()), allow_pickle=False)
-            if isinstance(archive, np.ndarray):
-                raise ValueError("a single array")
-            arrays = {}
-            with archive:
-                for name in archive.files:
-                    arrays[name] = np.asarray(archive[name])
-        return arrays
-    except Exception as error:  # whatever zip files and headers can be made to raise
-        reason = " ".join(str(error).split()) or type(error).__name__
-        pickled = "pickle" in reason or "Object arrays" in reason
-        found = "pickled objects, which are never loaded" if pickled else reason[:120]
-        raise ComplianceFileError(
-            file=path, key=name, expected="a .npz file of plain arrays", found=found
-        ) from None
 
 
 def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:

@@ -325,6 +325,18 @@ def test_list_of_torques_gives_a_list_of_everything(
         (["--json", "."], "--json: expected a file, found the folder ."),
         (["--plot", "pair.toml"], "--plot: expected a folder, found the file pair.toml"),
         (["--plot", "pair.toml/out"], "--plot: expected a folder, found the file pair.toml"),
+        (["--plot", "p.pdf"],
+         "--plot: expected a folder for PNG files, such as p, found p.pdf, the name of a file"),
+        (["--json", "pair.toml"], "--json: expected a file other than the scene, found pair.toml"),
+        (["--csv", "./pair.toml"], "--csv: expected a file other than the scene, found pair.toml"),
+        (["--json", "link.toml"], "--json: expected a file other than the scene, found link.toml"),
+        (["--json", "hard.toml"], "--json: expected a file other than the scene, found hard.toml"),
+        (["--json", "a", "--csv", "a"],
+         "--csv: expected a file other than that of --json, found a"),
+        (["--csv", "a", "--stiffness-csv", "b/../a"],
+         "--stiffness-csv: expected a file other than that of --csv, found b/../a"),
+        (["--json", "a", "--plot", "a"],
+         "--plot: expected a file other than that of --json, found a"),
         (["--csv", "-", "--json", "-"],
          "--csv: expected a file, since --json takes stdout, found -"),
         (["--stiffness-csv", "-", "--csv", "-"],
@@ -339,9 +351,84 @@ def test_impossible_output_is_refused_before_the_work(
 ) -> None:  # fmt: skip
     solved[0] = AssertionError("the work was begun")
     monkeypatch.chdir(scene.parent)
+    (scene.parent / "b").mkdir()
+    (scene.parent / "link.toml").symlink_to(scene)
+    (scene.parent / "hard.toml").hardlink_to(scene)
     code, out, err = run(capsys, "run", scene, *arguments)
     assert (code, out) == (2, "")
     assert one_line(err) == line
+    assert scene.read_text(encoding="utf-8") == SCENE
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["run", "--json", "meshes/body_1.msh"],
+         "--json: expected a file other than that of body_1.file, found meshes/body_1.msh"),
+        (["mesh", "-o", "meshes"],
+         "-o: expected a file other than that of body_1.file, found meshes/body_1.msh"),
+        (["compliance", "-o", "meshes"],
+         "-o: expected a file other than that of body_2.file, found meshes/body_2.npz"),
+        (["verify", "-o", "."], "-o: expected a file other than the scene, found deck.inp"),
+        (["accuracy", "--csv", "a", "--json", "a"],
+         "--json: expected a file other than that of --csv, found a"),
+        (["accuracy", "--resume", "deck.inp"],
+         "--resume: expected a file other than the scene, found deck.inp"),
+        (["mesh", "-o", "m.msh"],
+         "-o: expected a folder for both meshes, such as m, found m.msh, the name of a file"),
+        (["accuracy", "--plot", "p.svg"],
+         "--plot: expected a folder for PNG files, such as p, found p.svg, the name of a file"),
+    ],
+    ids=lambda one: one[0] if isinstance(one, list) else "",
+)  # fmt: skip
+def test_output_does_not_replace_what_the_scene_reads(
+    arguments: list[str], line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    Path("meshes").mkdir()
+    for name in ("body_1.msh", "body_2.npz"):
+        (Path("meshes") / name).write_text("mine", encoding="utf-8")
+    Path("deck.inp").write_text(
+        """
+[body_1]
+kind = "mesh"
+file = "meshes/body_1.msh"
+teeth = 16
+flank_set = "FLANK"
+fixed_set = "BORE"
+reference_radius_mm = 40.0
+[body_2]
+kind = "compliance"
+file = "meshes/body_2.npz"
+[pair]
+center_distance_mm = 91.5
+face_width_mm = 14.0
+[load]
+torque_Nm = 302.0
+""",
+        encoding="utf-8",
+    )
+    command, *options = arguments
+    code, out, err = run(capsys, command, "deck.inp", *options)
+    assert (code, out) == (2, "")
+    assert one_line(err) == line
+    assert sorted(os.listdir()) == ["deck.inp", "meshes"]
+
+
+def test_outputs_may_go_to_one_device(
+    scene: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ("--json", "/dev/null", "--csv", "/dev/null", "--quiet")
+    assert run(capsys, "run", scene, *arguments) == (0, "", "")
+
+
+def test_picture_folder_may_be_called_like_a_file_if_it_is_there(
+    scene: Path, solved: list[Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "p.pdf").mkdir()
+    assert run(capsys, "run", scene, "--plot", tmp_path / "p.pdf", "--quiet") == (0, "", "")
+    assert (tmp_path / "p.pdf" / "transmission_error.png").exists()
 
 
 @pytest.mark.parametrize(
@@ -448,3 +535,37 @@ def test_progress_shows_after_patience_on_a_terminal_only(
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     assert "compliance body 1" in run(capsys, "run", scene)[2]
+
+
+@pytest.mark.parametrize("kind", ["mesh", "compliance", "cam"])
+def test_file_name_that_is_too_long_is_refused(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = "a" * 5000 + (".csv" if kind == "cam" else ".npz")
+    body = {
+        "mesh": f'[body_1]\nkind = "mesh"\nfile = "{name}"\nteeth = 20\nreference_radius_mm = 40',
+        "compliance": f'[body_1]\nkind = "compliance"\nfile = "{name}"',
+        "cam": '[body_1]\nkind = "follower"\nbore_diameter_mm = 16\n'
+        "arm_mm = 70\nroller_radius_mm = 10",
+    }[kind]
+    wheel = {
+        "cam": f'[body_2]\nkind = "cam"\nbore_diameter_mm = 20\nprofile_file = "{name}"',
+    }.get(kind, '[body_2]\nkind = "compliance"\nfile = "wheel.npz"')
+    scene = tmp_path / "long.toml"
+    tables = "[pair]\ncenter_distance_mm = 80\nface_width_mm = 10\n[load]\ntorque_Nm = 10"
+    scene.write_text("\n".join([body, wheel, tables]), encoding="utf-8")
+    for command in ("check", "run"):
+        code, out, err = run(capsys, command, scene, *(["--json", "a"] if command == "run" else []))
+        assert (code, out) == (2, "")
+        assert one_line(err).endswith((", found no such file", f", found no file {name}"))
+
+
+def test_letters_that_the_terminal_does_not_have_are_no_traceback(scene: Path) -> None:
+    scene.write_text(SCENE.replace("small job", "小さな歯車"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "flankload", "check", str(scene)],
+        capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("\\u5c0f\\u3055")

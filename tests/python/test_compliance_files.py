@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
@@ -506,6 +509,31 @@ OWN_REFUSALS = [
     (change(teeth=1e9), "teeth: expected an integer from 3 to 10000, found 1000000000"),
     (change(flank_angle_known=2), "flank_angle_known: expected an integer from 0 to 1, found 2"),
     (change(pitch_errors_um=[1.0]), "pitch_errors_um: expected no entries or 16, found 1"),
+    (change(pitch_errors_um=[1e6] * 16), "pitch_errors_um: expected at most 0.1 of the base pitch"),
+    (
+        change(flank_turns_rad=[7.0] * 16),
+        "flank_turns_rad: expected angles from -pi to pi, found",
+    ),
+    (change(poisson_ratio=0.5), "poisson_ratio: expected a number < 0.5, found 0.5"),
+    (change(kernel=np.nan), "kernel: expected finite numbers, found nan"),
+    (change(young_modulus_MPa=1e12), "young_modulus_MPa: expected a number <= 1e+09, found 1e+12"),
+    (
+        change(involute_form_radius_mm=1e300),
+        "involute_form_radius_mm: expected numbers of at most 1e+30, found 1e+300",
+    ),
+    (
+        change(involute_form_radius_mm=1e29),
+        "involute_form_radius_mm: expected a number <= 100000, found 1e+29",
+    ),
+    (
+        change(involute_form_radius_mm=90.0),
+        "involute_form_radius_mm: expected radii that ascend from the root over the form to the t",
+    ),
+    (
+        change(involute_outward=0),
+        "involute_outward: expected 1 (teeth outwards) or -1 (in",
+    ),
+    (change(involute_turn_rad=1e9), "involute_turn_rad: expected a number <= 6.28319, found 1e+09"),
     (drop("involute_tip_radius_mm"), "involute_tip_radius_mm: expected numbers, found nothing"),
     (change(smoth=1.0), "smoth: expected an array of this format"),
     (
@@ -595,7 +623,11 @@ def test_table_that_is_wrong_gets_one_line(
     [
         ("missing.npz", None, "expected a .npz or .csv file, found no such file"),
         ("body.txt", b"1", "expected a .npz or .csv file, found .txt"),
-        ("text.npz", b"no archive", "expected a .npz file of plain arrays, found pickled objects"),
+        (
+            "text.npz",
+            b"no archive",
+            "expected a .npz file of plain arrays, found file is no",
+        ),
         ("empty.npz", b"", "expected a .npz file of plain arrays, found"),
         ("bytes.csv", b"\xff\xfe\x00", "expected a table as text in UTF-8, found other bytes"),
         ("cut.npz", b"PK\x03\x04 cut", "expected a .npz file of plain arrays, found"),
@@ -620,6 +652,62 @@ def test_pickle_is_never_loaded(tmp_path: Path) -> None:
     np.savez(tmp_path / "bad.npz", format=np.array([Touch()], dtype=object))
     assert "pickled objects, which are never loaded" in refusal_of(tmp_path, "bad.npz")
     assert not trace.exists()
+
+
+def archive_with(path: Path, name: str, head: dict[str, Any], zeros: int, mode: str = "w") -> None:
+    """An archive with an array that says of itself what it likes and unpacks to so many zeros."""
+    head = {"descr": "<f8", "fortran_order": False, "shape": (), **head}
+    with ZipFile(path, mode, ZIP_DEFLATED) as archive, archive.open(f"{name}.npy", "w") as out:
+        np.lib.format.write_array_header_1_0(out, head)
+        for _ in range(zeros // 2**24):
+            out.write(bytes(2**24))
+        out.write(bytes(zeros % 2**24))
+
+
+@pytest.mark.parametrize(
+    ("name", "head", "zeros", "line"),
+    [
+        (
+            "bomb",
+            {"shape": (2**28,)},
+            2**26,
+            "bomb: expected a .npz file of plain arrays, found",
+        ),
+        ("format", {"shape": (2**23,)}, 2**26, "format: expected 'flankload flank compliance' or"),
+        ("format", {"descr": "<U16777216"}, 2**26, "format: expected 'flankload flank compliance'"),
+        ("format", {"shape": (-1, -8)}, 64, "format: expected a .npz file of plain arrays, found"),
+    ],
+)
+def test_archive_is_not_unpacked_before_its_heads_are_read(
+    name: str, head: dict[str, Any], zeros: int, line: str, tmp_path: Path
+) -> None:
+    archive_with(tmp_path / "bad.npz", name, head, zeros)
+    tracemalloc.start()
+    said = refusal_of(tmp_path, "bad.npz")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert said.startswith(f"bad.npz: {line}")
+    assert most < 2**22
+
+
+def test_array_of_an_unknown_name_is_not_unpacked(folder: Path, tmp_path: Path) -> None:
+    shutil.copy(folder / "body_1.npz", tmp_path / "bad.npz")
+    archive_with(tmp_path / "bad.npz", "smoth", {"shape": (2**23,)}, 2**26, mode="a")
+    tracemalloc.start()
+    said = refusal_of(tmp_path, "bad.npz")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert said.startswith("bad.npz: smoth: expected an array of this format")
+    assert most < 2**22
+
+
+def test_archive_that_would_fill_the_memory_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flankload.array_archive.MOST_BYTES", 2**20)
+    archive_with(tmp_path / "bad.npz", "points", {"shape": (2**18,)}, 2**21)
+    line = "bad.npz: body_1.file: expected a .npz file of plain arrays, found arrays of 0.00195 GiB"
+    assert refusal_of(tmp_path, "bad.npz").startswith(line)
 
 
 def test_pitch_errors_of_the_scene_must_fit_the_file(folder: Path) -> None:

@@ -24,6 +24,7 @@ from flankload.plot import (
     plot_stiffness,
     plot_transmission_error,
 )
+from flankload.plot.style import png_of
 from flankload.result import Result
 from flankload.scene import Load
 
@@ -427,3 +428,19 @@ def test_many_pairs_share_one_name() -> None:
         "pairs 0 to −19, from left to right"
     ]
     assert any("pair that carries" in line for line in result.table().splitlines())
+
+
+@pytest.mark.parametrize(
+    "name", ["日本語の歯車", "क्ष", "$\\frac{1$", "two\nlines and\ta tab", "\x00\x07"]
+)
+def test_name_in_any_script_is_drawn(name: str, result: Result) -> None:
+    """Formulas are words, letters that no font has are boxes, and nothing warns."""
+    named = replace(result, name=name)
+    for picture in (plot_transmission_error, plot_loaded_pair):
+        assert png_of(picture(named)).startswith(b"\x89PNG")
+
+
+def test_name_is_drawn_as_it_is_written(result: Result) -> None:
+    figure = plot_transmission_error(replace(result, name="a$b$c\n d"))
+    assert "a$b$c d, 302 N m" in words(figure.axes[0])
+    assert not figure.axes[0].title.get_parse_math()

@@ -13,13 +13,7 @@ import pytest
 from made_up_result import made_up_result
 from tolerances import ROUND_OFF
 
-from flankload.result import (
-    Result,
-    results_to_csv,
-    results_to_json,
-    results_to_text,
-    write_atomically,
-)
+from flankload.result import Result, results_to_csv, results_to_json, results_to_text
 from flankload.result.warning_lines import warning_lines
 
 
@@ -231,53 +225,6 @@ def test_files_hold_what_the_functions_return(tmp_path: Path) -> None:
     text = result.to_csv(tmp_path / "result.csv")
     assert (tmp_path / "result.csv").read_text(encoding="utf-8") == text
     assert sorted(os.listdir(tmp_path)) == ["result.csv", "result.json"]
-
-
-def test_failed_write_keeps_the_old_file_and_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "result.json"
-    path.write_text("old", encoding="utf-8")
-
-    def refuse(*_: object) -> None:
-        raise OSError("no space left on device")
-
-    monkeypatch.setattr(os, "replace", refuse)
-    with pytest.raises(OSError, match="no space"):
-        write_atomically(path, "new")
-    assert path.read_text(encoding="utf-8") == "old"
-    assert os.listdir(tmp_path) == ["result.json"]
-
-
-def test_output_into_a_pipe_is_written_there_and_the_pipe_stays(tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    reading = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    try:
-        write_atomically(pipe, "numbers")
-        assert os.read(reading, 100) == b"numbers"
-    finally:
-        os.close(reading)
-    assert pipe.is_fifo()
-    assert os.listdir(tmp_path) == ["pipe"]
-
-
-def test_output_through_a_link_keeps_the_link(tmp_path: Path) -> None:
-    (tmp_path / "real").mkdir()
-    target, link = tmp_path / "real" / "result.json", tmp_path / "result.json"
-    target.write_text("old", encoding="utf-8")
-    link.symlink_to(target)
-    write_atomically(link, "new")
-    assert link.is_symlink()
-    assert target.read_text(encoding="utf-8") == "new"
-    assert os.listdir(tmp_path / "real") == ["result.json"]
-
-
-def test_failed_write_names_the_file_that_was_asked_for(tmp_path: Path) -> None:
-    path = tmp_path / "no" / "result.json"
-    with pytest.raises(FileNotFoundError) as caught:
-        write_atomically(path, "new")
-    assert caught.value.filename == str(path)
 
 
 def test_xarray_is_labelled_and_has_units() -> None:

@@ -14,6 +14,8 @@ KINDS_1 = (
     "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'pulley' or 'mesh' or 'compliance'"
 )
 
+TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+12"
+
 
 @pytest.mark.parametrize(
     ("changes", "key", "expected", "found"),
@@ -53,7 +55,7 @@ KINDS_1 = (
         (
             {"body_1__teeth": ABSENT},
             "body_1.teeth",
-            "an integer >= 3",
+            "an integer from 3 to 10000",
             "nothing",
         ),
         (
@@ -83,7 +85,7 @@ KINDS_1 = (
         (
             {"load__torque_Nm": ABSENT},
             "load.torque_Nm",
-            "a number >= 0 or a non-empty list of numbers >= 0",
+            TORQUES,
             "nothing",
         ),
         # wrong types
@@ -108,19 +110,19 @@ KINDS_1 = (
         (
             {"body_1__teeth": "16"},
             "body_1.teeth",
-            "an integer >= 3",
+            "an integer from 3 to 10000",
             "'16'",
         ),
         (
             {"body_1__teeth": 16.5},
             "body_1.teeth",
-            "an integer >= 3",
+            "an integer from 3 to 10000",
             "16.5",
         ),
         (
             {"body_1__teeth": True},
             "body_1.teeth",
-            "an integer >= 3",
+            "an integer from 3 to 10000",
             "true",
         ),
         (
@@ -140,6 +142,12 @@ KINDS_1 = (
             "name",
             "a non-empty string",
             "7",
+        ),
+        (
+            {"name": "\ud800"},
+            "name",
+            "a non-empty string",
+            "'\ud800'",
         ),
         (
             {"name": " "},
@@ -168,14 +176,14 @@ KINDS_1 = (
         (
             {"load__torque_Nm": "302"},
             "load.torque_Nm",
-            "a number >= 0 or a non-empty list of numbers >= 0",
+            TORQUES,
             "'302'",
         ),
         # out of range
         (
             {"body_1__teeth": 2},
             "body_1.teeth",
-            "an integer >= 3",
+            "an integer from 3 to 10000",
             "2",
         ),
         (
@@ -217,25 +225,25 @@ KINDS_1 = (
         (
             {"load__torque_Nm": -1},
             "load.torque_Nm",
-            "a number >= 0 or a non-empty list of numbers >= 0",
+            TORQUES,
             "-1",
         ),
         (
             {"load__torque_Nm": []},
             "load.torque_Nm",
-            "a non-empty list of numbers >= 0",
+            "a non-empty list of numbers from 0 to 1e+12",
             "[]",
         ),
         (
             {"load__torque_Nm": datetime.date(2026, 1, 31)},
             "load.torque_Nm",
-            "a number >= 0 or a non-empty list of numbers >= 0",
+            TORQUES,
             "2026-01-31",
         ),
         (
             {"load__torque_Nm": [1, -2]},
             "load.torque_Nm[1]",
-            "a number >= 0",
+            "a number from 0 to 1e+12",
             "-2",
         ),
         (

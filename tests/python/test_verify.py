@@ -439,6 +439,15 @@ def test_answer_of_an_earlier_run_is_not_taken_for_this_one(tmp_path: Path) -> N
         run_deck(program, tmp_path, small_deck(), time_limit_s=30.0)
 
 
+def test_run_removes_no_file_of_the_user_that_is_called_like_the_deck(tmp_path: Path) -> None:
+    mine = tmp_path / "deck.toml"
+    mine.write_text("a scene", encoding="utf-8")
+    program = fake_program(tmp_path / "ccx", "exit 1")
+    with pytest.raises(OtherProgramError):
+        run_deck(program, tmp_path, small_deck(), time_limit_s=30.0)
+    assert mine.read_text(encoding="utf-8") == "a scene"
+
+
 @pytest.fixture
 def coarse_scene(tmp_path: Path) -> Path:
     text = (SCENES / "external_gear.toml").read_text(encoding="utf-8")

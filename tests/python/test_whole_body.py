@@ -21,6 +21,7 @@ from mesh_files import (
 from tolerances import SOLVER
 
 import flankload as fl
+from flankload.array_archive import archive_of
 from flankload.assembly import build_bodies
 from flankload.bodies import WholeMesh
 from flankload.bodies.body_file import write_body
@@ -28,7 +29,6 @@ from flankload.bodies.modal_file import modal_arrays
 from flankload.cli import main
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mesh_io import read_mesh, write_mesh
-from flankload.named_arrays import npz_of
 from flankload.plane_mesh import boundary_edges
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
@@ -360,7 +360,7 @@ def test_whole_body_comes_back_from_its_compliance_file(
     body = build_bodies(scene).body_1
     found = compliance_of(body, scene)
     path = tmp_path / "body_1.npz"
-    path.write_bytes(npz_of(modal_arrays(body, found, plane="strain")))
+    path.write_bytes(archive_of(modal_arrays(body, found, plane="strain")))
     from_file = dataclasses.replace(scene, body_1=ComplianceBody(file=str(path)))
     again, expected = fl.solve(from_file), fl.solve(scene)
     assert again.cost["fe_factorisations"] == 1
@@ -369,6 +369,6 @@ def test_whole_body_comes_back_from_its_compliance_file(
     spoilt = {"smooth": found.smooth[:-1], "flanks": np.array([0, 3, 2])}
     for name, value in spoilt.items():
         arrays = {**modal_arrays(body, found, plane="strain"), name: value}
-        path.write_bytes(npz_of(arrays))
+        path.write_bytes(archive_of(arrays))
         with pytest.raises(ComplianceFileError, match=f"{name}: expected"):
             fl.solve(from_file)

@@ -6,13 +6,14 @@ import json
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from importlib.metadata import version
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.accuracy.observed import Observed, from_tree, observed, to_tree
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError, SceneError
-from flankload.result import write_atomically
+from flankload.files import write_atomically
 from flankload.setting import Setting, scene_at
 from flankload.solve import solve_with
 from flankload.steering import first_scene
@@ -65,12 +66,9 @@ def fingerprint(scene: Scene) -> str:
     """What tells a scene from another: bodies, what is asked for, the files that it names."""
     parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
     parts.append(repr((scene.effects, scene.accuracy)))
-    for body in (scene.body_1, scene.body_2):
-        for key in ("file", "profile_file"):
-            name = getattr(body, key, None)
-            path = scene.folder / name if isinstance(name, str) else None
-            if path is not None and path.is_file():
-                parts.append(sha256(path.read_bytes()).hexdigest())
+    parts += [
+        sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if isfile(path)
+    ]
     return sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 

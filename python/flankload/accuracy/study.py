@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.accuracy.observed import HEADS, MEANINGS
 from flankload.accuracy.study_text import NAMED, text_of
 from flankload.accuracy.truth import twin
-from flankload.result import write_atomically
+from flankload.files import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path

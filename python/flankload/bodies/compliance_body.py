@@ -53,18 +53,19 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
     if not 1 <= version <= latest:
         found.refuse("version", f"at most {latest}, which this flankload knows", version)
     body = read(found)
-    errors = checked_pitch_errors(spec.pitch_errors_um, body.teeth, key)
+    named = checked_pitch_errors(spec.pitch_errors_um, body.teeth, key)
+    errors = named or body.pitch_errors_um
     largest = LARGEST_PITCH_ERROR * 2000 * pi * body.reference_radius_mm / body.teeth
     if any(abs(error) > largest for error in errors):
-        raise SceneError(
-            key=f"{key}.pitch_errors_um",
-            expected=f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {largest:.0f} um",
-            found=f"{max(errors, key=abs):g}",
-        )
+        expected = f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {largest:.0f} um"
+        worst = f"{max(errors, key=abs):g}"
+        if not named:
+            found.refuse("pitch_errors_um", expected, worst)
+        raise SceneError(key=f"{key}.pitch_errors_um", expected=expected, found=worst)
     return replace(
         body,
         kind="compliance",
         rigid=spec.rigid,
-        pitch_errors_um=errors or body.pitch_errors_um,
+        pitch_errors_um=errors,
         given=None if spec.rigid else body.given,
     )

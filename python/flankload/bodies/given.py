@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.bodies.body import Material
+from flankload.scene.table import LARGEST_MODULUS
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: More than any body has; a matrix for each of them still fits in memory.
-MOST_TEETH = 10000
+    from flankload.named_arrays import NamedArrays
 
 
 @dataclass(frozen=True)
@@ -105,3 +107,26 @@ class NodalCompliance:
 
 
 GivenCompliance = ModalCompliance | NodalCompliance
+
+
+def read_material(found: NamedArrays) -> Material:
+    """Material of a compliance file.
+
+    Parameters
+    ----------
+    found : NamedArrays
+
+    Returns
+    -------
+    Material
+
+    Raises
+    ------
+    ComplianceFileError
+        If a number is missing or out of range.
+    """
+    modulus = found.number("young_modulus_MPa", above=0.0, most=LARGEST_MODULUS)
+    ratio = found.number("poisson_ratio", least=0.0)
+    if ratio >= 0.5:
+        found.refuse("poisson_ratio", "a number < 0.5", f"{ratio:g}")
+    return Material(modulus, ratio)

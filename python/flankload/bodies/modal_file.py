@@ -7,14 +7,16 @@ bit by bit, except that it has no elements any more.
 from __future__ import annotations
 
 from dataclasses import MISSING, fields
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.bodies.body import Body, Material
-from flankload.bodies.given import MOST_TEETH, ModalCompliance
+from flankload.bodies.body import Body
+from flankload.bodies.given import ModalCompliance, read_material
 from flankload.bodies.involute import Involute
 from flankload.flank_curve import FlankCurve
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -150,6 +152,8 @@ def read_modal(found: NamedArrays) -> Body:
     turns = found.numbers("flank_turns_rad", None)
     if turns.size not in (0, teeth):
         found.refuse("flank_turns_rad", f"no entries or {teeth}", f"{turns.size}")
+    if (np.abs(turns) > pi).any():
+        found.refuse("flank_turns_rad", "angles from -pi to pi", f"{np.abs(turns).max():g}")
     blocks = len(flanks) ** 2 if flanks else teeth
     smooth = found.numbers("smooth", blocks, None, None)
     if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
@@ -165,9 +169,6 @@ def read_modal(found: NamedArrays) -> Body:
         tangential=tangential,
         jump=jump,
     )
-    material = Material(
-        found.number("young_modulus_MPa", above=0.0), found.number("poisson_ratio", least=0.0)
-    )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):
         found.refuse("pitch_errors_um", f"no entries or {teeth}", f"{errors.size}")
@@ -175,16 +176,16 @@ def read_modal(found: NamedArrays) -> Body:
         kind=found.text("kind"),
         curve=curve,
         teeth=teeth,
-        material=material,
+        material=read_material(found),
         rigid=False,
         mesh=None,
         mode_range_mm=(float(low), float(high)),
-        reference_radius_mm=found.number("reference_radius_mm", above=0.0),
+        reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
         involute=_read_involute(found),
         flank_angle_known=bool(found.integer("flank_angle_known", least=0, most=1)),
         pitch_errors_um=tuple(errors.tolist()),
         outline=_read_outline(found),
-        bore_radius_mm=found.number("bore_radius_mm", least=0.0),
+        bore_radius_mm=found.number("bore_radius_mm", least=0.0, most=LARGEST_LENGTH),
         notes=found.texts("notes"),
         flank_turns_rad=tuple(turns.tolist()),
         named_teeth=named,
@@ -197,7 +198,7 @@ def _read_tangential(
 ) -> tuple[NDArray[np.float64] | None, float]:
     """Response to loads along the flank and strength of its jump, both or neither."""
     names = ("smooth_nt", "kernel_nt")
-    if not any(name in found.arrays for name in names):
+    if not any(name in found for name in names):
         return None, 0.0
     tangential = found.numbers("smooth_nt", None, None, None)
     if tangential.shape != shape:
@@ -235,13 +236,7 @@ def _read_curve(found: NamedArrays) -> FlankCurve:
     labels = found.texts("curve_labels")
     if len(labels) != parts:
         found.refuse("curve_labels", f"{parts}, one for each interval", f"{len(labels)}")
-    corners = found.arrays.get("curve_corners", np.empty(0))
-    if corners.shape != breaks.shape or corners.dtype != np.bool_:
-        found.refuse(
-            "curve_corners",
-            f"{breaks.size} times true or false, one for each break",
-            f"shape {corners.shape} of type {corners.dtype}",
-        )
+    corners = found.flags("curve_corners", breaks.size)
     curve = FlankCurve(breaks, coefficients, labels, corners)
     steps = np.diff(breaks)
     powers = steps[:, None] ** np.arange(coefficients.shape[2])
@@ -267,12 +262,27 @@ def _read_curve(found: NamedArrays) -> FlankCurve:
 
 def _read_involute(found: NamedArrays) -> Involute | None:
     """All that is known of the involute, or nothing."""
-    if not any(name in found.arrays for name in INVOLUTE):
+    if not any(name in found for name in INVOLUTE):
         return None
     values: dict[str, Any] = {}
     for name, part in INVOLUTE.items():
-        if name not in found.arrays and part.default is not MISSING:
+        if name not in found and part.default is not MISSING:
             continue
-        whole = part.type == "int"
-        values[part.name] = int(found.integers(name)) if whole else float(found.numbers(name))
-    return Involute(**values)
+        if part.name == "outward":
+            values[part.name] = int(found.integers(name))
+            if abs(values[part.name]) != 1:
+                found.refuse(name, "1 (teeth outwards) or -1 (inwards)", values[part.name])
+        elif name.endswith("_mm"):
+            values[part.name] = found.number(name, above=0.0, most=LARGEST_LENGTH)
+        else:
+            values[part.name] = found.number(name, least=-2 * pi, most=2 * pi)
+    involute = Involute(**values)
+    heights = np.array([involute.root_radius_mm, involute.form_radius_mm, involute.tip_radius_mm])
+    if (np.diff(involute.outward * heights) < 0).any():
+        sense = "ascend" if involute.outward > 0 else "descend"
+        found.refuse(
+            "involute_form_radius_mm",
+            f"radii that {sense} from the root over the form to the tip circle",
+            " ".join(f"{radius:g}" for radius in heights),
+        )
+    return involute

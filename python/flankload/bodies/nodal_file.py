@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.body import Body, Material
+from flankload.bodies.body import Body
 from flankload.bodies.flank_elements import mass_matrix
-from flankload.bodies.given import MOST_TEETH, NodalCompliance
+from flankload.bodies.given import NodalCompliance, read_material
 from flankload.bodies.sketch import sketched_tooth
 from flankload.flank_curve import curve_through_nodes, nodes_deviation
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,12 +72,12 @@ def read_nodal(found: NamedArrays) -> Body:
     teeth = found.integer("teeth", least=3, most=MOST_TEETH)
     quadratic = found.text("elements", "linear", "quadratic") == "quadratic"
     inwards = False
-    if "teeth_stand" in found.arrays:
+    if "teeth_stand" in found:
         inwards = found.text("teeth_stand", "outwards", "inwards") == "inwards"
     points = _read_points(found, quadratic, inwards=inwards)
     offsets = _read_offsets(found, teeth)
     shape = (len(offsets), len(points), len(points))
-    single = found.arrays.get("compliance", np.empty(0)).ndim == 2 and len(offsets) == 1
+    single = found.dimensions("compliance") == 2 and len(offsets) == 1
     matrix = found.numbers("compliance", *(shape[1:] if single else shape)).reshape(shape)
     curve = curve_through_nodes(points)
     s, _ = curve.arc_length_of(points)
@@ -95,9 +96,6 @@ def read_nodal(found: NamedArrays) -> Body:
         asymmetry=asymmetry,
     )
     _check_work(found, given, teeth)
-    ratio = found.number("poisson_ratio", least=0.0)
-    if ratio >= 0.5:
-        found.refuse("poisson_ratio", "a number < 0.5", f"{ratio:g}")
     deviation = nodes_deviation(points)
     told = f"{1000 * deviation:.2g} um" if np.isfinite(deviation) else "unknown"
     note = (
@@ -108,11 +106,11 @@ def read_nodal(found: NamedArrays) -> Body:
         kind="compliance",
         curve=curve,
         teeth=teeth,
-        material=Material(found.number("young_modulus_MPa", above=0.0), ratio),
+        material=read_material(found),
         rigid=False,
         mesh=None,
         mode_range_mm=(0.0, curve.length_mm),
-        reference_radius_mm=found.number("reference_radius_mm", above=0.0),
+        reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
         involute=None,
         flank_angle_known=False,
         pitch_errors_um=(),
@@ -171,7 +169,7 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
 
 def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
     """Displaced teeth, the loaded one among them, each once."""
-    if "offsets" not in found.arrays:
+    if "offsets" not in found:
         return np.zeros(1, dtype=np.int64)
     offsets = found.integers("offsets", None)
     reduced = offsets % teeth

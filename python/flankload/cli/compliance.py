@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.cli.solving import check_folder
+from flankload.cli.outputs import check_apart, check_folder
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; all is computed before the first is written."""
     folder: Path = arguments.folder
-    check_folder("-o", folder)
+    check_folder("-o", folder, content="both files")
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    check_apart((("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
     if scene.body_2.kind == "cam":
         raise SceneError(
             file=scene.file,
@@ -35,10 +36,10 @@ def compliance(arguments: Namespace) -> None:
             expected="'analytic': the files hold pressure modes",
             found="'nodes'",
         )
+    from flankload.array_archive import archive_of
     from flankload.assembly import build_bodies
     from flankload.bodies.modal_file import modal_arrays
-    from flankload.named_arrays import npz_of
-    from flankload.result import write_atomically
+    from flankload.files import write_atomically
     from flankload.stages import compliance_of
 
     pair = build_bodies(scene)
@@ -50,7 +51,7 @@ def compliance(arguments: Namespace) -> None:
             continue
         found = compliance_of(body, scene)
         arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
-        files[f"{name}.npz"] = npz_of(arrays)
+        files[f"{name}.npz"] = archive_of(arrays)
         said.append(
             f"{folder / name}.npz: {body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
             f"plane {scene.accuracy.plane}{_less_than_whole(scene)}"

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from functools import partial
 from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any, Self
 
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
+    from collections.abc import Iterator
 
     from flankload.plan import Plan
     from flankload.plan.duration import Duration
@@ -26,8 +27,6 @@ PATIENCE_S = 1.0
 #: A run of more seconds says so before it starts.
 LONG_S = 10.0
 
-STDOUT = "-"
-
 
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print what was found."""
@@ -35,6 +34,7 @@ def run(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    check_apart(_places(arguments), scene)
     from flankload.solve import solve
 
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
@@ -95,34 +95,16 @@ def _check_outputs(arguments: Namespace) -> None:
         if path != STDOUT:
             check_file(key, Path(path))
     if arguments.plot is not None:
-        check_folder("--plot", arguments.plot)
+        check_folder("--plot", arguments.plot, content="PNG files")
 
 
-def check_folder(key: str, folder: Path) -> None:
-    """It is there or can be made."""
-    there = next(part for part in (folder, *folder.parents) if part.exists())
-    if not there.is_dir():
-        raise SceneError(key=key, expected="a folder", found=f"the file {there}")
-    if not os.access(there, os.W_OK):
-        raise SceneError(
-            key=key, expected="a folder to write in", found=f"{there}, which is read-only"
-        )
-
-
-def check_file(key: str, path: Path) -> None:
-    """It can be written."""
-    if path.is_dir():
-        raise SceneError(key=key, expected="a file", found=f"the folder {path}")
-    if not path.parent.is_dir():
-        raise SceneError(
-            key=key, expected="a file in a folder that exists", found=f"no folder {path.parent}"
-        )
-    if path.exists() and not path.is_file():
-        return  # a device or a pipe
-    if not os.access(path.parent, os.W_OK):
-        raise SceneError(
-            key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
-        )
+def _places(arguments: Namespace) -> Iterator[tuple[str, Path]]:
+    """What will be written, by option."""
+    for key, path in _files(arguments).items():
+        if path != STDOUT:
+            yield key, Path(path)
+    if arguments.plot is not None:
+        yield "--plot", arguments.plot
 
 
 def _write_stiffness(results: tuple[Result, ...], path: str) -> None:
@@ -200,10 +182,12 @@ class Progress:
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies as they stand at position zero."""
     folder: Path = arguments.folder
-    check_folder("-o", folder)
+    check_folder("-o", folder, content="both meshes")
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
+    check_apart((("-o", path) for path in bodies), scene)
     if scene.body_1.kind == "pulley" and not scene.body_1.rigid:
         _write_pulley(scene, folder, arguments.format)
         return

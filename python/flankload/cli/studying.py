@@ -7,7 +7,8 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.cli.solving import STDOUT, Progress, check_file, check_folder
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
+from flankload.cli.solving import Progress
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -21,14 +22,17 @@ def accuracy(arguments: Namespace) -> None:
     files = {"--csv": arguments.csv, "--json": arguments.json}
     if STDOUT in files.values() and files["--csv"] == files["--json"]:
         raise SceneError(key="--json", expected="a file, since --csv takes stdout", found="-")
-    for key, path in (*files.items(), ("--resume", arguments.resume)):
-        if path not in (None, STDOUT):
-            check_file(key, Path(path))
+    named = {**files, "--resume": arguments.resume}
+    places = {key: Path(path) for key, path in named.items() if path not in (None, STDOUT)}
+    for key, path in places.items():
+        check_file(key, path)
     if arguments.plot is not None:
-        check_folder("--plot", arguments.plot)
+        check_folder("--plot", arguments.plot, content="PNG files")
+        places["--plot"] = arguments.plot
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    check_apart(places.items(), scene)
     from flankload.accuracy import accuracy as study_of
 
     with Progress(wanted=sys.stderr.isatty()) as progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from flankload.cli.solving import check_folder
+from flankload.cli.outputs import check_apart, check_folder
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ FEWEST, MOST = 1.0, 100.0
 def verify(arguments: Namespace) -> None:
     """Print both answers side by side."""
     if arguments.folder is not None:
-        check_folder("-o", arguments.folder)
+        check_folder("-o", arguments.folder, content="the deck")
     if not FEWEST <= arguments.elements <= MOST:
         raise SceneError(
             key="--elements",
@@ -31,7 +31,11 @@ def verify(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
+    from flankload.verify import files_of_deck
     from flankload.verify import verify as compared
+
+    if arguments.folder is not None:
+        check_apart((("-o", path) for path in files_of_deck(arguments.folder)), scene)
 
     found = compared(
         scene,

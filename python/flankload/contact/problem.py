@@ -89,8 +89,7 @@ def from_angles(
     least = row_scale.min()
     if not least > 0.0:
         raise InputError(
-            f"{name}: expected row scales > 0, found {least:g} "
-            f"at pair {int(row_scale.argmin())}",
+            f"{name}: expected row scales > 0, found {least:g} at pair {int(row_scale.argmin())}",
             code=-5,
         )
     if not torque_row.max() > 0.0:

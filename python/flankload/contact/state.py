@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.read_only import KeepsReadOnly
+
 Vector = NDArray[np.float64]
 
 # Directions in which the forces are this much less stiff than in the stiffest are undetermined.
@@ -57,7 +59,7 @@ class ContactInfo:
 
 
 @dataclass(frozen=True)
-class ContactState:
+class ContactState(KeepsReadOnly):
     """State of contact of n pairs; its arrays are read-only.
 
     Attributes

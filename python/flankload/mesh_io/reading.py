@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os.path import isdir, isfile
 from pathlib import Path
 
 import numpy as np
@@ -49,8 +50,8 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
         If the file is missing, cannot be read, or is no plane mesh of triangles and quadrilaterals.
     """
     path = Path(path)
-    if not path.is_file():
-        found = "a folder" if path.is_dir() else "no such file"
+    if not isfile(path):  # no error either of a name that is too long
+        found = "a folder" if isdir(path) else "no such file"
         raise MeshError(file=path, key=key, expected="a mesh file", found=found)
     try:
         found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)

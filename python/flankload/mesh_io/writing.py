@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.errors import MeshError
+from flankload.files import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,33 +57,36 @@ def write_mesh(
             file=path, key="", expected=" or ".join(WRITERS), found=path.suffix or "no suffix"
         )
     points = np.column_stack([nodes, np.zeros(len(nodes))])
-    temporary = path.with_name(f".flankload.{os.getpid()}{path.suffix}")
-    try:
-        if path.suffix == ".inp":
-            temporary.write_text(_abaqus_text(points, cells, edge_sets), encoding="ascii")
-        else:
-            _write_with_meshio(temporary, points, cells, edge_sets)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    if path.suffix == ".inp":
+        content = _abaqus_text(points, cells, edge_sets).encode("ascii")
+    else:
+        content = _by_meshio(path.suffix, points, cells, edge_sets)
+    write_atomically(path, content)
 
 
-def _write_with_meshio(
-    path: Path, points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
-) -> None:
+def _by_meshio(
+    suffix: str,
+    points: Floats,
+    cells: tuple[tuple[str, Numbers], ...],
+    edges: Mapping[str, Numbers],
+) -> bytes:
+    """Content of a .vtu or .msh file; meshio writes to files only."""
     import meshio
 
-    if path.suffix == ".vtu":
+    if suffix == ".vtu":
         out = meshio.Mesh(points, list(cells))
         for name, members in edges.items():
             marks = np.zeros(len(points), dtype=np.int32)
             marks[members] = 1
             out.point_data[name] = marks
-        meshio.write(path, out, file_format="vtu")
+        options: dict[str, Any] = {"file_format": "vtu"}
     else:
-        meshio.write(path, _gmsh_mesh(points, cells, edges), file_format="gmsh22", binary=False)
+        out = _gmsh_mesh(points, cells, edges)
+        options = {"file_format": "gmsh22", "binary": False}
+    with TemporaryDirectory(prefix="flankload_") as folder:
+        file = Path(folder) / f"mesh{suffix}"
+        meshio.write(file, out, **options)
+        return file.read_bytes()
 
 
 def _gmsh_mesh(

@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.files import write_atomically
 from flankload.plot.belt import (
     plot_belt_on_pulley,
     plot_force_through_wrap,
@@ -28,7 +29,6 @@ from flankload.plot.root_stress import plot_root_stress
 from flankload.plot.stiffness import plot_stiffness
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
-from flankload.result import write_atomically
 from flankload.result.belt import BeltDrive
 
 if TYPE_CHECKING:

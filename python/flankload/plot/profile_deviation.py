@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from flankload.plot.style import COLOURS, GREY, STYLE, new_figure
+from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, short
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def plot_profile_deviation(result: Result) -> Figure:
     with rc_context(STYLE):
         figure = new_figure((7.2, 1.0 + 2.9 * max(1, len(shown))))
         figure.suptitle("Profile deviation", x=0.01, ha="left", fontsize=11, fontweight="bold")
-        name = result.name if len(result.name) <= 48 else result.name[:47].rstrip() + "…"
+        name = short(result.name)
         figure.text(0.99, 0.985, name, ha="right", va="top", fontsize=9, color=GREY)
         low, high = _span([profile for _, profile, _ in shown])
         for row, (z, profile, active) in enumerate(shown):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import fontManager
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +23,19 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GREY = "#555555"
 STEEL = ("#dfe5ea", "#ece5da")
 
+#: Where they are installed: for scripts that matplotlib's own font does not have.
+OTHER_SCRIPTS = (
+    "Noto Sans CJK JP", "Noto Sans CJK SC", "Noto Sans JP", "Noto Sans SC", "IPAexGothic",
+    "WenQuanYi Zen Hei", "Droid Sans Fallback", "Hiragino Sans", "PingFang SC", "Yu Gothic",
+    "Microsoft YaHei", "Malgun Gothic", "Arial Unicode MS", "Noto Sans Devanagari",
+    "Noto Sans Thai", "Noto Sans Bengali", "Noto Sans Tamil",
+)  # fmt: skip
+
+INSTALLED = frozenset(fontManager.get_font_names())
+
 STYLE: Any = {
-    "font.family": "DejaVu Sans",
+    "font.family": ["DejaVu Sans", *(name for name in OTHER_SCRIPTS if name in INSTALLED)],
+    "text.parse_math": False,  # names of scenes are words, whatever is in them
     "font.size": 10,
     "axes.titlesize": 11,
     "axes.titleweight": "bold",
@@ -74,18 +87,23 @@ def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float6
 
 
 def png_of(figure: Figure) -> bytes:
+    """The picture; a letter that no font has is a box in it."""
     out = io.BytesIO()
-    with rc_context(STYLE):
+    with rc_context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
         figure.savefig(out, format="png")
     return out.getvalue()
 
 
 def subtitle(result: Result) -> str:
-    """Name and torque; a long name is cut, so that it never runs into the title."""
-    name = result.name
-    if len(name) > LONGEST_NAME:
-        name = name[: LONGEST_NAME - 1].rstrip() + "…"
-    return f"{name}, {result.torque_Nm:g} N m"
+    """Name and torque."""
+    return f"{short(result.name)}, {result.torque_Nm:g} N m"
+
+
+def short(name: str) -> str:
+    """A name on one line, cut where it would run into the title."""
+    line = "".join(letter if letter.isprintable() else " " for letter in " ".join(name.split()))
+    return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
 
 
 def loaded_sites(result: Result) -> list[tuple[int, int]]:

@@ -13,8 +13,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from flankload.accuracy.observed import MEANINGS
 from flankload.accuracy.study_text import GROUPS, KNOBS, NAMED
-from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of
-from flankload.result import write_atomically
+from flankload.files import write_atomically
+from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,7 +71,8 @@ def plot_work_precision(study: Study) -> Figure:
             axes.set_visible(False)
         for axes in panels[-1]:
             axes.set_xlabel("CPU seconds of a run")
-        figure.suptitle(f"{study.name}: error over CPU seconds", x=0.01, ha="left", fontsize=11)
+        title = f"{short(study.name)}: error over CPU seconds"
+        figure.suptitle(title, x=0.01, ha="left", fontsize=11)
         figure.legend(handles=_legend(study), loc="outside lower center", ncols=4)
         return figure
 

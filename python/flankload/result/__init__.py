@@ -1,10 +1,7 @@
 """What was found: frozen results, their tables and their files."""
 
-from flankload.result.export import (
-    results_to_csv,
-    results_to_json,
-    write_atomically,
-)
+from flankload.files import write_atomically
+from flankload.result.export import results_to_csv, results_to_json
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result, make_result

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.read_only import KeepsReadOnly
 from flankload.result.pairs import PairTable
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ OVER_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
 
 
 @dataclass(frozen=True, eq=False)
-class CoastContact:
+class CoastContact(KeepsReadOnly):
     """Contact on coast flanks at P positions; of the S pair numbers of the working ones.
 
     Pair j is the tooth of body 1 whose working flank makes pair j; with its coast flank it faces

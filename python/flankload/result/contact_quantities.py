@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.read_only import KeepsReadOnly
 from flankload.result.flank_contact import FlankContacts, flank_contacts
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class ContactQuantities:
+class ContactQuantities(KeepsReadOnly):
     """Quantities of a `Result` that follow from its pair tables and the pair's geometry.
 
     They are computed when they are first asked for.

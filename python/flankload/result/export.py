@@ -1,11 +1,10 @@
-"""Results as files: strict JSON, CSV, labelled arrays. A file appears whole or not at all."""
+"""Results as files: strict JSON, CSV, labelled arrays."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-import os
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.files import write_atomically
 from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
@@ -76,48 +76,6 @@ def along_positions(*results: Result) -> dict[str, str]:
         if all(getattr(result, key) is not None for result in results)
     }
     return ALONG_POSITIONS | some
-
-
-def write_atomically(path: str | Path, content: str | bytes) -> None:
-    """Write a file so that it is there whole or not at all.
-
-    Parameters
-    ----------
-    path : path
-        What a link points to is written, the link stays. What is no regular file (a device, a
-        pipe) is written to and stays what it is.
-    content : str or bytes
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; what stood there before stays.
-    """
-    path = Path(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
-    if is_stream(path):
-        with path.open("ab") as stream:
-            stream.write(data)
-        return
-    target = Path(os.path.realpath(path))
-    # Beside the target, so that the last step is a rename within one file system.
-    part = target.with_name(f".flankload.{os.getpid()}.part")
-    try:
-        part.write_bytes(data)
-        os.replace(part, target)
-    except BaseException as error:
-        part.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.errno is not None:
-            # The file that was asked for, not the one beside it.
-            raise OSError(error.errno, error.strerror, str(path)) from None
-        raise
-
-
-def is_stream(path: Path) -> bool:
-    """Whether a path names a device or a pipe: to be written to, never to be replaced."""
-    if not path.exists() or path.is_dir():
-        return False
-    return not path.is_file() or str(path) in ("/dev/stdout", "/dev/stderr")
 
 
 def results_to_json(results: Result | Sequence[Result], path: str | Path | None = None) -> str:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.read_only import KeepsReadOnly
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -18,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class FlankContacts:
+class FlankContacts(KeepsReadOnly):
     """Contacts at P positions on S sites; NaN where nothing carries.
 
     Attributes

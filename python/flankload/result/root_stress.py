@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from flankload.near_field import mode_norms, mode_values
 from flankload.nodal_loads import hat_values
+from flankload.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +62,7 @@ class RootReading:
 
 
 @dataclass(frozen=True, eq=False)
-class Extremes:
+class Extremes(KeepsReadOnly):
     """Largest stress of one sign in both fillets of a tooth, at P positions on S sites.
 
     Attributes
@@ -83,7 +84,7 @@ class Extremes:
 
 
 @dataclass(frozen=True, eq=False)
-class RootStress:
+class RootStress(KeepsReadOnly):
     """Stress along the root fillets of the teeth of one body; P positions, S sites, q places.
 
     Attributes

@@ -6,9 +6,10 @@ from msgspec import Meta
 
 from flankload.scene.table import (
     USUAL_SIZE,
+    Deviation,
     EvenBody,
+    Force,
     Length,
-    NotNegative,
     PoissonRatio,
     YoungModulus,
     about,
@@ -109,11 +110,11 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         0.45
     )
     pitch_difference_um: Annotated[
-        float,
+        Deviation,
         about("um", "pitch of the belt without load, minus body_1.pitch_mm", usual=(0.1, 2000.0)),
     ] = 0.0
     prestress_N: Annotated[
-        NotNegative,
+        Force,
         about(
             "N",
             "mean tension of the cord, which holds it straight; half of tight and slack tension "

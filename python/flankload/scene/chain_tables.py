@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import EvenBody, Length, Positive, about
+from flankload.scene.table import EvenBody, Length, about
 
 Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
@@ -79,7 +79,7 @@ class Chain(EvenBody, frozen=True, kw_only=True, tag="chain"):
         about("-", "by which wear has lengthened every link, relative"),
     ] = 0.0
     span_length_mm: Annotated[
-        Positive | None,
+        Length | None,
         about(
             "mm",
             "length of the free strands, whose tension holds the outer rollers sideways; absent "

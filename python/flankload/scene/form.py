@@ -180,7 +180,11 @@ def _fits(kind: inspect.Type, value: Any) -> bool:
     if isinstance(kind, inspect.LiteralType):
         return value in kind.values
     if isinstance(kind, inspect.StrType):
-        return isinstance(value, str) and len(value.strip()) >= (kind.min_length or 0)
+        return (
+            isinstance(value, str)
+            and len(value.strip()) >= (kind.min_length or 0)
+            and not any("\ud800" <= letter <= "\udfff" for letter in value)  # halves of letters
+        )
     if isinstance(kind, inspect.BoolType):
         return isinstance(value, bool)
     # TOML has true and false for that: bool is no number here, though Python says it is.

@@ -10,10 +10,11 @@ from flankload.scene.table import (
     USUAL_ROUNDING,
     USUAL_SIZE,
     BodyTable,
+    Deviation,
     Length,
-    NotNegative,
     PitchErrors,
     PoissonRatio,
+    Relief,
     Rigid,
     Shift,
     Table,
@@ -33,7 +34,7 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
     profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
     tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle", usual=USUAL_SIZE)]
     tip_relief_um: Annotated[
-        NotNegative | None,
+        Relief | None,
         about(
             "um",
             "tip relief at the tip circle, normal to the involute",
@@ -65,7 +66,7 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         ),
     ] = None
     profile_crowning_um: Annotated[
-        NotNegative | None,
+        Relief | None,
         about("um", "profile crowning, normal to the involute", usual=USUAL_MODIFICATION),
     ] = None
 
@@ -147,7 +148,7 @@ SplineAngle = Annotated[
     Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
 ]
 IndexErrors = Annotated[
-    tuple[float, ...],
+    tuple[Deviation, ...],
     about(
         "um",
         "one deviation per tooth along the base tangent, positive = metal that touches early; "

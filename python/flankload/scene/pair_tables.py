@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import USUAL_SIZE, Angles, Length, NotNegative, Table, Torques, about
+from flankload.scene.table import USUAL_SIZE, Angles, Length, Table, Torque, Torques, about
 
 
 class Pair(Table, frozen=True, kw_only=True):
@@ -42,7 +42,7 @@ class Load(Table, frozen=True, kw_only=True):
     """What body 1 carries."""
 
     torque_Nm: Annotated[
-        NotNegative | Torques,
+        Torque | Torques,
         about(
             "N m", "torque on body 1, or a list: one result per torque; 0 is the unloaded motion"
         ),

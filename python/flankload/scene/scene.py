@@ -68,6 +68,16 @@ class Scene:
         return self.file.parent if self.file is not None else Path()
 
     @property
+    def files(self) -> dict[str, Path]:
+        """Files that bodies name, by their keys."""
+        named = {
+            f"{name}.{key}": getattr(body, key, None)
+            for name, body in (("body_1", self.body_1), ("body_2", self.body_2))
+            for key in ("file", "profile_file")
+        }
+        return {key: self.folder / file for key, file in named.items() if file is not None}
+
+    @property
     def torques_Nm(self) -> tuple[float, ...]:
         """All torques on body 1, N m."""
         torque = self.load.torque_Nm
@@ -101,11 +111,12 @@ class Scene:
         SceneError
             At the first key that contradicts another one; names key, expected and found.
         """
+        drives = self.body_2.kind in ("chain", "belt")
         asked = SceneFile(
             name=self.name,
             body_1=self.body_1,
             body_2=self.body_2,
-            pair=None if self.pair is NO_PAIR else self.pair,
+            pair=None if drives and self.pair == NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
             effects=self.effects,

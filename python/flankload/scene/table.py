@@ -4,15 +4,21 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-Positive = Annotated[float, Meta(gt=0)]
 #: mm. The range is far wider than any pair; beyond it numbers overflow or meshes have no end.
-Length = Annotated[float, Meta(ge=1e-3, le=1e5)]
-NotNegative = Annotated[float, Meta(ge=0)]
+SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
+Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
+#: um. A metre of relief, crowning or pitch error is more than any flank has.
+LARGEST_DEVIATION = 1e6
+Relief = Annotated[float, Meta(ge=0, le=LARGEST_DEVIATION)]
+Deviation = Annotated[float, Meta(ge=-LARGEST_DEVIATION, le=LARGEST_DEVIATION)]
+#: N m and N: more than any machine carries.
+Torque = Annotated[float, Meta(ge=0, le=1e12)]
+Force = Annotated[float, Meta(ge=0, le=1e9)]
 Text = Annotated[str, Meta(min_length=1)]
 # Beyond thousands of turns the place within a tooth pitch is lost to rounding.
 Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
-Torques = Annotated[tuple[NotNegative, ...], Meta(min_length=1)]
+Torques = Annotated[tuple[Torque, ...], Meta(min_length=1)]
 Shift = Annotated[float, Meta(ge=-5, le=5)]
 Strips = Annotated[float, Meta(ge=2, le=200)]
 
@@ -40,8 +46,11 @@ USUAL_MODIFICATION = (0.3, 2000.0)
 USUAL_ERRORS = (0.1, 2000.0)
 
 # Keys that several kinds of body have.
-Teeth = Annotated[int, Meta(ge=3)]
-Modulus = Annotated[float, Meta(ge=1e-3, le=1e9)]
+#: More than any body has; a matrix for each of them still fits in memory.
+MOST_TEETH = 10000
+Teeth = Annotated[int, Meta(ge=3, le=MOST_TEETH)]
+SMALLEST_MODULUS, LARGEST_MODULUS = 1e-3, 1e9
+Modulus = Annotated[float, Meta(ge=SMALLEST_MODULUS, le=LARGEST_MODULUS)]
 YoungModulus = Annotated[
     Modulus,
     # from PTFE to carbides
@@ -50,7 +59,7 @@ YoungModulus = Annotated[
 PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
 Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
 PitchErrors = Annotated[
-    tuple[float, ...],
+    tuple[Deviation, ...],
     about(
         "um",
         "one deviation per tooth along the base tangent, positive = metal that touches early; in "

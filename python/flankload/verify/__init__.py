@@ -4,7 +4,7 @@ beside flankload's.
 Scene → whole bodies in triangles, fine where flanks may touch → deck → CalculiX → comparison.
 """
 
-from flankload.verify.calculix import Answer
+from flankload.verify.calculix import Answer, files_of_deck
 from flankload.verify.comparison import Verification, verify
 
-__all__ = ["Answer", "Verification", "verify"]
+__all__ = ["Answer", "Verification", "files_of_deck", "verify"]

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: Name of the job: deck.inp, deck.dat, deck.sta.
 JOB = "deck"
+#: What CalculiX reads and writes, and the log.
+SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
 PACKAGE = "calculix-ccx"
 STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all contact elements"
 
@@ -61,6 +63,11 @@ class Answer:
     iterations: int
     cpu_s: float
     wall_s: float
+
+
+def files_of_deck(folder: Path) -> tuple[Path, ...]:
+    """Files that a run writes into a folder."""
+    return tuple(folder / f"{JOB}{suffix}" for suffix in SUFFIXES)
 
 
 def find_program(program: str) -> str:
@@ -119,9 +126,9 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
     OtherProgramError
         If it does not converge, does not end in time or writes no answer.
     """
-    for old in folder.glob(f"{JOB}.*"):
+    for old in files_of_deck(folder):
         if old.suffix != ".inp":
-            old.unlink()
+            old.unlink(missing_ok=True)
     environment = {"OMP_NUM_THREADS": "1", **os.environ}
     wall, cpu = perf_counter(), _children_cpu_s()
     log = folder / f"{JOB}.log"

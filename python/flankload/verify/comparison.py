@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.errors import OtherProgramError, SceneError
+from flankload.files import write_atomically
 from flankload.plan import choose_effects
 from flankload.solve import solve
 from flankload.steering import first_scene
@@ -168,7 +169,7 @@ def verify(
     place = Path(folder) if folder is not None else Path(tempfile.mkdtemp(prefix="flankload_"))
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{JOB}.inp"
-    path.write_text(deck_text(model.deck), encoding="ascii", errors="replace")
+    write_atomically(path, deck_text(model.deck).encode("ascii", errors="replace"))
     answer = None
     if run:
         try:

@@ -1,0 +1,139 @@
+"""Archives of arrays (.npz): what is in them is known before anything is unpacked.
+
+An archive of a few kilobytes can unpack to gigabytes. Names, types, shapes and sizes stand in the
+table of the archive and in the heads of its members.
+"""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile, ZipInfo
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+#: Of all arrays of a file together, unpacked.
+MOST_BYTES = 2**31
+MOST_ARRAYS = 100
+SUFFIX = ".npy"
+
+
+class BadArchive(Exception):  # noqa: N818 - not an error of flankload's users yet
+    """An archive that is none, or that holds what is refused.
+
+    Parameters
+    ----------
+    name : str or None
+        Of the array.
+    found : str
+    """
+
+    def __init__(self, name: str | None, found: str) -> None:
+        super().__init__(name, found)
+        self.name = name
+        self.found = found
+
+
+@dataclass(frozen=True)
+class Member:
+    """An array of a file that is not read yet.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    dtype : dtype
+    read : callable
+        Gives the array; raises `BadArchive`.
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    read: Callable[[], NDArray[Any]]
+
+
+def read_members(path: Path) -> dict[str, Member]:
+    """Read names, types and shapes of an archive.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    dict of str to Member
+
+    Raises
+    ------
+    BadArchive
+        If it is no archive, holds pickled objects, more or larger arrays than any such file has, or
+        an array whose size is not that of its shape.
+    """
+    name = None
+    members: dict[str, Member] = {}
+    try:
+        with warnings.catch_warnings(), ZipFile(path) as archive:
+            warnings.simplefilter("ignore")
+            parts = archive.infolist()
+            _check_size(parts)
+            for part in parts:
+                name = part.filename.removesuffix(SUFFIX)
+                if name in members:
+                    raise BadArchive(name, "two arrays of one name")
+                members[name] = _member(path, archive, part, name)
+    except BadArchive:
+        raise
+    except Exception as error:  # whatever zip files and heads can be made to raise
+        raise BadArchive(name, _reason(error)) from None
+    return members
+
+
+def archive_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Content of a .npz file; the same arrays give the same bytes."""
+    out = io.BytesIO()
+    np.savez_compressed(out, allow_pickle=False, **arrays)
+    return out.getvalue()
+
+
+def _check_size(parts: list[ZipInfo]) -> None:
+    if len(parts) > MOST_ARRAYS:
+        raise BadArchive(None, f"{len(parts)} arrays, more than {MOST_ARRAYS}")
+    size = sum(part.file_size for part in parts)
+    if size > MOST_BYTES:
+        raise BadArchive(
+            None, f"arrays of {size / 2**30:.3g} GiB, more than {MOST_BYTES / 2**30:g} GiB"
+        )
+
+
+def _member(path: Path, archive: ZipFile, part: ZipInfo, name: str) -> Member:
+    with archive.open(part) as stream:
+        version = npy.read_magic(stream)
+        if version not in ((1, 0), (2, 0)):
+            raise BadArchive(name, f"version {version[0]}.{version[1]} of numpy's format")
+        read_head = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, _, dtype = read_head(stream)
+        head = stream.tell()
+    if dtype.hasobject:
+        raise BadArchive(name, "pickled objects, which are never loaded")
+    if min(shape, default=0) < 0 or head + prod(shape) * dtype.itemsize != part.file_size:
+        raise BadArchive(name, f"{part.file_size} bytes, which are not of its shape {shape}")
+    return Member(tuple(shape), dtype, lambda: _read(path, part.filename, name))
+
+
+def _read(path: Path, file: str, name: str) -> NDArray[Any]:
+    try:
+        with ZipFile(path) as archive, archive.open(file) as stream:
+            return np.asarray(npy.read_array(stream, allow_pickle=False))
+    except Exception as error:
+        raise BadArchive(name, _reason(error)) from None
+
+
+def _reason(error: Exception) -> str:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return f"{reason[0].lower()}{reason[1:120]}"

@@ -1,0 +1,92 @@
+"""Where a command may write: refused before the work, not after it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.errors import SceneError
+from flankload.files import is_stream
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from flankload.scene import Scene
+
+STDOUT = "-"
+#: Suffixes of files: what is called so is no folder.
+OF_FILES = (
+    ".csv", ".eps", ".gif", ".html", ".inp", ".jpeg", ".jpg", ".json", ".msh", ".npz", ".pdf",
+    ".png", ".ps", ".svg", ".tif", ".tiff", ".toml", ".txt", ".vtu", ".webp",
+)  # fmt: skip
+
+
+def check_folder(key: str, folder: Path, *, content: str) -> None:
+    """Refuse a folder that cannot be made or written to, or that is called like a file.
+
+    Parameters
+    ----------
+    key : str
+        The option.
+    folder : Path
+    content : str
+        Which files go there.
+    """
+    there = next(part for part in (folder, *folder.parents) if part.exists())
+    if not there.is_dir():
+        raise SceneError(key=key, expected="a folder", found=f"the file {there}")
+    if there != folder and folder.suffix.lower() in OF_FILES:
+        raise SceneError(
+            key=key,
+            expected=f"a folder for {content}, such as {folder.with_suffix('')}",
+            found=f"{folder}, the name of a file",
+        )
+    if not os.access(there, os.W_OK):
+        raise SceneError(
+            key=key, expected="a folder to write in", found=f"{there}, which is read-only"
+        )
+
+
+def check_file(key: str, path: Path) -> None:
+    """Refuse a file that cannot be written."""
+    if path.is_dir():
+        raise SceneError(key=key, expected="a file", found=f"the folder {path}")
+    if not path.parent.is_dir():
+        raise SceneError(
+            key=key, expected="a file in a folder that exists", found=f"no folder {path.parent}"
+        )
+    if path.exists() and not path.is_file():
+        return  # a device or a pipe
+    if not os.access(path.parent, os.W_OK):
+        raise SceneError(
+            key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
+        )
+
+
+def check_apart(outputs: Iterable[tuple[str, Path]], scene: Scene) -> None:
+    """Refuse an output that would replace the scene, a file that it reads or another output.
+
+    Parameters
+    ----------
+    outputs : iterable of (str, Path)
+        Each file or folder with its option.
+    scene : Scene
+    """
+    taken: Mapping[str, Path] = {f"that of {key}": path for key, path in scene.files.items()}
+    if scene.file is not None:
+        taken = {"the scene": scene.file, **taken}
+    for key, path in outputs:
+        if is_stream(path):
+            continue
+        for owner, other in taken.items():
+            if _same(path, other):
+                raise SceneError(key=key, expected=f"a file other than {owner}", found=path)
+        taken = {**taken, f"that of {key}": path}
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, through links of both kinds."""
+    if os.path.realpath(one) == os.path.realpath(other):
+        return True
+    return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
