@@ -337,7 +337,7 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     """
     row = row_response([piece.cell for piece in pieces])
     kinds = np.concatenate([piece.kinds for piece in pieces])
-    loads = np.concatenate([piece.kinds[: piece.cell.local.shape[1]] for piece in pieces])
+    loads = np.concatenate([piece.kinds[: piece.cell.loads] for piece in pieces])
     rows = {kind: np.flatnonzero(kinds == kind) for kind in Kind}
     columns = {kind: np.flatnonzero(loads == kind) for kind in Kind}
 
