@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.flank_contact import FlankContacts, flank_contacts
+from flankload.rounding import round_down, round_up
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,7 +60,7 @@ class ContactQuantities:
             could = set(table.site.tolist())
             if path is not None:
                 # pair j stands j pitches further along
-                could |= set(range(ceil(path[0] - place), floor(path[1] - place) + 1))
+                could |= set(range(round_up(path[0] - place), round_down(path[1] - place) + 1))
             counts.append(len(could))
         return frozen(np.array(counts))
 
