@@ -1,6 +1,7 @@
 !> A contact pair: where a circle about O1 cuts two flanks (section 3.2 of the paper).
 module flankload_circle_pair
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
     use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length, curve_point, &
         & placed_point
     use flankload_polar_geometry, only: angle_between, circle_meets_flank, cross
@@ -66,7 +67,7 @@ contains
         allocate (parts(n_intervals))
         do interval = 1, n_intervals
             parts(interval) = max(1, &
-                & ceiling((curve%breaks(interval) - curve%breaks(interval - 1))/step))
+                & ceiling((curve%breaks(interval) - curve%breaks(interval - 1))/step - tie))
         end do
         n = sum(parts) + 1
         flank%curve = curve

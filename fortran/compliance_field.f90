@@ -8,6 +8,7 @@
 !> distance; on a closed one they are harmonics of a turn, and its logarithm that of the chord.
 module flankload_compliance_field
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
     implicit none
     private
 
@@ -142,7 +143,7 @@ contains
         !> closed form would lose its digits.
         real(wp), parameter :: far = 8.0_wp
 
-        if (abs(distance) > far*max(cell, other)) then
+        if (abs(distance) > (far + tie)*max(cell, other)) then
             displacement = strip_kernel(distance, sqrt(cell**2 + other**2), kernel)
             return
         end if

@@ -5,6 +5,7 @@ module flankload_contact_grid
     use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: edge_type, is_level
+    use flankload_rounding, only: tie, whole_parts
     implicit none
     private
 
@@ -255,15 +256,15 @@ contains
             else if (zone%to_corner_high < grid%high - zone%nearest%s_1) then
                 anchor = zone%nearest%s_1 + zone%to_corner_high
             end if
-            n_low = int((anchor - grid%low)/grid%cell)
-            n_high = int((grid%high - anchor)/grid%cell)
+            n_low = whole_parts(anchor - grid%low, grid%cell)
+            n_high = whole_parts(grid%high - anchor, grid%cell)
             grid%n = max(1, n_low + n_high)
             grid%first = anchor + (0.5_wp - n_low)*grid%cell
             return
         end if
-        grid%n = max(1, int(length/grid%cell))
+        grid%n = max(1, whole_parts(length, grid%cell))
         if (.not. (grid%open_low .or. grid%open_high)) then
-            grid%n = max(1, nint(length/grid%cell))
+            grid%n = max(1, nint(length/grid%cell + tie))
             grid%cell = length/grid%n
         end if
         grid%cell = min(grid%cell, length)
@@ -320,9 +321,9 @@ contains
         ends = [0.0_wp]
         width = first
         ! less than half a cell is spread over the others
-        do while (ends(size(ends)) < length - 0.5_wp*width)
+        do while (ends(size(ends)) < length - (0.5_wp + tie)*width)
             ends = [ends, ends(size(ends)) + width]
-            if (ends(size(ends)) >= even) width = min(largest, growth_ratio*width)
+            if (ends(size(ends)) >= even - tie*width) width = min(largest, growth_ratio*width)
         end do
         if (size(ends) == 1 .and. length > 0.01_wp*first) ends = [ends, length]
         if (size(ends) > 1) ends = ends*(length/ends(size(ends)))

@@ -1,6 +1,7 @@
 !> How far a contact reaches under its force, and over which edges.
 module flankload_contact_reach
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
     use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type, placed_point
     use flankload_polar_geometry, only: circle_meets_flank
     use flankload_circle_pair, only: flank_type, guessed_s_2, pair_type, pair_on_circle
@@ -140,9 +141,11 @@ contains
         allocate (edges(0))
         if (size(flank_1%roundings) + size(flank_2%roundings) == 0) return
         if (is_level(zone) .or. zone%corner > 0) return
-        if (zone%to_corner_low < reach(1) .or. zone%to_corner_high < reach(2)) return
-        low = zone%nearest%s_1 - reach(1)
-        high = zone%nearest%s_1 + reach(2)
+        if (zone%to_corner_low < (1.0_wp - tie)*reach(1)) return
+        if (zone%to_corner_high < (1.0_wp - tie)*reach(2)) return
+        ! an edge at the end of the contact is not inside
+        low = zone%nearest%s_1 - (1.0_wp - tie)*reach(1)
+        high = zone%nearest%s_1 + (1.0_wp - tie)*reach(2)
         first%s = huge(1.0_wp)
         last%s = -huge(1.0_wp)
         do k = 1, size(flank_1%roundings)

@@ -33,6 +33,9 @@ contains
         !> Distance of flank 2's samples from O1 [mm]
         real(wp), allocatable, intent(out) :: radius_2(:)
 
+        !> A circle through a sample of flank 2 is one through a sample of flank 1 where it comes so
+        !> near to it: flanks of shafts and hubs end on common circles by design.
+        real(wp), parameter :: same_circle = 128.0_wp*epsilon(1.0_wp)
         integer :: l, k, n_2, n, at
         real(wp) :: s, point(2), tangent(2), weight, half_tangent
         real(wp), allocatable :: radius(:), place_1(:, :), place_2(:, :)
@@ -54,7 +57,14 @@ contains
         do l = 1, n_2
             if (flank_2%special(l) == 0) cycle
             n = size(s_1)
-            if (radius_2(l) <= radius(1) .or. radius_2(l) >= radius(n)) cycle
+            at = minloc(abs(radius - radius_2(l)), dim=1)
+            if (abs(radius(at) - radius_2(l)) <= same_circle*radius_2(l)) then
+                if (corner(at) <= 0 .and. flank_2%special(l) > 0) corner(at) = 2
+                if (corner(at) == 0) corner(at) = -2
+                radius_2(l) = radius(at)
+                cycle
+            end if
+            if (radius_2(l) < radius(1) .or. radius_2(l) > radius(n)) cycle
             at = count(radius < radius_2(l))
             s = s_1(at)
             call circle_meets_flank(flank_1%curve, frame_1, radius_2(l), s_1(at), s_1(at + 1), s, &

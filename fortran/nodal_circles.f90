@@ -1,13 +1,14 @@
 !> Circles about O1 that cut two flanks given by points.
 module flankload_nodal_circles
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
     implicit none
     private
 
     public :: radii_about, is_steady, shared_circles
 
     !> Circles closer than this part of the spacing of the points would make K singular.
-    real(wp), parameter :: least_spacing = 0.5_wp
+    real(wp), parameter :: least_spacing = 0.5_wp - tie
 
 contains
 

@@ -2,6 +2,7 @@
 !> these would ask the tables for more than they hold, and K would be singular.
 module flankload_node_cells
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
     use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
     use flankload_polar_geometry, only: circle_meets_flank
     use flankload_contact_zones, only: zone_type
@@ -24,22 +25,24 @@ contains
         type(grid_type), intent(inout) :: grid
 
         integer :: first, last, k
+        real(wp) :: same
         real(wp), allocatable :: around(:)
 
+        same = tie*(zone%s_1_high - zone%s_1_low)
         ! the stretch over which circles cut both flanks, or what another zone has left of it
-        first = 1 + count(places < merge(zone%s_1_low, grid%low, grid%open_low))
-        last = count(places <= merge(zone%s_1_high, grid%high, grid%open_high))
+        first = 1 + count(places < merge(zone%s_1_low, grid%low, grid%open_low) - same)
+        last = count(places <= merge(zone%s_1_high, grid%high, grid%open_high) + same)
         if (.not. grid%open_low .and. grid%low > zone%s_1_low) then
             first = 1 + count(places < grid%low)
         else if (grid%open_low .and. first > 1) then
             first = first - 1
-            if (places(first) < zone%s_1_low) first = first + 1
+            if (places(first) < zone%s_1_low - same) first = first + 1
         end if
         if (.not. grid%open_high .and. grid%high < zone%s_1_high) then
             last = count(places < grid%high)
         else if (grid%open_high .and. last < size(places)) then
             last = last + 1
-            if (places(last) > zone%s_1_high) last = last - 1
+            if (places(last) > zone%s_1_high + same) last = last - 1
         end if
         grid%open_low = grid%open_low .and. first > 1
         grid%open_high = grid%open_high .and. last < size(places)
@@ -53,7 +56,7 @@ contains
             grid%ends = [grid%low, grid%high]
             return
         end if
-        grid%centers = places(first:last)
+        grid%centers = min(zone%s_1_high, max(zone%s_1_low, places(first:last)))
         around = [places(max(1, first - 1)), grid%centers, places(min(size(places), last + 1))]
         grid%ends = [(0.5_wp*(around(k) + around(k + 1)), k=1, grid%n + 1)]
     end subroutine lay_on_nodes
@@ -74,17 +77,18 @@ contains
         real(wp), allocatable :: places(:)
 
         integer :: k
-        real(wp) :: s, low, high, point(2), tangent(2)
+        real(wp) :: s, low, high, same, point(2), tangent(2)
         real(wp) :: met(size(nodes))
         logical :: found, meets(size(nodes))
 
         low = min(zone%s_2_low, zone%s_2_high)
         high = max(zone%s_2_low, zone%s_2_high)
-        meets = nodes >= low .and. nodes <= high
+        same = tie*(high - low)
+        meets = nodes >= low - same .and. nodes <= high + same
         met = 0.0_wp
         do k = 1, size(nodes)
             if (.not. meets(k)) cycle
-            call placed_point(flank_2, frame_2, nodes(k), point, tangent)
+            call placed_point(flank_2, frame_2, min(high, max(low, nodes(k))), point, tangent)
             s = zone%nearest%s_1
             call circle_meets_flank(flank_1, frame_1, norm2(point), zone%s_1_low, zone%s_1_high, &
                 & s, point, tangent, found)

@@ -3,6 +3,7 @@
 module flankload_position_cells
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error
+    use flankload_rounding, only: tie
     use flankload_flank_curve, only: flank_curve_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
@@ -249,14 +250,16 @@ contains
         integer, allocatable :: warm(:)
 
         integer :: i, z
-        real(wp) :: beyond
+        real(wp) :: beyond, within(2)
         logical :: expected(pairs%n)
 
         do i = 1, pairs%n
             z = pairs%zone(i)
             beyond = pairs%s_1(i) - zones(z)%nearest%s_1
-            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -cells%reach(1, z) &
-                & .and. beyond < cells%reach(2, z)
+            ! the centre of a cell on the edge of a contact is not inside
+            within = (1.0_wp - tie)*cells%reach(:, z)
+            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -within(1) &
+                & .and. beyond < within(2)
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
     end function expected_pairs

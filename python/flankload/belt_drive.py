@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import partial
-from math import ceil, degrees
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from flankload.bodies.pulley import build_pulley
 from flankload.bodies.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.cost import Account, beside_plan, held_bytes
 from flankload.mesh_report import quality_rows
+from flankload.rounding import round_up
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -188,7 +189,7 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
     size = scene.accuracy.flank_element_mm
     if size is None or strip.tooth is None:
         return FLANK_ELEMENTS
-    return max(LEAST_ELEMENTS, ceil(strip.tooth.height_mm / size - 1e-9))
+    return max(LEAST_ELEMENTS, round_up(strip.tooth.height_mm / size))
 
 
 def default_element_mm(scene: Scene) -> float | None:

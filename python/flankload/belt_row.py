@@ -7,7 +7,7 @@ differ by how far teeth have gone on. All is put together by the stiffness of th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, floor, sin
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from flankload.belt_columns import FlankLine, Flanks
 from flankload.belt_strip import Kind, Piece, solve_piece
 from flankload.bodies.belt_mesh import FLANK_ELEMENTS, STRAND, half_land, mesh_strip
+from flankload.rounding import round_down
 from flankload.sector_closure import row_response
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ class BeltRow:
         -------
         StripResponse
         """
-        teeth = -floor(phase + 0.5)
+        teeth = -round_down(phase + 0.5)
         on = self._strip.pitch_rad * (phase + teeth)
         ends = strand_ends(self._strip, self._elements, on)
         if self._known is None or self._known[0] != ends:
@@ -337,7 +338,7 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     """
     row = row_response([piece.cell for piece in pieces])
     kinds = np.concatenate([piece.kinds for piece in pieces])
-    loads = np.concatenate([piece.kinds[: piece.cell.local.shape[1]] for piece in pieces])
+    loads = np.concatenate([piece.kinds[: piece.cell.loads] for piece in pieces])
     rows = {kind: np.flatnonzero(kinds == kind) for kind in Kind}
     columns = {kind: np.flatnonzero(loads == kind) for kind in Kind}
 

@@ -145,8 +145,8 @@ def solve_piece(
     left = faces[0].size
     return Piece(
         cell=RowCell(
-            local=columns[inner].T @ solved[:, loads] + direct[:, loads],
-            carried=(carried[:left], carried[left:]),
+            local=(columns[inner].T @ solved[:, loads] + direct[:, loads],),
+            carried=((carried[:left], carried[left:]),),
             stiffness=(
                 complement[:left, :left],
                 complement[:left, left:],

@@ -10,6 +10,7 @@ import numpy as np
 from flankload.belt_row import strand_ends
 from flankload.bodies.belt_mesh import cord_rows, half_land
 from flankload.elasticity import MANY_KEPT
+from flankload.rounding import round_down, round_up
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class Asked:
 def phases(strip: Strip, position_rad: Floats) -> Floats:
     """(P,) Where the middle of the first land stands beyond the tangent point, in pitches."""
     at = position_rad / strip.pitch_rad
-    return np.asarray(at - np.floor(at + 0.5))
+    return np.asarray(at - round_down(at + 0.5))
 
 
 def distinct_ends(strip: Strip, elements: int, position_rad: Floats) -> tuple[set[float], ...]:
@@ -176,8 +177,8 @@ def _beyond(land: Floats, end: float) -> int:
     size = float(land[1])
     if end < 0:
         # what is held reaches from the end to the other edge
-        return int(np.ceil((land[-1] + end) / size - 1e-9)) - (land.size - 1)
-    return int(np.ceil(end / size - 1e-9))
+        return round_up((land[-1] + end) / size) - (land.size - 1)
+    return round_up(end / size)
 
 
 def work_of_states(strip: Strip, elements: int, states: int) -> dict[str, int]:

@@ -9,10 +9,12 @@ has just arrived and carries nothing; it leaves where it comes into line at the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, cos, floor, sin
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from flankload.rounding import round_down, round_up
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,9 +22,6 @@ if TYPE_CHECKING:
     from flankload.bodies.sprocket import Sprocket
 
     Floats = NDArray[np.float64]
-
-#: Rollers this near to their arrival or leaving, in pitches, count as beside the sprocket.
-ON_THE_EDGE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,9 @@ def wrap_at(sprocket: Sprocket, wrap_angle_rad: float, position_rad: float) -> W
     """
     beta = sprocket.half_pitch_rad
     pitches = position_rad / (2 * beta)
-    first = -floor(pitches + ON_THE_EDGE)
-    last = ceil(wrap_angle_rad / (2 * beta) - pitches - ON_THE_EDGE)
+    # rollers that arrive or leave just now are beside the sprocket
+    first = -round_down(pitches)
+    last = round_up(wrap_angle_rad / (2 * beta) - pitches)
     # roller k stands k pitches behind roller 0, which has arrived one half pitch before its strand
     angles = np.asarray(2 * beta * (np.arange(first, last + 1) + pitches) - beta, dtype=np.float64)
     end = wrap_angle_rad

@@ -26,6 +26,7 @@ from flankload.coast_sites import CoastSites, coast_sites
 from flankload.errors import SceneError
 from flankload.gear_mesh import Mesh, gear_mesh
 from flankload.period import Period, period_of
+from flankload.rounding import round_down, round_up
 from flankload.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
@@ -272,8 +273,8 @@ def _sites(
     if mesh is not None:
         start, end = mesh.path_start_mm / mesh.base_pitch_mm, mesh.path_end_mm / mesh.base_pitch_mm
         spare = 1
-    first = np.floor(start - pitches).astype(int) - spare
-    last = np.ceil(end - pitches).astype(int) + spare + int(coast_flanks)
+    first = round_down(start - pitches) - spare
+    last = round_up(end - pitches) + spare + int(coast_flanks)
     # positions may stand turns apart
     runs = set(zip(first.tolist(), last.tolist(), strict=True))
     sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))

@@ -4,6 +4,10 @@ Of a sector the response to its loads with both cuts held, the forces G that the
 the cuts and the condensed stiffness S of the cuts are all that is needed: the ring of all sectors
 closes by Fourier, sector harmonic by sector harmonic, an open row is solved from one end to the
 other. Nothing is approximated.
+
+Readings are kept by kind: displacements by the loads themselves, of the coast flank, stress. Each
+kind is multiplied by itself, since BLAS sums a product of more columns in another order: what one
+kind reads is the same to the last bit whichever others are read, too.
 """
 
 from __future__ import annotations
@@ -25,6 +29,8 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import SectorMesh
 
+    Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class CondensedSector:
@@ -32,32 +38,32 @@ class CondensedSector:
 
     Attributes
     ----------
-    local : (r, p) array
-        Response of the r readings to the p loads with both cuts held; the loads are the first p
-        readings.
-    carried : (2 m, r) array
-        Forces that the readings, taken as loads, send to the cuts; first the left cut, then the
-        right one.
+    local : tuple of (r, p) arrays
+        By kind of reading, the loads first: response of its r readings to the p loads with both
+        cuts held.
+    carried : tuple of (2 m, r) arrays
+        By kind of reading: forces that the readings, taken as loads, send to the cuts; first the
+        left cut, then the right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
     """
 
-    local: NDArray[np.float64]
-    carried: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
+    local: tuple[Floats, ...]
+    carried: tuple[Floats, ...]
+    stiffness: Floats
 
 
 def condense(
     matrix: csc_matrix,
-    loads: NDArray[np.float64],
+    loads: Floats,
     mesh: SectorMesh,
     lap: Callable[[str], None] | None = None,
     *,
-    coast: NDArray[np.float64] | None = None,
-    readings: NDArray[np.float64] | None = None,
-    forces: NDArray[np.float64] | None = None,
+    coast: Floats | None = None,
+    readings: Floats | None = None,
+    forces: Floats | None = None,
     account: Account | None = None,
-    look: Callable[[NDArray[np.float64]], None] | None = None,
+    look: Callable[[Floats], None] | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -98,33 +104,35 @@ def condense(
     inside = np.flatnonzero(inner)
     solve, complement = condensed(matrix, inside, cut, account)
     tell("factorisation")
-    columns, solved = loads, solve(loads[inside])
+    kinds, solved = [loads], [solve(loads[inside])]
     if look is not None:
         moved = np.zeros_like(loads)
-        moved[inside] = solved
+        moved[inside] = solved[0]
         tell("solution")
         look(moved)
-    for name, more in (
+    for name, columns in (
         ("coast_readings", coast),
         ("stress_recoveries", readings),
         ("fe_load_cases_growth", forces),
     ):
-        if more is not None:
-            # on their own, so that the loads' solutions stay what they are to the last bit
-            account.count(**{name: more.shape[1]})
-            columns = np.hstack([columns, more])
-            solved = np.hstack([solved, solve(more[inside])])
-    account.workspace_bytes += columns.nbytes + solved.nbytes
+        if columns is not None:
+            account.count(**{name: columns.shape[1]})
+            kinds.append(columns)
+            solved.append(solve(columns[inside]))
+    account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
+    coupling = matrix[cut][:, inside]
     sector = CondensedSector(
-        local=columns[inside].T @ solved[:, : loads.shape[1]],
-        carried=columns[cut] - matrix[cut][:, inside] @ solved,
+        local=tuple(columns[inside].T @ solved[0] for columns in kinds),
+        carried=tuple(
+            columns[cut] - coupling @ moved for columns, moved in zip(kinds, solved, strict=True)
+        ),
         stiffness=complement,
     )
     tell("solution")
     return sector, inside.size + cut.size // 2
 
 
-def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
+def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
 
     The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
@@ -144,29 +152,28 @@ def close_ring(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
         readings are those of the loads.
     """
     pitch = 2 * np.pi / teeth
-    (left_left, left_right, right_left, right_right), (read_left, read_right) = _turned(
-        sector, pitch
-    )
-    readings, loads = sector.local.shape
-    response = np.zeros((teeth, readings, loads))
+    (left_left, left_right, right_left, right_right), carried = _turned(sector, pitch)
+    response = [np.zeros((teeth, *local.shape)) for local in sector.local]
     offsets = np.arange(teeth)
     for k in range(teeth // 2 + 1):
         weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
         shift = np.exp(1j * pitch * k)
         # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
+        load_left, load_right = carried[0]
         unknown = np.linalg.solve(
             left_left + right_right + left_right * shift + right_left / shift,
-            read_left[:, :loads] + read_right[:, :loads] / shift,
+            load_left + load_right / shift,
         )
-        seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
-        response += (weight / teeth) * np.real(
-            seen[None] * np.exp(1j * pitch * k * offsets)[:, None, None]
-        )
-    response[0] += sector.local
-    return response
+        waves = np.exp(1j * pitch * k * offsets)[:, None, None]
+        for part, (read_left, read_right) in zip(response, carried, strict=True):
+            seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
+            part += (weight / teeth) * np.real(seen[None] * waves)
+    for part, local in zip(response, sector.local, strict=True):
+        part[0] += local
+    return np.concatenate(response, axis=1)
 
 
-def alike_response(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
+def alike_response(sector: CondensedSector, teeth: int) -> Floats:
     """Response of any tooth of the closed ring when all carry the same loads: its harmonic 0.
 
     Parameters
@@ -180,10 +187,12 @@ def alike_response(sector: CondensedSector, teeth: int) -> NDArray[np.float64]:
     (r, p) array
         The sum over the teeth of `close_ring`.
     """
-    stiffness, (read_left, read_right) = _turned(sector, 2 * np.pi / teeth)
-    read = read_left + read_right
-    loads = sector.local.shape[1]
-    return np.asarray(sector.local + read.T @ np.linalg.solve(sum(stiffness), read[:, :loads]))
+    stiffness, carried = _turned(sector, 2 * np.pi / teeth)
+    reads = [left + right for left, right in carried]
+    unknown = np.linalg.solve(sum(stiffness), reads[0])
+    return np.concatenate(
+        [local + read.T @ unknown for local, read in zip(sector.local, reads, strict=True)]
+    )
 
 
 @dataclass(frozen=True)
@@ -192,19 +201,29 @@ class RowCell:
 
     Attributes
     ----------
-    local : (r, p) array
-        As of `CondensedSector`.
-    carried : (left, right)
-        Forces on the two cuts, (m, r) each; on an outer end of a row they are not looked at.
+    local : tuple of (r, p) arrays
+        As of `CondensedSector`; the first p of all readings are the loads.
+    carried : tuple of (left, right)
+        By kind of reading, forces on the two cuts, (m, r) each; on an outer end of a row they are
+        not looked at.
     stiffness : (left-left, left-right, right-left, right-right)
     """
 
-    local: NDArray[np.float64]
-    carried: tuple[NDArray[np.float64], ...]
-    stiffness: tuple[NDArray[np.float64], ...]
+    local: tuple[Floats, ...]
+    carried: tuple[tuple[Floats, Floats], ...]
+    stiffness: tuple[Floats, ...]
+
+    @property
+    def loads(self) -> int:
+        """Number of loads."""
+        return self.local[0].shape[1]
+
+    def seen(self, side: int, moved: Floats) -> Floats:
+        """What all readings see of displacements of the left cut (side 0) or the right one (1)."""
+        return np.concatenate([both[side].T @ moved for both in self.carried])
 
 
-def row_response(cells: Sequence[RowCell]) -> NDArray[np.float64]:
+def row_response(cells: Sequence[RowCell]) -> Floats:
     """Response of all cells of an open row to the loads on each.
 
     Interface k lies between cells k and k + 1. Their stiffness is block-tridiagonal: eliminated
@@ -221,22 +240,22 @@ def row_response(cells: Sequence[RowCell]) -> NDArray[np.float64]:
     (sum of r, sum of p) array
         Readings of the first cell first; loads likewise.
     """
-    loads = [cell.local.shape[1] for cell in cells]
+    loads = [cell.loads for cell in cells]
     ends = np.concatenate([[0], np.cumsum(loads)])
-    found: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    found: list[tuple[Floats, Floats]] = []
     for k, (one, two) in enumerate(pairwise(cells)):
         # interface k under the loads of the cells up to k + 1, of those before through k - 1
         pivot = one.stiffness[3] + two.stiffness[0]
         force = np.zeros((len(pivot), ends[k + 2]))
-        force[:, ends[k] : ends[k + 1]] = one.carried[1][:, : loads[k]]
-        force[:, ends[k + 1] :] = two.carried[0][:, : loads[k + 1]]
+        force[:, ends[k] : ends[k + 1]] = one.carried[0][1][:, : loads[k]]
+        force[:, ends[k + 1] :] = two.carried[0][0][:, : loads[k + 1]]
         if k:
             coupled, known = found[-1]
             pivot = pivot - one.stiffness[2] @ coupled
             force[:, : ends[k + 1]] -= one.stiffness[2] @ known
         solved = np.linalg.solve(pivot, np.hstack([two.stiffness[1], force]))
         found.append((solved[:, : -force.shape[1]], solved[:, -force.shape[1] :]))
-    parts = [np.zeros((cell.local.shape[0], ends[-1])) for cell in cells]
+    parts = [np.zeros((sum(map(len, cell.local)), ends[-1])) for cell in cells]
     moved = np.zeros((0, ends[-1]))
     for k in range(len(cells) - 2, -1, -1):
         coupled, known = found[k]
@@ -245,14 +264,14 @@ def row_response(cells: Sequence[RowCell]) -> NDArray[np.float64]:
         moved[:, : known.shape[1]] = known
         if k < len(cells) - 2:
             moved -= coupled @ after
-        parts[k] += cells[k].carried[1].T @ moved
-        parts[k + 1] += cells[k + 1].carried[0].T @ moved
+        parts[k] += cells[k].seen(1, moved)
+        parts[k + 1] += cells[k + 1].seen(0, moved)
     for k, cell in enumerate(cells):
-        parts[k][:, ends[k] : ends[k + 1]] += cell.local
+        parts[k][:, ends[k] : ends[k + 1]] += np.concatenate(cell.local)
     return np.concatenate(parts)
 
 
-def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np.float64]:
+def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     """Response of all sectors of an open row to the loads on each, the row's two ends held.
 
     Parameters
@@ -269,12 +288,12 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> NDArray[np
         [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
     """
     stiffness, carried = _turned(sector, turn_rad)
-    row = row_response([RowCell(sector.local, carried, stiffness)] * cells)
-    readings, loads = sector.local.shape
-    return row.reshape(cells, readings, cells, loads).transpose(0, 2, 1, 3).copy()
+    cell = RowCell(sector.local, carried, stiffness)
+    row = row_response([cell] * cells)
+    return row.reshape(cells, -1, cells, cell.loads).transpose(0, 2, 1, 3).copy()
 
 
-def segment_response(sector: CondensedSector, teeth: int, cells: int) -> NDArray[np.float64]:
+def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
     """Response of the teeth of a body that is no more than a segment around each pair of teeth.
 
     A segment that stood still would hold the teeth near its ends more than those in its middle, and
@@ -309,20 +328,22 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> NDArray
 
 def tooth_response(
     matrix: csc_matrix,
-    loads: NDArray[np.float64],
+    loads: Floats,
     mesh: SectorMesh,
     lap: Callable[[str], None],
     *,
-    readings: NDArray[np.float64] | None = None,
+    readings: Sequence[Floats] = (),
     account: Account | None = None,
-    look: Callable[[NDArray[np.float64]], None] | None = None,
-) -> tuple[NDArray[np.float64], int]:
+    look: Callable[[Floats], None] | None = None,
+) -> tuple[Floats, int]:
     """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
 
     Parameters
     ----------
-    matrix, loads, mesh, lap, readings, account, look
-        As in `condense`; readings take no solutions here.
+    matrix, loads, mesh, lap, account, look
+        As in `condense`.
+    readings : sequence of (2N, q) arrays
+        By kind, columns that only read the displacements; they take no solutions here.
 
     Returns
     -------
@@ -335,10 +356,10 @@ def tooth_response(
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
     solve = factored(matrix[inside][:, inside].tocsc(), account)
     lap("factorisation")
-    columns = loads if readings is None else np.hstack([loads, readings])
-    response = np.zeros((mesh.teeth, columns.shape[1], loads.shape[1]))
     solved = solve(loads[inside])
-    response[0] = columns[inside].T @ solved
+    own = np.concatenate([columns[inside].T @ solved for columns in (loads, *readings)])
+    response = np.zeros((mesh.teeth, *own.shape))
+    response[0] = own
     lap("solution")
     if look is not None:
         moved = np.zeros_like(loads)
@@ -349,15 +370,15 @@ def tooth_response(
 
 def _turned(
     sector: CondensedSector, turn_rad: float
-) -> tuple[tuple[NDArray[np.float64], ...], tuple[NDArray[np.float64], ...]]:
+) -> tuple[tuple[Floats, ...], tuple[tuple[Floats, Floats], ...]]:
     """Stiffness of the cuts and forces carried to them, the right cut in the next sector's frame.
 
     Returns
     -------
     stiffness : left-left, left-right, right-left, right-right, each (m, m)
-    carried : left, right, each (m, r)
+    carried : by kind of reading left, right, each (m, r)
     """
-    m = sector.carried.shape[0] // 2
+    m = len(sector.stiffness) // 2
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
     turn = np.kron(np.eye(m // 2), [[cosine, -sine], [sine, cosine]])
     # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
@@ -366,4 +387,4 @@ def _turned(
         sector.stiffness[:m, m:] @ turn,
         turn.T @ sector.stiffness[m:, :m],
         turn.T @ sector.stiffness[m:, m:] @ turn,
-    ), (sector.carried[:m], turn.T @ sector.carried[m:])
+    ), tuple((forces[:m], turn.T @ forces[m:]) for forces in sector.carried)

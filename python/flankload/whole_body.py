@@ -132,20 +132,20 @@ def whole_response(
         )
 
     loads = [_nonzero(loads_of(flank)[free]) for flank in mesh.flanks]
-    seen = loads
+    # each kind of reading by itself: what one reads does not depend on the bits of another
+    seen = [[load] for load in loads]
     if readings is not None:
-        seen = []
-        for i, flank in enumerate(mesh.flanks):
-            seen.append(_nonzero(np.hstack([loads_of(flank), readings(i)])[free]))
-    f, p, r = len(loads), loads[0][1].shape[1], seen[0][1].shape[1]
+        for i, kinds in enumerate(seen):
+            kinds.append(_nonzero(readings(i)[free]))
+    f, p, r = len(loads), loads[0][1].shape[1], sum(part[1].shape[1] for part in seen[0])
     response = np.empty((f, f, r, p))
     for j, (rows, column) in enumerate(loads):
         right = np.zeros((free.size, p))
         right[rows] = column
         count_loads(account, p, friction=friction)
         moved = solve(right)
-        for i, (places, weight) in enumerate(seen):
-            response[i, j] = weight.T @ moved[places]
+        for i, kinds in enumerate(seen):
+            response[i, j] = np.concatenate([weight.T @ moved[at] for at, weight in kinds])
         if look is not None:
             shown = np.zeros((matrix.shape[0], p))
             shown[free] = moved

@@ -8,14 +8,17 @@ from plane_sectors import STEEL, ring_sector
 from scipy.sparse.linalg import splu
 from tolerances import ROUND_OFF
 
-from flankload.bodies.body import Body, SectorMesh
+from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
 from flankload.bodies.gear import build_gear
 from flankload.bodies.ring import build_ring
-from flankload.compliance import flank_compliance
+from flankload.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity import degrees_of, stiffness
+from flankload.growth import Growth
 from flankload.near_field import mode_loads
+from flankload.root_fillet import root_fillets
 from flankload.scene import Gear, Ring
 from flankload.sector_closure import close_ring, condense
+from flankload.whole_body import whole_response
 
 #: Wanted of the ring closure: identical to the meshed ring but for rounding.
 CLOSURE = 1e-10
@@ -169,3 +172,56 @@ def test_rigid_body_has_no_compliance_and_no_elements() -> None:
     assert found.kernel == 0.0
     assert not found.smooth.any()
     assert (found.counters, found.workspace_bytes) == ({}, 0)
+
+
+#: Each adds columns that only read: BLAS sums a product of more columns in another order.
+READINGS = ("stress", "coast", "growth")
+
+
+def read_with(body: Body, *asked: str, sectors: int | None = None) -> BodyCompliance:
+    return flank_compliance(
+        body,
+        n_modes=7,
+        plane="strain",
+        friction=True,
+        fillets=root_fillets(body, "body_1") if "stress" in asked else None,
+        coast_flanks="coast" in asked,
+        growth=Growth(speed_rad_per_s=300.0, density_Ns2_per_mm4=7.85e-9)
+        if "growth" in asked
+        else None,
+        sectors=sectors,
+    )
+
+
+@pytest.mark.parametrize("sectors", [None, 3, 1])
+def test_what_is_read_besides_changes_no_bit(sectors: int | None) -> None:
+    body = gear_body(16, 1.0)
+    readings = READINGS if sectors != 1 else READINGS[:2]  # a tooth alone does not grow by elements
+    every = read_with(body, *readings, sectors=sectors)
+    for asked in ((), *((name,) for name in readings)):
+        some = read_with(body, *asked, sectors=sectors)
+        np.testing.assert_array_equal(some.smooth, every.smooth)
+        np.testing.assert_array_equal(some.tangential, every.tangential)
+        if some.root is not None:
+            np.testing.assert_array_equal(some.root.response, every.root.response)
+        if some.crossing is not None:
+            np.testing.assert_array_equal(some.crossing, every.crossing)
+        for name, shift in some.shifts.items():
+            np.testing.assert_array_equal(shift, every.shifts[name])
+
+
+def test_what_is_read_of_a_whole_mesh_changes_no_bit_of_its_compliance() -> None:
+    body = gear_body(16, 1.0)
+    mesh = body.mesh
+    flank = MeshedFlank(0, mesh.nodes, mesh.flank_edges, mesh.flank_arc_length)
+    whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, (flank,))
+    matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
+    stress = root_fillets(body, "body_1").columns(0, matrix.shape[0])
+    plain, asked = (
+        whole_response(
+            matrix, whole, body.mode_range_mm, 7, lambda step: None, friction=True, readings=read
+        )[0]
+        for read in (None, lambda flank: stress)
+    )
+    np.testing.assert_array_equal(asked[:, : plain.shape[1]], plain)
+    assert asked.shape[1] == plain.shape[1] + stress.shape[1]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.rounding import TIE, round_up
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -24,7 +26,7 @@ def with_middles(breaks: Floats) -> Floats:
 
 def even_breaks(start: float, end: float, largest: float, least_count: int = 1) -> Floats:
     """Equal parts of [start, end], none longer than `largest`."""
-    count = max(least_count, int(np.ceil((end - start) / largest - 1e-9)))
+    count = max(least_count, round_up((end - start) / largest))
     return np.linspace(start, end, count + 1)
 
 
@@ -44,13 +46,14 @@ def growing_breaks(length: float, first: float, growth: float, caps: Floats | No
     """
     ends = [0.0]
     part = first
-    while ends[-1] < length:
+    rounding = TIE * length
+    while ends[-1] < length - rounding:
         if caps is not None:
             part = min(part, float(np.interp(ends[-1], caps[0], caps[1])))
         ends.append(ends[-1] + part)
         part *= growth
     # the last part that sticks out is spread over all, unless leaving it out is nearer
-    if len(ends) > 3 and ends[-1] - length > length - ends[-2]:
+    if len(ends) > 3 and ends[-1] - length > length - ends[-2] + rounding:
         ends.pop()
     return np.array(ends) / ends[-1]
 

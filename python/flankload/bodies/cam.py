@@ -9,6 +9,7 @@ import numpy as np
 from flankload.bodies.blocks import BlockMesh, growing_breaks, with_middles
 from flankload.bodies.body import Body, Material, MeshedFlank, WholeMesh
 from flankload.bodies.cam_profile import cam_profile
+from flankload.rounding import round_up
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -108,7 +109,7 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
         With one closed flank, that of tooth 0.
     """
     length = profile.curve.length_mm
-    half = max(8, int(np.ceil(0.5 * length / flank_element_mm - 1e-9)))
+    half = max(8, round_up(0.5 * length / flank_element_mm))
     wall = profile.least_radius_mm - bore_radius_mm
     first = min(FIRST_LAYER * length / (2 * half), wall / LEAST_LAYERS)
     depth = growing_breaks(wall, first, GROWTH, None)

@@ -6,13 +6,14 @@ wide as the arm; a roller is a core with four blocks around it, one of them behi
 
 from __future__ import annotations
 
-from math import ceil, pi
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
 from flankload.bodies.body import MeshedFlank, WholeMesh
+from flankload.rounding import round_up
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +62,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     # as many elements lie on the outer end of the roller
     most = width * min(1 / LEAST_ACROSS, flank_element_mm / (2 * OUTER_ANGLE * radius))
     part = _between_corners(width, width, most, finer)
-    over = max(LEAST_ACROSS, ceil((upper - OUTER_ANGLE) * radius / flank_element_mm))
+    over = max(LEAST_ACROSS, round_up((upper - OUTER_ANGLE) * radius / flank_element_mm))
     blocks = BlockMesh()
     hub, fixed = _add_hub(blocks, lever, part, flank_element_mm, finer)
     # clockwise around the roller, from behind the arm's end

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from flankload.bodies.blocks import even_breaks, growing_breaks, symmetric_breaks
+from flankload.rounding import round_up
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -167,5 +168,5 @@ def _turned_breaks(curve: ToothCurve, start: float, end: float, largest: float) 
     # equal parts of a mean of length and turn, so that both bounds hold about evenly
     measure = (s - start) / largest + turn / LARGEST_TURN
     longest = max((end - start) / largest, turn[-1] / LARGEST_TURN)
-    count = max(1, int(np.ceil(longest)))
+    count = max(1, round_up(longest))
     return np.interp(np.linspace(0.0, measure[-1], count + 1), measure, s)

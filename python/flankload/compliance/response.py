@@ -160,13 +160,12 @@ def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: 
     stress = job.stress(0) if job.stress else None
     count_loads(job.account, loads.shape[1], friction=job.friction)
     if sectors == 1:
-        both = [part for part in (columns, stress) if part is not None]
         response, free = tooth_response(
             job.matrix,
             loads,
             mesh,
             job.laps,
-            readings=np.hstack(both) if both else None,
+            readings=[part for part in (columns, stress) if part is not None],
             account=job.account,
             look=job.look,
         )

@@ -41,6 +41,7 @@ from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, size_of
 from flankload.plan.variants import Variant, other_way, with_keys, without_keys
 from flankload.premises import Torque, broken_by_turn, held
+from flankload.rounding import round_down
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -119,7 +120,7 @@ def _more(one: Mapping[str, Account], other: Mapping[str, Account]) -> tuple[flo
 def _tried(strip: Strip, position_rad: Floats) -> Numbers:
     """Few positions, and the first at which another tooth has come: lands lift most there."""
     few = np.arange(position_rad.size)[few_of(position_rad.size)]
-    first = np.floor(position_rad / strip.pitch_rad + 0.5)
+    first = round_down(position_rad / strip.pitch_rad + 0.5)
     return np.union1d(few, np.flatnonzero(np.diff(first))[:1] + 1)
 
 

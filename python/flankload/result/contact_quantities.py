@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from flankload.read_only import KeepsReadOnly
 from flankload.result.flank_contact import FlankContacts, flank_contacts
+from flankload.rounding import round_down, round_up
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +61,7 @@ class ContactQuantities(KeepsReadOnly):
             could = set(table.site.tolist())
             if path is not None:
                 # pair j stands j pitches further along
-                could |= set(range(ceil(path[0] - place), floor(path[1] - place) + 1))
+                could |= set(range(round_up(path[0] - place), round_down(path[1] - place) + 1))
             counts.append(len(could))
         return frozen(np.array(counts))
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.position_curve import curve_through, loaded_pair_changes
+from flankload.rounding import round_down
 
 if TYPE_CHECKING:
     from flankload.position_curve import Flags, Floats, Integers, PositionCurve
@@ -139,7 +140,7 @@ def over_positions(result: Result) -> OverPositions:
         result.closed and np.allclose(steps, period / position.size, rtol=0, atol=SAME * pitch)
     )
     low = position.min()
-    periods = np.floor((position - low) / period + SAME).astype(int)
+    periods = round_down((position - low) / period)
     inside = position - periods * period
     index = np.argsort(inside, kind="stable")
     index = index[np.diff(inside[index], prepend=-np.inf) > SAME * pitch]
