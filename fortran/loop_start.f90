@@ -7,6 +7,7 @@ module flankload_loop_start
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & append_block, drop_pairs
     use flankload_bordered_solution, only: solve_bordered
+    use flankload_sure_proof, only: loads_are_too_much
     use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
     implicit none
     private
@@ -35,6 +36,8 @@ module flankload_loop_start
         integer :: left_last = 0
         !> Pairs without which a motion would be loose: the loads alone say what they carry
         logical, allocatable :: pinned(:)
+        !> No forces hold the loads for certain
+        logical :: none_proven = .false.
     end type loop_state
 
 contains
@@ -60,6 +63,7 @@ contains
         allocate (state%motion(problem%n_motions), source=0.0_wp)
         if (outcome == vertex_infeasible) then
             state%motion = motion
+            state%none_proven = loads_are_too_much(problem, first, motion)
             call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
         else if (outcome /= vertex_found) then
             state%motion = motion
