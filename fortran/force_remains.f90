@@ -8,7 +8,7 @@ module flankload_force_remains
     implicit none
     private
 
-    public :: clear_remains, clear_rounding
+    public :: clear_remains, clear_rounding, holds_loads
 
     !> A force so much less than the largest (without loads: than what closes the largest gap),
     !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
@@ -59,13 +59,13 @@ contains
         real(wp), allocatable :: old_forces(:), old_gaps(:)
 
         associate (pairs => state%system%pairs)
-            if (holds_loads(problem, pairs, state%forces(pairs))) return
+            if (holds_loads(problem, pairs, state%forces(pairs), row_tolerance)) return
             little = state%forces(pairs) <= row_tolerance*maxval(state%forces)
             little = little .and. .not. is_noticed(problem, pairs, state%forces(pairs), little)
             old_forces = state%forces
             old_gaps = state%gaps
             state%forces(pack(pairs, little)) = 0.0_wp
-            sound = holds_loads(problem, pairs, state%forces(pairs))
+            sound = holds_loads(problem, pairs, state%forces(pairs), row_tolerance)
             if (sound) then
                 call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
                 original = problem
@@ -83,13 +83,15 @@ contains
     end subroutine clear_rounding
 
     !> Whether forces hold every load to the rounding of what works on it.
-    pure function holds_loads(problem, pairs, forces) result(holds)
+    pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact
         integer, intent(in) :: pairs(:)
         !> Their scaled forces
         real(wp), intent(in) :: forces(:)
+        !> Rounding, relative to the size of what works on a load
+        real(wp), intent(in) :: tolerance
         logical :: holds
 
         integer :: c
@@ -99,7 +101,7 @@ contains
         do c = 1, problem%n_motions
             work = problem%load_rows(pairs, c)*forces
             holds = holds .and. abs(sum(work) - problem%loads(c)) &
-                & <= row_tolerance*(sum(abs(work)) + abs(problem%loads(c)))
+                & <= tolerance*(sum(abs(work)) + abs(problem%loads(c)))
         end do
     end function holds_loads
 

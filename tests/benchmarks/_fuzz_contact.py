@@ -115,13 +115,15 @@ def gaps_agree(problem: Problem, state: fl.ContactState) -> bool:
 
 
 def faults_of_uniqueness(problem: Problem, state: fl.ContactState, method: str) -> list[str]:
-    """Another method that ends in another state disproves it."""
+    """Another method that ends in another state disproves it, but for what hangs on rounding."""
+    if state.status != 0:
+        return []
     other = next(name for name in ("load_path", "single") if name != method)
     try:
         second = solve(problem, other)
     except errors.ContactError:
         return []
-    if max(state.info.condition, second.info.condition) > 1e8 or second.status == 1:
+    if second.status != 0:
         return []
     root = np.sqrt(problem.compliance.diagonal())
     apart = np.abs(root * (state.normal_forces - second.normal_forces)).max()

@@ -163,7 +163,10 @@ def whole_numbers(rng: Rng) -> Trial:
     load_rows = columns if rows is levers else rows.astype(float)
     loads = load_rows.T @ forces
     loads[loads == 0] = rng.choice([0.0, -0.0])
-    held = bool(np.linalg.matrix_rank(columns) == q == np.linalg.matrix_rank(load_rows))
+    # Else the state leaves a motion free, which no set of pairs in contact says.
+    on = forces > 0
+    bordered = np.block([[matrix[np.ix_(on, on)], -levers[on]], [rows[on].T, np.zeros((q, q))]])
+    held = bool(np.linalg.matrix_rank(bordered) == len(bordered))
     problem = Problem(matrix.astype(float), gaps.astype(float), columns, load_rows, loads)
     return Trial(problem, True if held else None)
 
