@@ -7,7 +7,8 @@ module flankload_final_refinement
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
-    use flankload_force_remains, only: clear_remains, clear_rounding, holds_loads
+    use flankload_held_loads, only: holds_loads
+    use flankload_force_remains, only: clear_remains, clear_rounding
     use flankload_extended_residual, only: extended_lack
     implicit none
     private
@@ -18,8 +19,8 @@ module flankload_final_refinement
     real(wp), parameter :: far_start = 1.5_wp
     !> Refinements of the final equations, one always, more where the rows are not yet met
     integer, parameter :: max_refinements = 3
-    !> From this condition on, and where rows or loads are not met, the residual is taken in twice the
-    !> working precision, so many times at most.
+    !> From this condition on, and where rows or loads are not met, the residual is taken in twice
+    !> the working precision, so many times at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
     !> What rows and loads may lack here: half of what the certificate allows, which is summed up
@@ -225,7 +226,7 @@ contains
                 call extended_lack(problem, compliance, pairs, state%forces(pairs), &
                     & state%motion, r, s)
                 call solve_bordered(state%system, problem, r, s, forces, motion, solved)
-                ! Little forces, too: rows and loads without large ones are met by their digits alone.
+                ! Little forces, too: their digits alone meet rows and loads without large ones.
                 change = maxval(abs(forces)/max(abs(state%forces(pairs)), &
                     & least_part*maxval(state%forces(pairs)), tiny(1.0_wp)))
                 ! Also with NaN

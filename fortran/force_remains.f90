@@ -4,11 +4,12 @@ module flankload_force_remains
     use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
         & row_size, row_tolerance
     use flankload_zero_force, only: is_noticed
+    use flankload_held_loads, only: holds_loads
     use flankload_loop_start, only: loop_state
     implicit none
     private
 
-    public :: clear_remains, clear_rounding, holds_loads
+    public :: clear_remains, clear_rounding
 
     !> A force so much less than the largest (without loads: than what closes the largest gap),
     !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
@@ -81,28 +82,5 @@ contains
         state%forces = old_forces
         state%gaps = old_gaps
     end subroutine clear_rounding
-
-    !> Whether forces hold every load to the rounding of what works on it.
-    pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> The pairs in contact
-        integer, intent(in) :: pairs(:)
-        !> Their scaled forces
-        real(wp), intent(in) :: forces(:)
-        !> Rounding, relative to the size of what works on a load
-        real(wp), intent(in) :: tolerance
-        logical :: holds
-
-        integer :: c
-        real(wp), allocatable :: work(:)
-
-        holds = .true.
-        do c = 1, problem%n_motions
-            work = problem%load_rows(pairs, c)*forces
-            holds = holds .and. abs(sum(work) - problem%loads(c)) &
-                & <= tolerance*(sum(abs(work)) + abs(problem%loads(c)))
-        end do
-    end function holds_loads
 
 end module flankload_force_remains

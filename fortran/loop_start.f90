@@ -7,6 +7,7 @@ module flankload_loop_start
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & append_block, drop_pairs
     use flankload_bordered_solution, only: solve_bordered
+    use flankload_held_loads, only: hold_loads_again
     use flankload_sure_proof, only: loads_are_too_much
     use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
     implicit none
@@ -146,6 +147,7 @@ contains
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return
+            call hold_loads_again(problem, compliance, state%system, forces, motion)
             negative = pulls(problem, state%system%pairs, forces)
             if (.not. any(negative)) exit
             call drop_pairs(state%system, problem, compliance, negative, ready)

@@ -12,8 +12,8 @@ module flankload_spanned_columns
 
 contains
 
-    !> columns = columns' triangle, with columns' at right angles and of length one: Gram and Schmidt,
-    !> twice.
+    !> columns = columns' triangle, with columns' at right angles and of length one: Gram and
+    !> Schmidt, twice.
     pure subroutine span_columns(columns, triangle, independent)
         !> The columns, then those at right angles, shape (k, q)
         real(wp), intent(inout) :: columns(:, :)

@@ -1,6 +1,6 @@
 !> The proof that nothing >= 0 meets the equations of a case of contact, beyond rounding.
 !>
-!> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z reads
+!> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
 !>
 !>     0 = v + Σ c_j F_j - y g,    v = y g0 + z Q,    c = Kᵀ y - R z,    Bᵀ y = 0.
 !>
@@ -27,8 +27,8 @@ module flankload_sure_proof
         !> Rows and loads whose factors follow from the sums that are known; the others are exact
         integer, allocatable :: rows(:)
         integer, allocatable :: loads(:)
-        !> Forces and motions whose sums are known, as many as factors that follow, and what those of
-        !> the forces are; those of the motions are zero
+        !> Forces and motions whose sums are known, as many as factors that follow; the sums of the
+        !> motions are zero
         integer, allocatable :: forces(:)
         real(wp), allocatable :: known(:)
         integer, allocatable :: motions(:)
@@ -37,8 +37,8 @@ module flankload_sure_proof
         logical, allocatable :: no_gap(:)
     end type equation_sum
 
-    !> Factors below this part of the largest are zero: what the condition of the equations leaves of
-    !> twice the precision. Any factors prove, if their sums do.
+    !> Factors below this part of the largest are zero: what the condition of the equations leaves
+    !> of twice the precision. Any factors prove, if their sums do.
     real(wp), parameter :: no_factor = 1.0e-26_wp
     !> What sums may leave of zero, relative to their terms. Only forces the inverse of this times
     !> those that v calls for could use it.
@@ -100,7 +100,7 @@ contains
     pure function loads_are_too_much(problem, basis, motion) result(sure)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Pairs whose forces do no work on the motion, from 1, others are loads on which it is exact
+        !> Pairs (> 0) whose forces do no work on the motion, and -c of loads where it is exact
         integer, intent(in) :: basis(:)
         !> The scaled motion, on which the loads do work, but no force does
         real(wp), intent(in) :: motion(:)
