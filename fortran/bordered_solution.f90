@@ -10,6 +10,7 @@ module flankload_bordered_solution
     use flankload_bordered_system, only: bordered_system
     use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
     use flankload_lapack, only: solve_lower, continue_lower
+    use flankload_spanned_columns, only: span_columns, solve_upper
     implicit none
     private
 
@@ -17,6 +18,8 @@ module flankload_bordered_solution
 
     !> A motion with a pivot this small beside the others is held by no active pair.
     real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+    !> With smaller pivots half of the digits are lost: motions at right angles lose none.
+    real(wp), parameter :: small_pivot = 1.0e-8_wp
 
 contains
 
@@ -39,38 +42,120 @@ contains
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out), optional :: tangent(:, :)
 
-        integer :: q
-        real(wp), allocatable :: columns(:, :), rows(:, :), inverse(:, :)
+        real(wp) :: least_pivot
+        real(wp), allocatable :: inverse(:, :)
 
-        q = problem%n_motions
         if (problem%symmetric) then
-            call solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
-            if (problem%spring > 0.0_wp .and. solved) then
-                call leave_springs(problem, s, motion, inverse)
-            end if
-            if (solved .and. present(tangent)) call move_alloc(inverse, tangent)
+            call solve_halfway(system, problem, r, s, forces, motion, least_pivot, inverse)
+        else
+            call solve_at_once(system, problem, r, s, forces, motion, least_pivot, inverse)
+        end if
+        solved = least_pivot > loose_motion
+        if (problem%n_motions > 1 .and. least_pivot < small_pivot) then
+            call solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
+        end if
+        if (.not. solved) then
+            motion = 0.0_wp*s
+            forces = 0.0_wp*r
             return
         end if
+        if (problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
+        if (present(tangent)) call move_alloc(inverse, tangent)
+    end subroutine solve_bordered
+
+    !> The same where K is not symmetric, as above.
+    pure subroutine solve_at_once(system, problem, r, s, forces, motion, least_pivot, inverse)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand side of the pairs, shape (k)
+        real(wp), intent(in) :: r(:)
+        !> Right-hand side of the loads, shape (n_motions)
+        real(wp), intent(in) :: s(:)
+        !> Scaled forces, shape (k)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> Least pivot of the motions beside the largest, 0 where one is loose
+        real(wp), intent(out) :: least_pivot
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable, intent(out) :: inverse(:, :)
+
+        integer :: q
+        real(wp), allocatable :: columns(:, :), rows(:, :)
+
+        q = problem%n_motions
         allocate (columns(size(system%pairs), q + 1))
         columns(:, :q) = problem%motions(system%pairs, :)
         columns(:, q + 1) = r
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
         inverse = matmul(transpose(rows), columns(:, :q))
-        call invert_small(inverse, solved)
-        if (solved) then
-            motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
-            forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
-            if (problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
-            if (present(tangent)) tangent = inverse
-        else
-            allocate (motion(q), forces(size(system%pairs)), source=0.0_wp)
-        end if
-    end subroutine solve_bordered
+        call invert(inverse, least_pivot)
+        if (least_pivot <= 0.0_wp) return
+        motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
+        forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
+    end subroutine solve_at_once
+
+    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, P and T at
+    !> right angles, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    pure subroutine solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand side of the pairs, shape (k)
+        real(wp), intent(in) :: r(:)
+        !> Right-hand side of the loads, shape (n_motions)
+        real(wp), intent(in) :: s(:)
+        !> Scaled forces, shape (k)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> False if a motion is loose
+        logical, intent(out) :: solved
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable, intent(out) :: inverse(:, :)
+
+        integer :: c, q
+        real(wp) :: least_pivot
+        real(wp), allocatable :: columns(:, :), moved(:, :), rows(:, :), of_motions(:, :), &
+            & of_loads(:, :), loads(:, :)
+
+        q = problem%n_motions
+        moved = problem%motions(system%pairs, :)
+        call span_columns(moved, of_motions, solved)
+        if (.not. solved) return
+        rows = problem%load_rows(system%pairs, :)
+        call span_columns(rows, of_loads, solved)
+        if (.not. solved) return
+        allocate (columns(size(system%pairs), q + 1))
+        columns(:, :q) = moved
+        columns(:, q + 1) = r
+        call solve_factored(system%factor, columns)
+        inverse = matmul(transpose(rows), columns(:, :q))
+        call invert(inverse, least_pivot)
+        solved = least_pivot > loose_motion
+        if (.not. solved) return
+        ! U⁻ᵀ [s 1]
+        allocate (loads(q, q + 1), source=0.0_wp)
+        loads(:, 1) = s
+        do c = 1, q
+            loads(c, c + 1) = 1.0_wp
+        end do
+        call solve_upper(of_loads, .true., loads)
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
+        loads = matmul(inverse, loads)
+        forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
+        call solve_upper(of_motions, .false., loads)
+        motion = loads(:, 1)
+        inverse = loads(:, 2:)
+    end subroutine solve_spanned
 
     !> The same where K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no way back,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
-    pure subroutine solve_halfway(system, problem, r, s, forces, motion, solved, inverse)
+    pure subroutine solve_halfway(system, problem, r, s, forces, motion, least_pivot, inverse)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem
@@ -83,8 +168,8 @@ contains
         real(wp), allocatable, intent(out) :: forces(:)
         !> Scaled motion, shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> False if the pairs do not hold every motion
-        logical, intent(out) :: solved
+        !> Least pivot of the motions beside the largest, 0 where one is loose
+        real(wp), intent(out) :: least_pivot
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out) :: inverse(:, :)
 
@@ -103,12 +188,8 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert_small(inverse, solved)
-            if (.not. solved) then
-                motion = 0.0_wp
-                forces = 0.0_wp
-                return
-            end if
+            call invert(inverse, least_pivot)
+            if (least_pivot <= 0.0_wp) return
             motion = [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)]
             motion = matmul(inverse, motion)
             do c = 1, q
@@ -147,12 +228,25 @@ contains
         system%n_forward = k
     end subroutine extend_forward
 
-    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
+    !> Invert a small matrix unless it is singular to rounding.
     pure subroutine invert_small(matrix, solved)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
         !> False if it is singular to rounding
         logical, intent(out) :: solved
+
+        real(wp) :: least_pivot
+
+        call invert(matrix, least_pivot)
+        solved = least_pivot > loose_motion
+    end subroutine invert_small
+
+    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
+    pure subroutine invert(matrix, least_pivot)
+        !> The matrix, then its inverse, shape (q, q)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> Least pivot beside the largest entry; as it is where that is 0
+        real(wp), intent(out) :: least_pivot
 
         integer :: q, step, at(2), row
         integer, allocatable :: pivot_row(:), pivot_column(:)
@@ -162,19 +256,24 @@ contains
 
         q = size(matrix, 1)
         if (q == 1) then
-            solved = abs(matrix(1, 1)) > 0.0_wp .and. abs(matrix(1, 1)) <= huge(1.0_wp)
-            if (solved) matrix = 1.0_wp/matrix
+            least_pivot = merge(1.0_wp, 0.0_wp, &
+                & abs(matrix(1, 1)) > 0.0_wp .and. abs(matrix(1, 1)) <= huge(1.0_wp))
+            if (least_pivot > 0.0_wp) matrix = 1.0_wp/matrix
             return
         end if
         allocate (pivot_row(q), pivot_column(q), free(q, q))
         free = .true.
         largest = maxval(abs(matrix))
-        solved = .true.
+        least_pivot = 1.0_wp
         do step = 1, q
             at = maxloc(abs(matrix), mask=free)
             pivot = matrix(at(1), at(2))
-            solved = abs(pivot) > loose_motion*largest
-            if (.not. solved) return
+            if (abs(pivot) > loose_motion*largest) then
+                least_pivot = min(least_pivot, abs(pivot)/largest)
+            else
+                least_pivot = 0.0_wp
+                return
+            end if
             pivot_row(step) = at(1)
             pivot_column(step) = at(2)
             free(at(1), :) = .false.
@@ -194,7 +293,7 @@ contains
             inverse(pivot_column(step), pivot_row) = matrix(pivot_row(step), pivot_column)
         end do
         matrix = inverse
-    end subroutine invert_small
+    end subroutine invert
 
     !> Condition of the equilibrated compliance of the pairs, or of the motions if that is worse.
     pure function bordered_condition(system, problem, compliance, tangent) result(condition)
@@ -230,6 +329,8 @@ contains
         if (solved) then
             condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
                 & *maxval(sum(abs(flexibility), dim=1)))
+        else if (problem%n_motions > 1) then
+            condition = max(condition, 1.0_wp/loose_motion)
         end if
     end function bordered_condition
 

@@ -3,6 +3,7 @@ module flankload_case_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_case_table, only: simplex_table, negligible
+    use flankload_sure_proof, only: equation_sum, is_sure
     implicit none
     private
 
@@ -71,6 +72,40 @@ contains
                 & + dot_product(abs(problem%load_rows(j, :)), abs(z))
             proof = proof .and. total <= let_pass*terms
         end do
+        if (proof) proof = is_sure(problem, compliance, sum_of_row(table, n, q, row, sense))
     end function is_proof
+
+    !> The sum of equations that a row stands for.
+    pure function sum_of_row(table, n, q, row, sense) result(equations)
+        !> The table
+        type(simplex_table), intent(in) :: table
+        !> Number of pairs and of motions
+        integer, intent(in) :: n
+        integer, intent(in) :: q
+        !> The row
+        integer, intent(in) :: row
+        !> 1, or -1 with all signs reversed
+        real(wp), intent(in) :: sense
+        type(equation_sum) :: equations
+
+        integer :: c
+        real(wp), allocatable :: entry(:)
+
+        allocate (entry(2*n + 2*q), source=0.0_wp)
+        entry(table%nonbasic) = sense*table%table(row, :)
+        entry(table%basic(row)) = -sense
+        equations%y = -entry(n + 1:2*n)
+        equations%z = -entry(2*n + q + 1:)
+        associate (basic => table%basic, nonbasic => table%nonbasic)
+            equations%rows = pack(nonbasic, nonbasic > n .and. nonbasic <= 2*n) - n
+            equations%loads = pack(nonbasic, nonbasic > 2*n + q) - 2*n - q
+            equations%forces = pack(basic, basic <= n)
+        end associate
+        ! A sum that a basic variable stands in is zero but for that of the row itself.
+        equations%known = merge(-sense, 0.0_wp, equations%forces == table%basic(row))
+        equations%motions = [(c, c=1, q)]
+        equations%no_force = table%fixed(:n)
+        equations%no_gap = table%fixed(n + 1:2*n)
+    end function sum_of_row
 
 end module flankload_case_proof

@@ -29,7 +29,6 @@ module flankload_case_search
     type :: case_list
         !> Entries of tables that may still be computed
         real(wp) :: work = 0.0_wp
-        integer :: outcome = cases_none
         integer :: pivots = 0
         integer, allocatable :: pairs(:)
         !> The table without any pair decided
@@ -74,14 +73,14 @@ contains
         ! The loads are held by the pairs that the loop starts with: what this table makes of levers
         ! over many decades is rounding, no proof.
         if (.not. consistent) return
-        call search_case(problem, compliance, table, cases)
-        outcome = cases%outcome
+        call search_case(problem, compliance, table, cases, outcome)
         pivots = cases%pivots
         if (outcome == cases_found) pairs = cases%pairs
     end subroutine search_cases
 
-    !> One case with all that follow from it.
-    pure recursive subroutine search_case(problem, compliance, table, cases)
+    !> One case with all that follow from it: it has no state where none of these has one, and is
+    !> open where one of them is, or has not been looked at.
+    pure recursive subroutine search_case(problem, compliance, table, cases, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K
@@ -90,15 +89,18 @@ contains
         type(simplex_table), intent(inout) :: table
         !> What is done and found
         type(case_list), intent(inout) :: cases
+        !> Found, none, or open
+        integer, intent(out) :: outcome
 
         type(simplex_table) :: child
-        integer :: n, side, pair, outcome
+        integer :: n, side, pair, of_side
         integer, allocatable :: order(:)
         real(wp), allocatable :: variable(:), rounding(:)
 
         n = problem%n
+        outcome = cases_open
+        if (cases%work < 0.0_wp) return
         call make_feasible(problem, compliance, table, cases, outcome)
-        if (outcome == cases_open) cases%outcome = cases_open
         if (outcome /= cases_found) return
         allocate (variable(2*n), rounding(2*n), source=0.0_wp)
         variable(table%basic) = max(table%value, 0.0_wp)
@@ -106,18 +108,19 @@ contains
         where (variable <= rounding) variable = 0.0_wp
         pair = maxloc(variable(:n)*variable(n + 1:), dim=1)
         if (.not. variable(pair)*variable(n + pair) > 0.0_wp) then
-            cases%outcome = cases_found
             cases%pairs = touching(n, variable, table%nonbasic)
             return
         end if
         ! The smaller one is zero first: mostly that is where a state is.
         order = [pair, n + pair]
         if (variable(pair) > variable(n + pair)) order = [n + pair, pair]
+        outcome = cases_none
         do side = 1, 2
             child = table
             child%fixed(order(side)) = .true.
-            call search_case(problem, compliance, child, cases)
-            if (cases%outcome == cases_found .or. cases%work < 0.0_wp) return
+            call search_case(problem, compliance, child, cases, of_side)
+            if (of_side /= cases_none) outcome = of_side
+            if (outcome == cases_found) return
         end do
     end subroutine search_case
 

@@ -146,7 +146,8 @@ contains
                 return
             end if
             wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
-            result%none_proven = size(wanted) == 0 .and. error%code == no_contact_state
+            result%none_proven = size(wanted) == 0 .and. part%none_proven &
+                & .and. none_help(part%motion, load_rows, absent)
             if (size(wanted) > 0) deallocate (error)
             result%motion = part%motion
             result%largest_part = part%largest_part
@@ -261,6 +262,22 @@ contains
             wanted = [integer ::]
         end if
     end function to_hold_loads
+
+    !> Whether no pair without a column does work on a motion, beyond what rounding may hide.
+    pure function none_help(motion, load_rows, absent) result(certain)
+        !> The motion
+        real(wp), intent(in) :: motion(:)
+        !> R
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Pairs whose columns are not known
+        logical, intent(in) :: absent(:)
+        logical :: certain
+
+        real(wp), allocatable :: hidden(:)
+
+        hidden = (size(motion) - 1)*epsilon(1.0_wp)*matmul(abs(load_rows), abs(motion))
+        certain = .not. any(absent .and. matmul(load_rows, motion) + hidden > 0.0_wp)
+    end function none_help
 
     !> Numbers of the pairs with the least values.
     pure function least(values, candidate, most) result(pairs)

@@ -101,7 +101,10 @@ contains
             result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance, &
                 & whole_motion))
         end if
-        if (.not. result%unique) then
+        ! Only here, for all methods: no other status promises less than rows met to rounding.
+        if (.not. result%backward_error <= row_tolerance) then
+            result%status = 1
+        else if (.not. result%unique) then
             result%status = 3
         else if (result%condition > ill_conditioned) then
             result%status = 1

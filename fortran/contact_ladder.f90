@@ -6,7 +6,7 @@
 !> there, single is tried again with loads that work through springs.
 module flankload_contact_ladder
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, no_contact_state, singular_contact
+    use flankload_error, only: error_type, singular_contact
     use flankload_contact_problem, only: contact_problem, measure_from_zero
     use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state
@@ -85,7 +85,7 @@ contains
         if (rung == rung_block .or. rung == rung_cascade) then
             call block_loop(problem, compliance, begin, rung == rung_cascade, state, settled, error)
             ! Before the first pair is in contact a loop only says that no forces hold the loads.
-            if (allocated(error)) none_proven = error%code == no_contact_state
+            none_proven = state%none_proven
             if (settled .or. allocated(error)) return
             call step_down(state, rung_single, rung, pivots, begin)
         end if
@@ -95,7 +95,7 @@ contains
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
             ! What fails before the first pair is in contact is no matter of the loop.
-            none_proven = error%code == no_contact_state
+            none_proven = state%none_proven
             if (.not. allocated(state%system%pairs)) return
             call step_down(state, rung_pivoted, rung, pivots, begin)
         end if

@@ -148,8 +148,8 @@ contains
         end do
     end subroutine check_choice
 
-    !> The ladder from the given rung down. What a rung has found is no answer where it does not
-    !> meet its equations: a more careful rung then begins afresh.
+    !> The ladder from the given rung down. Where what a rung has found misses its equations by more
+    !> than rounding, more careful rungs begin afresh; the best of what they find is the answer.
     pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
         !> The problem
         type(contact_problem), intent(inout) :: problem
@@ -166,39 +166,22 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        logical :: symmetric
-        integer :: pivots, next
-        integer, allocatable :: afresh(:)
         real(wp) :: part
+        logical :: symmetric
 
         symmetric = problem%symmetric
         call climb(problem, compliance, method, warm_pairs, state, result%rung, part, &
             & result%none_proven, error)
-        next = 0
-        do while (.not. allocated(error))
+        if (.not. allocated(error)) then
             call report_state(problem, compliance, state, result)
-            if (result%backward_error <= unmet) then
+            if (.not. result%backward_error <= row_tolerance) then
+                call begin_afresh(problem, compliance, method, symmetric, state, result, error)
+            end if
+            if (.not. allocated(error)) then
                 call check_range(problem, state%forces, state%motion, result, error)
-                return
             end if
-            next = next + 1
-            pivots = state%pivots
-            afresh = rungs_afresh(method)
-            ! No rung mends what is no number.
-            if (.not. result%backward_error <= huge(1.0_wp)) next = size(afresh) + 1
-            call blank(result, problem%n, problem%n_motions)
-            result%pivots = pivots
-            if (next > size(afresh)) then
-                call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
-                return
-            end if
-            problem%symmetric = symmetric
-            problem%spring = 0.0_wp
-            call measure_from_zero(problem)
-            call climb(problem, compliance, afresh(next), [integer ::], state, result%rung, part, &
-                & result%none_proven, error)
-            state%pivots = state%pivots + pivots
-        end do
+            return
+        end if
         result%pivots = state%pivots
         ! Of the rungs only the choice of the first pairs ends in the latter: a motion is loose.
         if (error%code == no_contact_state .or. error%code == singular_contact) then
@@ -206,6 +189,61 @@ contains
         end if
         if (error%code == no_contact_state) result%largest_part = part
     end subroutine run_ladder
+
+    !> Other rungs, where what was found misses its equations.
+    pure subroutine begin_afresh(problem, compliance, method, symmetric, state, result, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The method
+        integer, intent(in) :: method
+        !> K is symmetric
+        logical, intent(in) :: symmetric
+        !> Where a loop ended, the best one in the end
+        type(loop_state), intent(inout) :: state
+        !> What the caller sees of it
+        type(contact_result), intent(inout) :: result
+        !> None has found a state
+        type(error_type), allocatable, intent(out) :: error
+
+        type(contact_problem) :: other
+        type(loop_state) :: its_state
+        type(contact_result) :: its_result
+        integer :: k, pivots
+        integer, allocatable :: afresh(:)
+        real(wp) :: part
+        logical :: proven
+
+        pivots = state%pivots
+        afresh = rungs_afresh(method)
+        ! No rung mends what is no number.
+        if (.not. result%backward_error <= huge(1.0_wp)) afresh = [integer ::]
+        do k = 1, size(afresh)
+            other = problem
+            other%symmetric = symmetric
+            other%spring = 0.0_wp
+            call measure_from_zero(other)
+            call blank(its_result, problem%n, problem%n_motions)
+            call climb(other, compliance, afresh(k), [integer ::], its_state, its_result%rung, &
+                & part, proven, error)
+            pivots = pivots + its_state%pivots
+            if (allocated(error)) cycle
+            call report_state(other, compliance, its_state, its_result)
+            if (its_result%backward_error < result%backward_error) then
+                problem = other
+                state = its_state
+                result = its_result
+            end if
+            if (result%backward_error <= row_tolerance) exit
+        end do
+        if (allocated(error)) deallocate (error)
+        result%pivots = pivots
+        if (result%backward_error <= unmet) return
+        call blank(result, problem%n, problem%n_motions)
+        result%pivots = pivots
+        call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
+    end subroutine begin_afresh
 
     !> A state that the caller's units have no room for is none.
     pure subroutine check_range(problem, forces, motion, result, error)

@@ -1,23 +1,14 @@
 !> What the equations of the pairs in contact lack, in twice the working precision.
 !>
-!> Products and sums are split without error (Dekker, Knuth), which costs 20 operations for one;
-!> the refinement of an ill-conditioned state needs it for the active pairs alone.
+!> The refinement of an ill-conditioned state needs it for the active pairs alone.
 module flankload_extended_residual
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
+    use flankload_twice_precision, only: two_part, add_product, rounded
     implicit none
     private
 
     public :: extended_lack
-
-    !> A sum and what rounding has taken from it.
-    type :: two_part
-        real(wp) :: high = 0.0_wp
-        real(wp) :: low = 0.0_wp
-    end type two_part
-
-    !> 2^27 + 1 splits 53 bits into halves.
-    real(wp), parameter :: splitter = 2.0_wp**27 + 1.0_wp
 
 contains
 
@@ -57,36 +48,14 @@ contains
                 call add_product(row(i), problem%motions(pairs(i), c), motion(c))
             end do
         end do
-        r = row%high + row%low
+        r = rounded(row)
         do c = 1, problem%n_motions
             load = two_part(problem%loads(c), 0.0_wp)
             do i = 1, size(pairs)
                 call add_product(load, -problem%load_rows(pairs(i), c), forces(i))
             end do
-            s(c) = load%high + load%low
+            s(c) = rounded(load)
         end do
     end subroutine extended_lack
-
-    !> total := total + a b, without loss.
-    elemental subroutine add_product(total, a, b)
-        !> The sum
-        type(two_part), intent(inout) :: total
-        !> Factors, far from the ends of the range
-        real(wp), intent(in) :: a
-        real(wp), intent(in) :: b
-
-        real(wp) :: product, lost, high_a, low_a, high_b, low_b, sum, part
-
-        product = a*b
-        high_a = splitter*a - (splitter*a - a)
-        low_a = a - high_a
-        high_b = splitter*b - (splitter*b - b)
-        low_b = b - high_b
-        lost = ((high_a*high_b - product) + high_a*low_b + low_a*high_b) + low_a*low_b
-        sum = total%high + product
-        part = sum - total%high
-        total%low = total%low + (lost + ((total%high - (sum - part)) + (product - part)))
-        total%high = sum
-    end subroutine add_product
 
 end module flankload_extended_residual

@@ -7,6 +7,7 @@ module flankload_final_refinement
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
+    use flankload_held_loads, only: holds_loads
     use flankload_force_remains, only: clear_remains, clear_rounding
     use flankload_extended_residual, only: extended_lack
     implicit none
@@ -18,10 +19,15 @@ module flankload_final_refinement
     real(wp), parameter :: far_start = 1.5_wp
     !> Refinements of the final equations, one always, more where the rows are not yet met
     integer, parameter :: max_refinements = 3
-    !> From this condition on the residual is taken in twice the working precision, so many times
-    !> at most.
+    !> From this condition on, and where rows or loads are not met, the residual is taken in twice
+    !> the working precision, so many times at most.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
+    !> What rows and loads may lack here: half of what the certificate allows, which is summed up
+    !> with rounding itself
+    real(wp), parameter :: met_tolerance = 0.5_wp*row_tolerance
+    !> Forces below this part of the largest are not refined for their own sake.
+    real(wp), parameter :: least_part = epsilon(1.0_wp)**2
 
 contains
 
@@ -170,22 +176,20 @@ contains
                 done = joining == 0
                 if (.not. done) return
                 call least_row_sizes(problem, state%gaps, state%motion, sizes)
-                met = .true.
+                met = holds_loads(problem, pairs, state%forces(pairs), met_tolerance)
                 do k = 1, size(pairs)
-                    if (abs(state%gaps(pairs(k))) <= row_tolerance*sizes(pairs(k))) cycle
-                    met = met .and. abs(state%gaps(pairs(k))) <= row_tolerance*row_size(problem, &
+                    if (abs(state%gaps(pairs(k))) <= met_tolerance*sizes(pairs(k))) cycle
+                    met = met .and. abs(state%gaps(pairs(k))) <= met_tolerance*row_size(problem, &
                         & compliance, state%forces, state%motion, pairs, pairs(k))
                 end do
             end associate
-            if (.not. met) cycle
-            state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
-            if (state%condition > ill_conditioned) call refine_extended(problem, compliance, state)
-            call clear_remains(problem, state)
-            call clear_rounding(problem, compliance, state)
-            return
+            if (met) exit
         end do
         if (done) then
             state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
+            if (state%condition > ill_conditioned .or. .not. met) then
+                call refine_extended(problem, compliance, state)
+            end if
             call clear_remains(problem, state)
             call clear_rounding(problem, compliance, state)
             return
@@ -222,13 +226,15 @@ contains
                 call extended_lack(problem, compliance, pairs, state%forces(pairs), &
                     & state%motion, r, s)
                 call solve_bordered(state%system, problem, r, s, forces, motion, solved)
-                change = maxval(abs(forces))
+                ! Little forces, too: their digits alone meet rows and loads without large ones.
+                change = maxval(abs(forces)/max(abs(state%forces(pairs)), &
+                    & least_part*maxval(state%forces(pairs)), tiny(1.0_wp)))
                 ! Also with NaN
                 if (.not. (solved .and. change < 0.5_wp*before)) exit
                 before = change
                 state%forces(pairs) = state%forces(pairs) + forces
                 state%motion = state%motion + motion
-                if (change <= epsilon(1.0_wp)*maxval(abs(state%forces))) exit
+                if (change <= epsilon(1.0_wp)) exit
             end do
             joining = 0
             if (minval(state%forces(pairs)) > 0.0_wp) then

@@ -4,6 +4,7 @@ module flankload_force_remains
     use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
         & row_size, row_tolerance
     use flankload_zero_force, only: is_noticed
+    use flankload_held_loads, only: holds_loads
     use flankload_loop_start, only: loop_state
     implicit none
     private
@@ -59,13 +60,13 @@ contains
         real(wp), allocatable :: old_forces(:), old_gaps(:)
 
         associate (pairs => state%system%pairs)
-            if (holds_loads(problem, pairs, state%forces(pairs))) return
+            if (holds_loads(problem, pairs, state%forces(pairs), row_tolerance)) return
             little = state%forces(pairs) <= row_tolerance*maxval(state%forces)
             little = little .and. .not. is_noticed(problem, pairs, state%forces(pairs), little)
             old_forces = state%forces
             old_gaps = state%gaps
             state%forces(pack(pairs, little)) = 0.0_wp
-            sound = holds_loads(problem, pairs, state%forces(pairs))
+            sound = holds_loads(problem, pairs, state%forces(pairs), row_tolerance)
             if (sound) then
                 call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
                 original = problem
@@ -81,26 +82,5 @@ contains
         state%forces = old_forces
         state%gaps = old_gaps
     end subroutine clear_rounding
-
-    !> Whether forces hold every load to the rounding of what works on it.
-    pure function holds_loads(problem, pairs, forces) result(holds)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> The pairs in contact
-        integer, intent(in) :: pairs(:)
-        !> Their scaled forces
-        real(wp), intent(in) :: forces(:)
-        logical :: holds
-
-        integer :: c
-        real(wp), allocatable :: work(:)
-
-        holds = .true.
-        do c = 1, problem%n_motions
-            work = problem%load_rows(pairs, c)*forces
-            holds = holds .and. abs(sum(work) - problem%loads(c)) &
-                & <= row_tolerance*(sum(abs(work)) + abs(problem%loads(c)))
-        end do
-    end function holds_loads
 
 end module flankload_force_remains

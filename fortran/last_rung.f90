@@ -53,8 +53,8 @@ contains
 
         largest_part = 0.0_wp
         call start_loop(problem, first, first_forces, state, error)
-        none_proven = allocated(error)
-        if (none_proven) return
+        none_proven = state%none_proven
+        if (allocated(error)) return
         touching = problem
         call follow_load_path(problem, compliance, 0, path)
         largest_part = path%largest_part

@@ -76,7 +76,7 @@ contains
         real(wp) :: load, sense
 
         load = problem%loads(1)
-        sense = sign(1.0_wp, load)
+        sense = merge(-1.0_wp, 1.0_wp, load < 0.0_wp)
         ! Without load either sense will do; pairs may stand in the way of one only.
         if (.not. abs(load) > 0.0_wp .and. all(problem%load_rows(:, 1) <= 0.0_wp)) sense = -sense
         allocate (pairs(0), forces(0))
@@ -143,7 +143,7 @@ contains
 
         real(wp), allocatable :: sense(:), sizes(:)
 
-        sense = sign(1.0_wp, problem%loads)
+        sense = merge(-1.0_wp, 1.0_wp, problem%loads < 0.0_wp)
         sizes = maxval(abs(problem%load_rows), dim=2)
         call hold_loads(unit_rows(small_row), abs(problem%loads), pairs, forces, motion, outcome)
         if (outcome /= vertex_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then

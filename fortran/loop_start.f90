@@ -7,6 +7,8 @@ module flankload_loop_start
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & append_block, drop_pairs
     use flankload_bordered_solution, only: solve_bordered
+    use flankload_held_loads, only: hold_loads_again
+    use flankload_sure_proof, only: loads_are_too_much
     use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
     implicit none
     private
@@ -35,6 +37,8 @@ module flankload_loop_start
         integer :: left_last = 0
         !> Pairs without which a motion would be loose: the loads alone say what they carry
         logical, allocatable :: pinned(:)
+        !> No forces hold the loads for certain
+        logical :: none_proven = .false.
     end type loop_state
 
 contains
@@ -60,6 +64,7 @@ contains
         allocate (state%motion(problem%n_motions), source=0.0_wp)
         if (outcome == vertex_infeasible) then
             state%motion = motion
+            state%none_proven = loads_are_too_much(problem, first, motion)
             call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
         else if (outcome /= vertex_found) then
             state%motion = motion
@@ -142,6 +147,7 @@ contains
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return
+            call hold_loads_again(problem, compliance, state%system, forces, motion)
             negative = pulls(problem, state%system%pairs, forces)
             if (.not. any(negative)) exit
             call drop_pairs(state%system, problem, compliance, negative, ready)

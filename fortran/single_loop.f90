@@ -12,6 +12,7 @@ module flankload_single_loop
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_bordered_system, only: append_pair, drop_pair
     use flankload_bordered_solution, only: solve_bordered
+    use flankload_held_loads, only: hold_loads_again
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
     use flankload_final_refinement, only: first_to_vanish, most_open_pair, is_open, finish
     implicit none
@@ -146,6 +147,7 @@ contains
                 if (solved) cycle
             end if
             if (.not. solved) exit
+            call hold_loads_again(problem, compliance, state%system, target, motion)
             forces = state%forces(state%system%pairs)
             call first_to_vanish(problem, state%system%pairs, forces, target, &
                 & state%pinned(state%system%pairs), leaving, way)
