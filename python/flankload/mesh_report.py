@@ -33,12 +33,16 @@ if TYPE_CHECKING:
 SMALL_MM, LARGE_MM = 1.0, 1e4
 #: Radii that agree to this part are one.
 SAME_RADIUS = 1e-6
+#: The error of an element grows as one over its scaled Jacobian, the sine of its worst angle: down
+#: to the first (angles of 30 to 150 degrees) it at most doubles, at the second it is five times as
+#: large.
+GOOD, USABLE = 0.5, 0.2
 #: Angles of sectors are whole parts of a turn to this many sectors.
 WHOLE_SECTORS = 1e-3
 
 
 def quality_rows(nodes: Floats, cells: Cells) -> Rows:
-    """Least scaled Jacobian and largest aspect ratio, with the place of the worst element.
+    """Least scaled Jacobian, with a verdict, and largest aspect ratio, with the worst one's place.
 
     Parameters
     ----------
@@ -60,7 +64,20 @@ def quality_rows(nodes: Floats, cells: Cells) -> Rows:
         worst = int(worst_of(values))
         x, y = centres[worst]
         rows.append((name, f"{values[worst]:.2f} (at x = {x:.3f}, y = {y:.3f} mm)"))
+        if measure is scaled_jacobians:
+            rows.append(("shape of the elements", verdict(float(values[worst]))))
     return rows
+
+
+def verdict(scaled_jacobian: float) -> str:
+    """What the least scaled Jacobian of a mesh, over the nodes of its elements, is worth."""
+    if scaled_jacobian >= GOOD:
+        return "good"
+    if scaled_jacobian >= USABLE:
+        return f"usable: errors of the worst element up to {1 / USABLE:g} times those of a square"
+    if scaled_jacobian > 0:
+        return "poor: the worst element nearly collapses; expect wrong stresses and estimates there"
+    return "invalid: an element folds over"
 
 
 def mesh_rows(raw: RawMesh) -> Rows:

@@ -18,6 +18,8 @@ from flankload.bodies.ring import build_ring
 from flankload.bodies.sector_mesh import sector_mesh
 from flankload.compliance import flank_compliance
 from flankload.errors import SceneError
+from flankload.mesh_report import quality_rows, verdict
+from flankload.plane_mesh import scaled_jacobians
 from flankload.scene import Gear, Ring
 
 
@@ -258,6 +260,35 @@ def test_compliance_converges_under_refinement() -> None:
     assert errors[1] < 4e-3
     even = [abs(s[0, 0, 0] / finest[0, 0, 0] - 1) for s in smooth]
     assert even[1] < 2e-4
+
+
+#: Without a rounding 0.8 (gears; rings 0.6 to 0.8), with a chamfer 0.47.
+LEAST_SHAPE = 0.6
+
+
+@pytest.mark.parametrize("rounding", [0.03, 0.08, 0.15, 0.3])
+@pytest.mark.parametrize("element", [1.0, 1 / 4.5, 1 / 18])
+def test_no_element_collapses_at_a_tip_rounding(rounding: float, element: float) -> None:
+    """A corner of a block on the rounding had an angle of 180 degrees: 0.007."""
+    bodies = [
+        built(4.5 * element, tip_radius_mm=4.5 * rounding),
+        ring_built(3.0 * element, tip_radius_mm=3.0 * rounding),
+    ]
+    for body in bodies:
+        mesh = mesh_of(body)
+        assert scaled_jacobians(mesh.nodes, *mesh.cells[0]).min() > LEAST_SHAPE
+
+
+def test_a_rounding_as_wide_as_the_tooth_has_elements() -> None:
+    mesh = mesh_of(built(tip_radius_mm=2.4))  # the largest is 2.4043
+    assert scaled_jacobians(mesh.nodes, *mesh.cells[0]).min() > 0.3
+
+
+def test_quality_has_a_verdict() -> None:
+    mesh = mesh_of(built(tip_radius_mm=0.36))
+    assert dict(quality_rows(mesh.nodes, mesh.cells))["shape of the elements"] == "good"
+    words = [verdict(value).split(":")[0] for value in (0.5, 0.3, 0.01, 0.0, -0.1)]
+    assert words == ["good", "usable", "poor", "invalid", "invalid"]
 
 
 def test_rigid_gear_has_no_mesh() -> None:

@@ -76,6 +76,7 @@ class SectorBreaks:
     tip : from there to the end of the curve (rounding or chamfer); one value where there is none
     columns : parts of the way across the tooth, even in number
     rows : parts of the way from the split point down to the bore
+    layers : elements across the layers below flank and tip; 0 where the tip is not rounded
     """
 
     low: Floats
@@ -83,6 +84,7 @@ class SectorBreaks:
     tip: Floats
     columns: Floats
     rows: Floats
+    layers: int
 
 
 def sector_breaks(
@@ -127,15 +129,33 @@ def sector_breaks(
     if rows.size < 3:
         rows = np.array([0.0, 0.5, 1.0])
     columns = symmetric_breaks(width, FIRST_LAYER * on_flank, GROWTH, INNER * max(h, on_flank))
-    if tip.size > (columns.size - 1) // 2:
-        tip = np.linspace(corner, end, (columns.size - 1) // 2)
+    layers = 0
+    if "tip_radius" in curve.labels:
+        columns, layers = _layered(columns, 2 * (end - corner) / width)
+    inside = (columns.size - 1) // 2 - layers
+    if tip.size > inside:
+        tip = np.linspace(corner, end, inside)
     return SectorBreaks(
         low=_turned_breaks(curve, 0.0, split, FILLET * h),
         flank=np.concatenate(pieces),
         tip=tip,
         columns=columns,
         rows=rows,
+        layers=layers,
     )
+
+
+def _layered(columns: Floats, rounding: float) -> tuple[Floats, int]:
+    """Columns, and how many of them are layers along the outline: as thick as a rounding is long.
+
+    At least two columns are left on each half of the core: one for the rounding, one for the land.
+    """
+    half = columns[: columns.size // 2 + 1]
+    layers = max(1, int(np.searchsorted(half, 0.5 * rounding)))
+    layers = min(layers, max(1, half.size - 3))
+    while half.size - 1 - layers < 2:
+        half = np.insert(half, -1, 0.5 * (half[-2] + half[-1]))
+    return np.concatenate([half, 1.0 - half[-2::-1]]), layers
 
 
 def slants(curve: ToothCurve, s: Floats) -> Floats:

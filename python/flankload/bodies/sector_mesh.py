@@ -2,8 +2,8 @@
 
 The tooth stands on a line that sags between the two fillets; below it a middle block and, under the
 lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet
-three blocks meet at the split point, where the fillet has turned halfway. Both halves are mirror
-images.
+three blocks meet at the split point, where the fillet has turned halfway. A tooth with rounded tips
+has blocks of its own (`rounded_tooth`). Both halves are mirror images.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from flankload.bodies.blocks import BlockMesh, coons, even_breaks, with_middles
 from flankload.bodies.body import SectorMesh
+from flankload.bodies.rounded_tooth import rounded_tooth
 from flankload.bodies.sector_breaks import sector_breaks, slants
 from flankload.errors import SceneError
 from flankload.plane_mesh import jacobians
@@ -129,16 +130,24 @@ def tooth_mesh(
     angle = atan2(split[1], split[0])
     foot = _sagging_line(curve, s_flank[0], angle, columns, bore_radius)
     s_tip = with_middles(breaks.tip) if breaks.tip.size > 1 else breaks.tip
-    top, top_parts = _tip_line(curve, s_tip, tip_radius, columns)
+    n = 2 * breaks.layers
+    inside = columns[n : columns.size - n]
+    inside = (inside - inside[0]) / (inside[-1] - inside[0])
+    top, top_parts = _tip_line(curve, s_tip, tip_radius, inside)
     shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
 
     # Left to right means from the working flank (positive angle) through the tooth to its mirror
     # image when looking up the tooth: rows go up, columns go from negative to positive y reversed.
     mesh = BlockMesh()
-    tooth = mesh.add(
-        coons(foot, top, flank, flank * mirror, np.stack([columns, top_parts]), np.stack([up, up])),
-        {},
-    )
+    if n:
+        on_flank, on_top, on_foot = rounded_tooth(
+            mesh, curve, s_flank, (foot, columns), (top, top_parts), n
+        )
+    else:
+        sides = (flank, flank * mirror)
+        parts = (np.stack([columns, top_parts]), np.stack([up, up]))
+        tooth = mesh.add(coons(foot, top, *sides, *parts), {})
+        on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
     bore = _arc(bore_radius, angle * (1 - 2 * columns))
     middle = mesh.add(
         coons(
@@ -149,7 +158,7 @@ def tooth_mesh(
             np.stack([columns, columns]),
             np.stack([1 - rows[::-1]] * 2),
         ),
-        {"top": tooth[0]},
+        {"top": on_foot},
     )
     side_top, side_parts = _root_line(profile, breaks.low)
     bore = _arc(bore_radius, angle + (pi / teeth - angle) * (1 - side_parts))
@@ -167,7 +176,7 @@ def tooth_mesh(
     right = mesh.add(grid, {"right": middle[:, 0]})
     left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
     nodes = np.concatenate(mesh.places)
-    numbers = np.concatenate([tooth[:, 0], tooth[-1, 1 : s_tip.size]])
+    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
     lengths = np.concatenate([s_flank, s_tip[1:]])
     low, high = profile.mode_range_mm
     carries = (lengths >= low - 1e-12) & (lengths <= high + 1e-12)
