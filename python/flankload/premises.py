@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.errors import ContactError, PremiseError
+from flankload.errors import ContactError, NoContactState, PremiseError
 from flankload.result.accuracy_lines import OUTSIDE
 from flankload.scene.usual import questions
 
@@ -248,6 +248,7 @@ def blame_load(
     scene: Scene,
     pair: BodyPair,
     geometry: PairGeometry,
+    error: ContactError,
     run: Callable[[float], tuple[Sweep, ...]],
 ) -> None:
     """Refuse a scene whose torque has no answer where a part of it breaks a premise already.
@@ -256,6 +257,8 @@ def blame_load(
     ----------
     scene, pair, geometry
         As of `broken_by_load`.
+    error : ContactError
+        Why there is none; a proof that there is no state has another reason.
     run : callable
         Sweeps under one torque, N mm.
 
@@ -263,6 +266,8 @@ def blame_load(
     ------
     PremiseError
     """
+    if isinstance(error, NoContactState) and error.proven:
+        return
     torque_Nm = max(scene.torques_Nm)
     number = scene.torques_Nm.index(torque_Nm)
     for part in PARTS:

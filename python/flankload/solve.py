@@ -222,10 +222,10 @@ def solve_with(
 
         try:
             pair, found, errors, rounds = _all_positions(scene, pair, run_round)
-        except ContactError:
+        except ContactError as error:
             grid, at = pair.resolution.grid, pair.position_rad
             part = partial(run, compliances=compliances, grid=grid, position_rad=at)
-            blame_load(scene, pair, geometry, lambda torque: part(torques_Nmm=[torque]))
+            blame_load(scene, pair, geometry, error, lambda torque: part(torques_Nmm=[torque]))
             raise
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)

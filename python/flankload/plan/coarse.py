@@ -236,8 +236,8 @@ class Coarse:
         run = partial(sweep, self.position_rad, grid=COARSE.grid)
         try:
             sweeps = run(self.torques_Nm)
-        except ContactError:
-            blame_load(scene, pair, geometry, lambda torque_Nmm: run([torque_Nmm / 1000.0]))
+        except ContactError as error:
+            blame_load(scene, pair, geometry, error, lambda torque: run([torque / 1000.0]))
             raise
         for torque, found in zip(self.torques_Nm, sweeps, strict=True):
             number = scene.torques_Nm.index(torque)
