@@ -129,7 +129,8 @@ def solve(
     Raises
     ------
     SceneError
-        If the scene asks for something impossible.
+        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
+        model.
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
