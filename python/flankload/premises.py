@@ -8,12 +8,12 @@ solved, what a load breaks after the sweep.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.errors import ContactError, PremiseError
+from flankload.backlash import ROUNDING_UM, coast_overlap_um, key_of_backlash
+from flankload.errors import ContactError, NoContactState, PremiseError
 from flankload.result.accuracy_lines import OUTSIDE
 from flankload.scene.usual import questions
 
@@ -33,12 +33,8 @@ if TYPE_CHECKING:
 
 #: Parts of a torque without an answer that are tried, until one of them has one.
 PARTS = tuple(0.25**k for k in range(1, 9))
-#: Teeth that carry lean back by this part of the turn under load, and their coast flanks with them:
-#: on the FZG type C pair under 30 to 900 N m coast flanks that overlap by 0.14 of that turn before
-#: there is torque carry nothing, 0.19 change the transmission error by 0.5 %, 0.43 by 9 %.
-LEAN = 0.8
-#: Coast flanks that overlap by less are apart but for rounding, um.
-ROUNDING_UM = 1e-3
+#: A contact ratio less by that is 1.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -59,11 +55,8 @@ class Premise:
     expected: str
 
 
-#: With less there are positions at which no pair of flanks touches in its path of contact: a tip
-#: corner digs along a flank there, which the pairs on circles follow no further.
+#: With less there are positions at which a tip corner alone carries, whose pressure has no limit.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
-#: Parts of a torque without an answer that are tried, until one of them has one.
-PARTS = tuple(0.25**k for k in range(1, 9))
 #: Coast flanks that overlap carry, too.
 BACKLASH = Premise(
     "backlash",
@@ -175,7 +168,7 @@ def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     Broken
     """
     mesh = pair.pairing.mesh
-    if mesh is None or _contact_ratio(mesh) >= CONTACT_RATIO.limit:
+    if mesh is None or _contact_ratio(mesh) >= CONTACT_RATIO.limit - ROUNDING:
         return
     yield Broken(
         CONTACT_RATIO,
@@ -229,17 +222,17 @@ def broken_by_load(
             amount = f"{deflection_mm / module:.3g} of a module ({deflection_mm:.3g} mm)"
             yield torque.broken(DEFLECTION, amount)
     yield from broken_by_turn(turned_rad, pair.pairing.pitch_rad, torque)
-    softer = [body.material.young_modulus_MPa for body in (pair.body_1, pair.body_2)
-              if not body.rigid]  # fmt: skip
+    elastic = (body for body in (pair.body_1, pair.body_2) if not body.rigid)
+    softer = [body.material.young_modulus_MPa for body in elastic]
     pressure = _peak_off_corners(found) / scene.pair.face_width_mm
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
-    overlap_um = _coast_overlap_um(pair, geometry, found)
+    overlap_um = coast_overlap_um(pair, geometry, found)
     if overlap_um > ROUNDING_UM:
         yield Broken(
             BACKLASH,
-            _closes_backlash(scene),
+            key_of_backlash(scene),
             f"about {overlap_um:.3g} um of overlap {torque.under}",
         )
 
@@ -248,6 +241,7 @@ def blame_load(
     scene: Scene,
     pair: BodyPair,
     geometry: PairGeometry,
+    error: ContactError,
     run: Callable[[float], tuple[Sweep, ...]],
 ) -> None:
     """Refuse a scene whose torque has no answer where a part of it breaks a premise already.
@@ -256,6 +250,8 @@ def blame_load(
     ----------
     scene, pair, geometry
         As of `broken_by_load`.
+    error : ContactError
+        Why there is none; a proof that there is no state has another reason.
     run : callable
         Sweeps under one torque, N mm.
 
@@ -263,6 +259,8 @@ def blame_load(
     ------
     PremiseError
     """
+    if isinstance(error, NoContactState) and error.proven:
+        return
     torque_Nm = max(scene.torques_Nm)
     number = scene.torques_Nm.index(torque_Nm)
     for part in PARTS:
@@ -344,46 +342,3 @@ def _peak_off_corners(found: Sweep) -> float:
     if found.coast is not None:
         sites.append((found.coast.site_peak_N_per_mm, found.coast.site_corner))
     return max(float(np.max(peak, where=corner <= 0, initial=0.0)) for peak, corner in sites)
-
-
-def _coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> float:
-    """By how much coast flanks overlap, body 1 turned and its teeth bent; 0 where they cannot."""
-    coast = geometry.coast
-    if coast is None or not _may_close(pair):
-        return 0.0
-    wind_up_rad = found.torque_Nmm * found.tangent_rad_per_Nmm
-    bent_rad = LEAN * np.where(np.isfinite(wind_up_rad), wind_up_rad, 0.0)
-    gap_rad = coast.gap_rad + found.rotation_rad - bent_rad
-    known = np.isfinite(gap_rad)
-    return -1000.0 * coast.base_radius_mm * float(np.min(gap_rad, where=known, initial=0.0))
-
-
-def _may_close(pair: BodyPair) -> bool:
-    """Whether anything takes up more than the backlash; modified flanks take up none of it."""
-    if pair.effects.coast_flanks:
-        return False
-    bodies, mesh, fit = (pair.body_1, pair.body_2), pair.pairing.mesh, pair.pairing.fit
-    if any(growth is not None for growth in pair.growth) or any(
-        body.flank_turns_rad for body in bodies
-    ):
-        return True
-    room = 0.0
-    if mesh is not None:
-        room = mesh.backlash_mm * cos(mesh.pressure_angle_rad)
-    elif fit is not None:
-        room = fit.normal_backlash_mm - 2.0 * fit.offset_mm
-    errors_um = sum(max((0.0, *body.pitch_errors_um)) for body in bodies)
-    return room <= errors_um / 1000.0
-
-
-def _closes_backlash(scene: Scene) -> str:
-    """The key that most likely takes up the backlash."""
-    grown = scene.effects.temperature_rise_K
-    if np.any(grown if grown is not None else 0.0):
-        return "effects.temperature_rise_K"
-    if scene.effects.speed_rpm:
-        return "effects.speed_rpm"
-    for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2)):
-        if any(error > 0.0 for error in body.pitch_errors_um):
-            return f"{key}.pitch_errors_um"
-    return "pair.center_offset_mm" if scene.pair.center_offset_mm else "pair.center_distance_mm"

@@ -130,7 +130,8 @@ def solve(
     Raises
     ------
     SceneError
-        If the scene asks for something impossible.
+        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
+        model.
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
@@ -228,10 +229,10 @@ def solve_with(
 
         try:
             pair, found, errors, rounds = _all_positions(scene, pair, run_round)
-        except ContactError:
+        except ContactError as error:
             grid, at = pair.resolution.grid, pair.position_rad
             part = partial(run, compliances=compliances, grid=grid, position_rad=at)
-            blame_load(scene, pair, geometry, lambda torque: part(torques_Nmm=[torque]))
+            blame_load(scene, pair, geometry, error, lambda torque: part(torques_Nmm=[torque]))
             raise
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)

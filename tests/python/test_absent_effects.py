@@ -185,7 +185,7 @@ CASES = {
         more={"positions__pitches": 2},
     ),
     "thermal_growth": Case(
-        {"effects__temperature_rise_K": 50.0, "effects__support_expansion_per_K": 0.0},
+        {"effects__temperature_rise_K": 10.0, "effects__support_expansion_per_K": 0.0},
         {"effects__temperature_rise_K": 0.0},
         amount("shift_1", "shift_2"),
     ),

@@ -223,9 +223,9 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
         {"effects__contact": "lumped", "effects__friction_coefficient": 0.1, **FEW},
         {"effects__body": "tooth", **ALL},
         {"effects__body": "segment", "effects__segment_teeth": 3, **ALL},
-        {"effects__temperature_rise_K": 30, "effects__speed_rpm": 3000, **FEW},
+        {"effects__temperature_rise_K": -30, "effects__speed_rpm": 3000, **FEW},
         {
-            "effects__temperature_rise_K": [0, 30],
+            "effects__temperature_rise_K": [0, -30],
             "effects__support_expansion_per_K": 0,
             "effects__speed_rpm": 3000,
             "effects__friction_coefficient": 0.1,

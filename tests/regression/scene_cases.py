@@ -49,6 +49,7 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
             "temperature_rise_K": [60.0, 40.0],
             "support_expansion_per_K": 0.0,
             "speed_rpm": 12000.0,
+            "beyond_limits": True,  # growth takes up the backlash
         },
     },
     "no_tip_contact": {"effects": {"tip_contact": False}},

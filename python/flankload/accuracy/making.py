@@ -72,7 +72,8 @@ def accuracy(
     Raises
     ------
     SceneError
-        If the scene is impossible or has no torque, or an argument is wrong.
+        If the scene is impossible or has no torque, or an argument is wrong; `PremiseError` if it
+        breaks a premise of the model.
     """
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)

@@ -65,6 +65,7 @@ class Coarse:
         self._pairs: dict[Scene, BodyPair] = {}
         self._compliances: dict[Any, BodyCompliance] = {}
         self._matrices: dict[Any, tuple[csc_matrix, float]] = {}
+        self._sweeps: dict[Scene, tuple[Sweep, ...]] = {}
         self._state_s: dict[Scene, float] = {}
         self._solutions: dict[Scene, float] = {}
         self._fine: dict[Scene, tuple[BodyPair, float]] = {}
@@ -208,19 +209,26 @@ class Coarse:
         """
         pair = self.pair(scene)
         torques = self.torques_Nm if torques_Nm is None else torques_Nm
-        run = self._sweep(scene, pair)
-        account, start = Account(), process_time()
-        found = run(self.position_rad, torques, grid, account)
-        if torques == self.torques_Nm and grid == COARSE.grid:
-            number = self.position_rad.size * len(torques)
-            self._state_s[scene] = (process_time() - start) / number
-        solutions = account.counters.get("finite_solutions", 0)
-        self._solutions[scene] = solutions / (self.position_rad.size * len(torques))
+        found = self._swept(scene, torques, grid)
         sites = pair.pairing.sites
         return [
             States.of(torque, sites, part.rotation_rad, part.site_force_N)
             for torque, part in zip(torques, found, strict=True)
         ]
+
+    def _swept(self, scene: Scene, torques: tuple[float, ...], grid: Grid) -> tuple[Sweep, ...]:
+        """The sweep behind the states; that of the plan's torques on coarse cells once."""
+        usual = torques == self.torques_Nm and grid == COARSE.grid
+        if usual and scene in self._sweeps:
+            return self._sweeps[scene]
+        run, states = self._sweep(scene, self.pair(scene)), self.position_rad.size * len(torques)
+        account, start = Account(), process_time()
+        found = run(self.position_rad, torques, grid, account)
+        if usual:
+            self._state_s[scene] = (process_time() - start) / states
+            self._sweeps[scene] = found
+        self._solutions[scene] = account.counters.get("finite_solutions", 0) / states
+        return found
 
     def check_load(self, scene: Scene) -> None:
         """Refuse a scene whose least or largest torque breaks a premise of the model.
@@ -230,14 +238,13 @@ class Coarse:
         PremiseError
         """
         coarse = self.pair(scene)
-        sweep = self._sweep(scene, coarse)
         pair, compliances = grown_pair(coarse, self.compliances(scene, coarse))
         geometry = pair_geometry(pair, compliances)
-        run = partial(sweep, self.position_rad, grid=COARSE.grid)
+        swept = partial(self._swept, scene, grid=COARSE.grid)
         try:
-            sweeps = run(self.torques_Nm)
-        except ContactError:
-            blame_load(scene, pair, geometry, lambda torque_Nmm: run([torque_Nmm / 1000.0]))
+            sweeps = swept(self.torques_Nm)
+        except ContactError as error:
+            blame_load(scene, pair, geometry, error, lambda torque: swept((torque / 1000.0,)))
             raise
         for torque, found in zip(self.torques_Nm, sweeps, strict=True):
             number = scene.torques_Nm.index(torque)

@@ -42,7 +42,8 @@ def plan(scene: Scene) -> Plan:
     Raises
     ------
     SceneError
-        If the scene asks for something impossible.
+        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
+        model.
     FlankloadError
         If a position has no answer.
     """
