@@ -89,19 +89,20 @@ def from_angles(
     least = row_scale.min()
     if not least > 0.0:
         raise InputError(
-            f"{name}: expected row scales > 0, found {least:g} "
-            f"at pair {int(row_scale.argmin())}",
+            f"{name}: expected row scales > 0, found {least:g} at pair {int(row_scale.argmin())}",
             code=-5,
         )
     if not torque_row.max() > 0.0:
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
-    if n > _FEW_PAIRS and row_scale.max() == least:
-        # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
+    # One scale for all rows makes no matrix symmetric: rows stay those of angles, without a copy.
+    scaled = n <= _FEW_PAIRS or row_scale.max() > least
+    if not scaled:
         row_scale = np.ones(n)
     return _problem(
         matrix,
+        row_scale if scaled else None,
         row_scale * gaps,
         row_scale[:, np.newaxis],
         torque_row[:, np.newaxis],
@@ -129,6 +130,7 @@ def general(
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
     return _problem(
         matrix,
+        None,
         gaps,
         levers,
         rows,
@@ -193,6 +195,7 @@ def _square(name: str, values: ArrayLike) -> Vector:
 
 def _problem(
     matrix: Vector,
+    row_scale: Vector | None,
     gaps: Vector,
     motions: Vector,
     load_rows: Vector,
@@ -206,13 +209,13 @@ def _problem(
         matrix = np.asfortranarray(matrix)
     by_rows = not matrix.flags.f_contiguous
     compliance = matrix.T if by_rows else matrix
-    if (gap_scale == 1.0).all():
+    if row_scale is None:
         symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(compliance)
         if not mirrored:
             compliance = np.asfortranarray(matrix)
     else:
         compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
-            compliance, int(by_rows), gap_scale
+            compliance, int(by_rows), row_scale
         )
         finite = symmetric
     if not finite:
