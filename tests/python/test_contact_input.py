@@ -330,23 +330,32 @@ def test_number_that_no_solution_reads(bad: float, order: Any) -> None:
             assert str(caught.value).endswith(f"found {bad} at {place}")
 
 
-def test_one_entry_decides_what_is_known_of_the_matrix() -> None:
+@pytest.mark.parametrize("n", [1, 3, 90, 643])
+def test_one_entry_decides_what_is_known_of_the_matrix(n: int) -> None:
     """Wherever it stands: symmetric, allowed by the diagonal, its own transpose to the last bit."""
-    matrix = np.asfortranarray(many_pairs()["flexibility_matrix"])
-    matrix = np.asfortranarray(0.5 * (matrix + matrix.T))
-    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
     rng = np.random.default_rng(7)
-    for i, j in [*rng.integers(0, MANY, (60, 2)).tolist(), [89, 88], [0, 89], [40, 39], [44, 1]]:
-        if i == j:
+    matrix = np.asfortranarray(rng.random((n, n)))
+    matrix = np.asfortranarray(0.4 * (matrix + matrix.T))
+    np.fill_diagonal(matrix, 1.0 + rng.random(n))
+    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
+    places = rng.integers(0, n, (40, 2)).tolist()
+    for i, j in [*places, [n - 1, n - 2], [0, n - 1], [n // 2, n // 2 - 1], [n // 2, 0]]:
+        if i == j or n == 1:
             continue
         bound = np.sqrt(matrix[i, i] * matrix[j, j])
-        for step, form in ((3e-12, (0, 0, 0, 1, 0)), (3e-13, (1, 1, 0, 1, 0))):
-            changed = matrix.copy(order="F")
-            changed[i, j] += step * bound
-            assert _core.flankload_matrix_form(changed) == form, (i, j, step)
-        changed = matrix.copy(order="F")
-        changed[i, j] = changed[j, i] = -bound * (1.0 + 3e-12)
-        assert _core.flankload_matrix_form(changed) == (1, 0, 1, 1, 0), (i, j)
+        value = matrix[i, j]
+        for part, form in ((3e-12, (0, 0, 0, 1, 0)), (3e-13, (1, 1, 0, 1, 0))):
+            matrix[i, j] = value + part * bound
+            assert _core.flankload_matrix_form(matrix) == form, (i, j, part)
+        for bad in (np.nan, np.inf):
+            matrix[i, j] = bad
+            assert _core.flankload_matrix_form(matrix) == (0, 0, 0, 0, 0), (i, j, bad)
+            matrix[j, i] = bad
+            assert _core.flankload_matrix_form(matrix) == (0, 0, 0, 0, 0), (i, j, bad)
+        matrix[i, j] = matrix[j, i] = -bound * (1.0 + 3e-12)
+        assert _core.flankload_matrix_form(matrix) == (1, 0, 1, 1, 0), (i, j)
+        matrix[i, j] = matrix[j, i] = value
+    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
 
 
 def test_large_numbers_are_finite_though_their_sum_is_not() -> None:
