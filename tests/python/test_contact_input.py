@@ -383,3 +383,55 @@ def test_symmetric_matrix_is_not_copied(order: Any) -> None:
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert peak < 0.5 * matrix.nbytes
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_one_row_scale_for_many_pairs_is_the_general_form(friction: float) -> None:
+    """To rounding: diag(b) A is not made, and the loads take the scale."""
+    problem = many_pairs(friction=friction)
+    levers, torque = problem["normal_lever_arms"], problem["torque"]
+    general = fl.solve_contact_general(
+        levers[:, np.newaxis] * problem["flexibility_matrix"],
+        levers * problem["gap_angles"],
+        levers,
+        torque,
+        load_rows=problem["lever_arms"],
+    )
+    matrices = [problem["flexibility_matrix"]]
+    row, gaps = problem["lever_arms"], problem["gap_angles"]
+    sequence = fl.solve_contact_sequence(
+        matrices, [row], [gaps], torque, normal_lever_arms=[levers]
+    )
+    listed = fl.solve_contact_torques(**_of_torques(problem, matrices[0]))
+    for state in (fl.solve_contact(**problem), *listed, *sequence):
+        assert np.array_equal(state.active_pairs, general.active_pairs)
+        assert (state.status, state.info.uniqueness) == (general.status, general.info.uniqueness)
+        largest = general.normal_forces.max()
+        np.testing.assert_allclose(
+            state.normal_forces, general.normal_forces, rtol=0, atol=1e-12 * largest
+        )
+        np.testing.assert_allclose(
+            levers * state.final_gap_angles, general.final_gap_angles, rtol=1e-9, atol=1e-15
+        )
+        np.testing.assert_allclose(state.rotation, general.rotation, rtol=1e-12, atol=0)
+        np.testing.assert_allclose(state.tangent, general.tangent, rtol=1e-12, atol=0)
+
+
+def test_one_row_scale_names_the_torque_that_can_be_held() -> None:
+    """In the caller's unit, as the general form does."""
+    problem = many_pairs()
+    levers = problem["normal_lever_arms"]
+    problem["lever_arms"] = levers * np.where(np.abs(np.linspace(-1, 1, MANY)) < 0.1, 1.0, -1.0)
+    with pytest.raises(errors.NoContactState) as of_angles:
+        fl.solve_contact(**problem)
+    with pytest.raises(errors.NoContactState) as general:
+        fl.solve_contact_general(
+            levers[:, np.newaxis] * problem["flexibility_matrix"],
+            levers * problem["gap_angles"],
+            levers,
+            problem["torque"],
+            load_rows=problem["lever_arms"],
+        )
+    found, expected = of_angles.value.largest_torque, general.value.largest_torque
+    assert 0.0 < expected < problem["torque"]
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=0)
