@@ -330,23 +330,32 @@ def test_number_that_no_solution_reads(bad: float, order: Any) -> None:
             assert str(caught.value).endswith(f"found {bad} at {place}")
 
 
-def test_one_entry_decides_what_is_known_of_the_matrix() -> None:
+@pytest.mark.parametrize("n", [1, 3, 90, 643])
+def test_one_entry_decides_what_is_known_of_the_matrix(n: int) -> None:
     """Wherever it stands: symmetric, allowed by the diagonal, its own transpose to the last bit."""
-    matrix = np.asfortranarray(many_pairs()["flexibility_matrix"])
-    matrix = np.asfortranarray(0.5 * (matrix + matrix.T))
-    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
     rng = np.random.default_rng(7)
-    for i, j in [*rng.integers(0, MANY, (60, 2)).tolist(), [89, 88], [0, 89], [40, 39], [44, 1]]:
-        if i == j:
+    matrix = np.asfortranarray(rng.random((n, n)))
+    matrix = np.asfortranarray(0.4 * (matrix + matrix.T))
+    np.fill_diagonal(matrix, 1.0 + rng.random(n))
+    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
+    places = rng.integers(0, n, (40, 2)).tolist()
+    for i, j in [*places, [n - 1, n - 2], [0, n - 1], [n // 2, n // 2 - 1], [n // 2, 0]]:
+        if i == j or n == 1:
             continue
         bound = np.sqrt(matrix[i, i] * matrix[j, j])
-        for step, form in ((3e-12, (0, 0, 0, 1, 0)), (3e-13, (1, 1, 0, 1, 0))):
-            changed = matrix.copy(order="F")
-            changed[i, j] += step * bound
-            assert _core.flankload_matrix_form(changed) == form, (i, j, step)
-        changed = matrix.copy(order="F")
-        changed[i, j] = changed[j, i] = -bound * (1.0 + 3e-12)
-        assert _core.flankload_matrix_form(changed) == (1, 0, 1, 1, 0), (i, j)
+        value = matrix[i, j]
+        for part, form in ((3e-12, (0, 0, 0, 1, 0)), (3e-13, (1, 1, 0, 1, 0))):
+            matrix[i, j] = value + part * bound
+            assert _core.flankload_matrix_form(matrix) == form, (i, j, part)
+        for bad in (np.nan, np.inf):
+            matrix[i, j] = bad
+            assert _core.flankload_matrix_form(matrix) == (0, 0, 0, 0, 0), (i, j, bad)
+            matrix[j, i] = bad
+            assert _core.flankload_matrix_form(matrix) == (0, 0, 0, 0, 0), (i, j, bad)
+        matrix[i, j] = matrix[j, i] = -bound * (1.0 + 3e-12)
+        assert _core.flankload_matrix_form(matrix) == (1, 0, 1, 1, 0), (i, j)
+        matrix[i, j] = matrix[j, i] = value
+    assert _core.flankload_matrix_form(matrix) == (1, 1, 1, 1, 0)
 
 
 def test_large_numbers_are_finite_though_their_sum_is_not() -> None:
@@ -374,3 +383,55 @@ def test_symmetric_matrix_is_not_copied(order: Any) -> None:
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         assert peak < 0.5 * matrix.nbytes
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_one_row_scale_for_many_pairs_is_the_general_form(friction: float) -> None:
+    """To rounding: diag(b) A is not made, and the loads take the scale."""
+    problem = many_pairs(friction=friction)
+    levers, torque = problem["normal_lever_arms"], problem["torque"]
+    general = fl.solve_contact_general(
+        levers[:, np.newaxis] * problem["flexibility_matrix"],
+        levers * problem["gap_angles"],
+        levers,
+        torque,
+        load_rows=problem["lever_arms"],
+    )
+    matrices = [problem["flexibility_matrix"]]
+    row, gaps = problem["lever_arms"], problem["gap_angles"]
+    sequence = fl.solve_contact_sequence(
+        matrices, [row], [gaps], torque, normal_lever_arms=[levers]
+    )
+    listed = fl.solve_contact_torques(**_of_torques(problem, matrices[0]))
+    for state in (fl.solve_contact(**problem), *listed, *sequence):
+        assert np.array_equal(state.active_pairs, general.active_pairs)
+        assert (state.status, state.info.uniqueness) == (general.status, general.info.uniqueness)
+        largest = general.normal_forces.max()
+        np.testing.assert_allclose(
+            state.normal_forces, general.normal_forces, rtol=0, atol=1e-12 * largest
+        )
+        np.testing.assert_allclose(
+            levers * state.final_gap_angles, general.final_gap_angles, rtol=1e-9, atol=1e-15
+        )
+        np.testing.assert_allclose(state.rotation, general.rotation, rtol=1e-12, atol=0)
+        np.testing.assert_allclose(state.tangent, general.tangent, rtol=1e-12, atol=0)
+
+
+def test_one_row_scale_names_the_torque_that_can_be_held() -> None:
+    """In the caller's unit, as the general form does."""
+    problem = many_pairs()
+    levers = problem["normal_lever_arms"]
+    problem["lever_arms"] = levers * np.where(np.abs(np.linspace(-1, 1, MANY)) < 0.1, 1.0, -1.0)
+    with pytest.raises(errors.NoContactState) as of_angles:
+        fl.solve_contact(**problem)
+    with pytest.raises(errors.NoContactState) as general:
+        fl.solve_contact_general(
+            levers[:, np.newaxis] * problem["flexibility_matrix"],
+            levers * problem["gap_angles"],
+            levers,
+            problem["torque"],
+            load_rows=problem["lever_arms"],
+        )
+    found, expected = of_angles.value.largest_torque, general.value.largest_torque
+    assert 0.0 < expected < problem["torque"]
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=0)

@@ -172,7 +172,7 @@ def _solve(
         problem.gaps,
         problem.motions,
         problem.load_rows,
-        loads,
+        loads / problem.load_unit,
         problem.structure,
         number,
         warm + 1,

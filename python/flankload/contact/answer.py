@@ -74,7 +74,7 @@ def state_of(
         status=code,
         info=info,
         motions=answer.motion,
-        tangent=answer.tangent,
+        tangent=answer.tangent / problem.load_unit,
     )
     if code == NegativeForce.code:
         pair = int(answer.forces.argmin())

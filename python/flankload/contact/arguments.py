@@ -39,7 +39,7 @@ def expect_finite(name: str, numbers: Vector) -> None:
     """Raise an InputError where a number is NaN or infinite."""
     # The sum of squares is the fastest look at all of them; where it overflows, each one counts.
     flat = numbers.ravel(order="K")
-    if not flat @ flat < np.inf and not np.isfinite(flat).all():
+    if not np.vdot(flat, flat) < np.inf and not np.isfinite(flat).all():
         place = np.argwhere(~np.isfinite(numbers))[0].tolist()
         found = numbers[tuple(place)]
         at = f" at {place}" if place else ""

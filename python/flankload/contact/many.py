@@ -213,7 +213,7 @@ def _solve_all(
             np.concatenate([problem.motions.ravel(order="F") for problem in problems]),
             np.concatenate([problem.load_rows.ravel(order="F") for problem in problems]),
             np.asfortranarray(
-                np.broadcast_to(loads[np.newaxis, :, np.newaxis], (1, loads.size, len(problems)))
+                loads[np.newaxis, :, np.newaxis] / [problem.load_unit for problem in problems]
             ),
             np.concatenate(keys),
             np.array([problem.structure for problem in problems], dtype=np.int32),

@@ -92,6 +92,7 @@ def solve_contact_on_demand(
         load_rows=np.asfortranarray(rows),
         structure=structure,
         gap_scale=np.ones(n),
+        load_unit=1.0,
         names=("influence_columns", "influence_columns"),
     )
     return _follow(influence_columns, scale, problem, load, method_number(method, problem))

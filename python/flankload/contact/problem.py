@@ -46,6 +46,9 @@ class ContactProblem:
         What the core is told of K.
     gap_scale : ndarray of shape (n,)
         What final gaps are divided by: the row scales of the angle form, else one.
+    load_unit : float
+        What loads and load rows are divided by: the row scale of the angle form where it is one for
+        all rows, else one.
     names : tuple of str
         What the caller knows K as, in errors of an entry and of the whole.
     """
@@ -56,6 +59,7 @@ class ContactProblem:
     load_rows: Vector
     structure: int
     gap_scale: Vector
+    load_unit: float
     names: tuple[str, str]
 
     @property
@@ -96,16 +100,22 @@ def from_angles(
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
-    if n > _FEW_PAIRS and row_scale.max() == least:
-        # One scale for all rows makes nothing symmetric: rows of angles do, and need no copy.
+    # One scale for all rows makes no matrix symmetric: rows stay those of angles, without a copy,
+    # and the loads take the scale, so that B = R where there is no friction.
+    scaled = n <= _FEW_PAIRS or row_scale.max() > least
+    load_unit = 1.0 if scaled else float(least)
+    if not scaled:
         row_scale = np.ones(n)
+        torque_row = torque_row / load_unit
     return _problem(
         matrix,
+        row_scale if scaled else None,
         row_scale * gaps,
         row_scale[:, np.newaxis],
         torque_row[:, np.newaxis],
         positive_definite=positive_definite,
         gap_scale=row_scale,
+        load_unit=load_unit,
         names=("flexibility_matrix", "diag(normal_lever_arms) flexibility_matrix"),
     )
 
@@ -128,11 +138,13 @@ def general(
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
     return _problem(
         matrix,
+        None,
         gaps,
         levers,
         rows,
         positive_definite=positive_definite,
         gap_scale=np.ones(n),
+        load_unit=1.0,
         names=("compliance_matrix", "compliance_matrix"),
     )
 
@@ -192,12 +204,14 @@ def _square(name: str, values: ArrayLike) -> Vector:
 
 def _problem(
     matrix: Vector,
+    row_scale: Vector | None,
     gaps: Vector,
     motions: Vector,
     load_rows: Vector,
     *,
     positive_definite: bool | None,
     gap_scale: Vector,
+    load_unit: float,
     names: tuple[str, str],
 ) -> ContactProblem:
     """Scale rows and look at the whole matrix, in one pass; no copy is made that is not needed."""
@@ -205,13 +219,13 @@ def _problem(
         matrix = np.asfortranarray(matrix)
     by_rows = not matrix.flags.f_contiguous
     compliance = matrix.T if by_rows else matrix
-    if (gap_scale == 1.0).all():
+    if row_scale is None:
         symmetric, elastic, mirrored, finite, _ = _core.flankload_matrix_form(compliance)
         if not mirrored:
             compliance = np.asfortranarray(matrix)
     else:
         compliance, symmetric, elastic, _ = _core.flankload_normal_compliance(
-            compliance, int(by_rows), gap_scale
+            compliance, int(by_rows), row_scale
         )
         finite = symmetric
     if not finite:
@@ -229,6 +243,7 @@ def _problem(
             positive_definite=positive_definite,
         ),
         gap_scale=gap_scale,
+        load_unit=load_unit,
         names=names,
     )
 
