@@ -92,7 +92,7 @@ contains
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
         inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(inverse, least_pivot)
+        call invert(inverse, loose_motion, least_pivot)
         if (least_pivot <= 0.0_wp) return
         motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
         forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
@@ -135,7 +135,7 @@ contains
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
         inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(inverse, least_pivot)
+        call invert(inverse, loose_motion, least_pivot)
         solved = least_pivot > loose_motion
         if (.not. solved) return
         ! U⁻ᵀ [s 1]
@@ -188,7 +188,7 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, least_pivot)
+            call invert(inverse, loose_motion, least_pivot)
             if (least_pivot <= 0.0_wp) return
             motion = [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)]
             motion = matmul(inverse, motion)
@@ -229,22 +229,30 @@ contains
     end subroutine extend_forward
 
     !> Invert a small matrix unless it is singular to rounding.
-    pure subroutine invert_small(matrix, solved)
+    pure subroutine invert_small(matrix, solved, graded)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
         !> False if it is singular to rounding
         logical, intent(out) :: solved
+        !> It is known to be regular, however small its pivots are
+        logical, intent(in), optional :: graded
 
-        real(wp) :: least_pivot
+        real(wp) :: least_pivot, negligible
 
-        call invert(matrix, least_pivot)
-        solved = least_pivot > loose_motion
+        negligible = loose_motion
+        if (present(graded)) then
+            if (graded) negligible = 0.0_wp
+        end if
+        call invert(matrix, negligible, least_pivot)
+        solved = least_pivot > 0.0_wp
     end subroutine invert_small
 
     !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
-    pure subroutine invert(matrix, least_pivot)
+    pure subroutine invert(matrix, negligible, least_pivot)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
+        !> Pivots no larger than this part of the largest entry are taken for zero
+        real(wp), intent(in) :: negligible
         !> Least pivot beside the largest entry; as it is where that is 0
         real(wp), intent(out) :: least_pivot
 
@@ -268,7 +276,7 @@ contains
         do step = 1, q
             at = maxloc(abs(matrix), mask=free)
             pivot = matrix(at(1), at(2))
-            if (abs(pivot) > loose_motion*largest) then
+            if (abs(pivot) > negligible*largest) then
                 least_pivot = min(least_pivot, abs(pivot)/largest)
             else
                 least_pivot = 0.0_wp
