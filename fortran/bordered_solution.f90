@@ -10,7 +10,7 @@ module flankload_bordered_solution
     use flankload_bordered_system, only: bordered_system
     use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
     use flankload_lapack, only: solve_lower, continue_lower
-    use flankload_spanned_columns, only: span_columns, solve_upper
+    use flankload_spanned_columns, only: spanned, span_columns, solve_triangular
     implicit none
     private
 
@@ -18,7 +18,7 @@ module flankload_bordered_solution
 
     !> A motion with a pivot this small beside the others is held by no active pair.
     real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
-    !> With smaller pivots half of the digits are lost: motions at right angles lose none.
+    !> With smaller pivots half of the digits are lost: motions that are parted first lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
 contains
@@ -98,8 +98,8 @@ contains
         forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
     end subroutine solve_at_once
 
-    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, P and T at
-    !> right angles, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, where
+    !> the columns of P and of T do not, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
     pure subroutine solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
         !> The system
         type(bordered_system), intent(in) :: system
@@ -120,21 +120,19 @@ contains
 
         integer :: c, q
         real(wp) :: least_pivot
-        real(wp), allocatable :: columns(:, :), moved(:, :), rows(:, :), of_motions(:, :), &
-            & of_loads(:, :), loads(:, :)
+        type(spanned) :: of_motions, of_loads
+        real(wp), allocatable :: columns(:, :), loads(:, :)
 
         q = problem%n_motions
-        moved = problem%motions(system%pairs, :)
-        call span_columns(moved, of_motions, solved)
-        if (.not. solved) return
-        rows = problem%load_rows(system%pairs, :)
-        call span_columns(rows, of_loads, solved)
+        of_motions = span_columns(problem%motions(system%pairs, :))
+        of_loads = span_columns(problem%load_rows(system%pairs, :))
+        solved = of_motions%independent .and. of_loads%independent
         if (.not. solved) return
         allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = moved
+        columns(:, :q) = of_motions%columns
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
-        inverse = matmul(transpose(rows), columns(:, :q))
+        inverse = matmul(transpose(of_loads%columns), columns(:, :q))
         call invert(inverse, loose_motion, least_pivot)
         solved = least_pivot > loose_motion
         if (.not. solved) return
@@ -144,11 +142,11 @@ contains
         do c = 1, q
             loads(c, c + 1) = 1.0_wp
         end do
-        call solve_upper(of_loads, .true., loads)
-        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
+        call solve_triangular(of_loads, .true., loads)
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
         loads = matmul(inverse, loads)
         forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
-        call solve_upper(of_motions, .false., loads)
+        call solve_triangular(of_motions, .false., loads)
         motion = loads(:, 1)
         inverse = loads(:, 2:)
     end subroutine solve_spanned
