@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 from tests.benchmarks._fuzz_problems import KINDS, Problem, Trial
@@ -36,7 +37,7 @@ def fuzz_contact(seed: int, count: int) -> Tally:
         tally.tried += 1
         try:
             found = faults(trial, method, warm if rng.random() < 0.3 else None)
-        except Exception as error:  # noqa: BLE001 - any other exception is what is looked for
+        except Exception as error:
             tally.fault("traceback", f"seed {seed}, trial {k}, {name}, {method}: {error!r}")
             continue
         for fault in found[:1]:
@@ -163,7 +164,7 @@ def faults_of_refusal(trial: Trial, method: str, error: errors.ContactError) -> 
     return []
 
 
-def certain_states(problem: Problem):  # noqa: ANN201
+def certain_states(problem: Problem) -> Iterator[np.ndarray]:
     """Forces of the states that are found by trying all contact sets, far from any change."""
     n, q = problem.motions.shape
     for size in range(q, n + 1):
@@ -181,7 +182,8 @@ def certain_states(problem: Problem):  # noqa: ANN201
             forces[pairs] = solution[:size]
             gap, terms = rows_of(problem, forces, solution[size:])
             others = np.delete(np.arange(n), pairs)
-            if forces[pairs].min() > CERTAIN * np.abs(forces).max() and (
-                gap[others] > CERTAIN * terms[others]
-            ).all():
+            if (
+                forces[pairs].min() > CERTAIN * np.abs(forces).max()
+                and (gap[others] > CERTAIN * terms[others]).all()
+            ):
                 yield forces

@@ -36,6 +36,4 @@ class Tally:
     def __str__(self) -> str:
         """One line, then a line for each example."""
         counts = f"{self.tried} tried, {self.wrong} wrong, {self.silent} silent"
-        return "\n  ".join(
-            [f"{self.name}: {counts}, {self.traceback} tracebacks", *self.examples]
-        )
+        return "\n  ".join([f"{self.name}: {counts}, {self.traceback} tracebacks", *self.examples])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,51 @@ def test_status_0_means_rows_met_to_rounding(method: str) -> None:
     assert state.info.backward_error <= ROW_TOLERANCE
 
 
+def opposed(rng: np.random.Generator) -> Problem:
+    """Two pairs that open others, but for 1e-14 … 1e-11, as much as their twins close them."""
+    n = int(rng.integers(3, 7))
+    matrix = rng.standard_normal((n, n))
+    matrix[np.diag_indices(n)] = rng.uniform(0.2, 1.5, n)
+    row, gaps = rng.uniform(-0.5, 1.0, n), rng.uniform(0.0, 1.0, n)
+    row[0] = abs(row[0])
+    pairs = np.concatenate([np.arange(n), rng.integers(0, n, 2)])
+    apart = 10.0 ** -rng.uniform(11, 14)
+    matrix = matrix[np.ix_(pairs, pairs)]
+    for twin in (n, n + 1):
+        matrix[:, twin] = -matrix[:, pairs[twin]] * rng.choice([1, -1])
+        matrix[:, twin] += apart * rng.standard_normal(n + 2)
+    matrix[np.diag_indices(n + 2)] = np.abs(matrix.diagonal())
+    row = row[pairs]
+    row[n:] *= -1.0
+    gaps = gaps[pairs] + np.concatenate([np.zeros(n), rng.uniform(0.0, 0.3, 2)])
+    ones = np.ones((n + 2, 1))
+    return Problem(matrix, gaps, ones, row[:, None], np.ones(1))
+
+
+@pytest.mark.parametrize("seed", [249, 280, 1027, 1057, 1347])
+def test_sums_of_rounding_prove_nothing(seed: int) -> None:
+    """A state exists with forces of up to 1e14; in double precision the sum that should show that
+    there is none was off by 1e-12 of its terms, which was let pass."""
+    solve_and_judge(opposed(np.random.default_rng(seed)), "auto")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_sign_of_a_sum_is_that_of_the_given_numbers(method: str) -> None:
+    """By hand: with both pairs in contact the force of the second is 0.3/(K21 - K12), which is a
+    state above zero and none below, as little as the difference may be."""
+    ones, rows = np.ones((2, 1)), np.array([[1.0], [-1.0]])
+    above, below = (
+        Problem(
+            np.array([[1.0, 0.5 - apart], [0.5, 1.0]]), np.array([0.0, 0.2]), ones, rows, np.ones(1)
+        )
+        for apart in (1e-14, -1e-14)
+    )
+    assert solve_and_judge(above, method).active_pairs.tolist() == [0, 1]
+    with pytest.raises(fl.errors.NoContactState) as refusal:
+        _fuzz_contact.solve(below, method)
+    assert refusal.value.proven
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
     """Only the lever of 1e-13 works on the second load, by a force of 100 that pair 2 presses back:
@@ -80,12 +126,12 @@ def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
         (nearly_dependent, [2, 4825]),
         (decades, [1, 763]),
         (decades, [2, 533]),
-        (narrow_cones, [1, 7]),
-        (narrow_cones, [1, 8]),
+        (narrow_cones, [1, 5]),
+        (narrow_cones, [1, 6]),
         (narrow_cones, [1, 11]),
     ],
 )
-def test_levers_far_apart_are_solved(make, seed: list[int]) -> None:  # noqa: ANN001
+def test_levers_far_apart_are_solved(make: Callable[..., Trial], seed: list[int]) -> None:
     """Positive definite K and loads that forces hold: a state exists, whatever the levers are."""
     problem = make(np.random.default_rng(seed)).problem
     for method in METHODS:
@@ -107,8 +153,9 @@ def test_torque_minus_zero_is_torque_zero(method: str) -> None:
 
 
 def test_the_fuzz_finds_nothing_in_a_few_problems_of_each_kind() -> None:
-    tally = fuzz_contact(5, 5 * len(KINDS))
-    assert str(tally) == f"contact problems: {5 * len(KINDS)} tried, 0 wrong, 0 silent, 0 tracebacks"
+    count = 5 * len(KINDS)
+    tally = fuzz_contact(5, count)
+    assert str(tally) == f"contact problems: {count} tried, 0 wrong, 0 silent, 0 tracebacks"
 
 
 def test_the_fuzz_notices_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
