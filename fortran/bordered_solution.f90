@@ -10,7 +10,7 @@ module flankload_bordered_solution
     use flankload_bordered_system, only: bordered_system
     use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
     use flankload_lapack, only: solve_lower, continue_lower
-    use flankload_spanned_columns, only: span_columns, solve_upper
+    use flankload_spanned_columns, only: spanned, span_columns, solve_triangular
     implicit none
     private
 
@@ -18,7 +18,7 @@ module flankload_bordered_solution
 
     !> A motion with a pivot this small beside the others is held by no active pair.
     real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
-    !> With smaller pivots half of the digits are lost: motions at right angles lose none.
+    !> With smaller pivots half of the digits are lost: motions that are parted first lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
 contains
@@ -92,14 +92,14 @@ contains
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
         inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(inverse, least_pivot)
+        call invert(inverse, loose_motion, least_pivot)
         if (least_pivot <= 0.0_wp) return
         motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
         forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
     end subroutine solve_at_once
 
-    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, P and T at
-    !> right angles, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, where
+    !> the columns of P and of T do not, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
     pure subroutine solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
         !> The system
         type(bordered_system), intent(in) :: system
@@ -120,22 +120,20 @@ contains
 
         integer :: c, q
         real(wp) :: least_pivot
-        real(wp), allocatable :: columns(:, :), moved(:, :), rows(:, :), of_motions(:, :), &
-            & of_loads(:, :), loads(:, :)
+        type(spanned) :: of_motions, of_loads
+        real(wp), allocatable :: columns(:, :), loads(:, :)
 
         q = problem%n_motions
-        moved = problem%motions(system%pairs, :)
-        call span_columns(moved, of_motions, solved)
-        if (.not. solved) return
-        rows = problem%load_rows(system%pairs, :)
-        call span_columns(rows, of_loads, solved)
+        of_motions = span_columns(problem%motions(system%pairs, :))
+        of_loads = span_columns(problem%load_rows(system%pairs, :))
+        solved = of_motions%independent .and. of_loads%independent
         if (.not. solved) return
         allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = moved
+        columns(:, :q) = of_motions%columns
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
-        inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(inverse, least_pivot)
+        inverse = matmul(transpose(of_loads%columns), columns(:, :q))
+        call invert(inverse, loose_motion, least_pivot)
         solved = least_pivot > loose_motion
         if (.not. solved) return
         ! U⁻ᵀ [s 1]
@@ -144,11 +142,11 @@ contains
         do c = 1, q
             loads(c, c + 1) = 1.0_wp
         end do
-        call solve_upper(of_loads, .true., loads)
-        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
+        call solve_triangular(of_loads, .true., loads)
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
         loads = matmul(inverse, loads)
         forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
-        call solve_upper(of_motions, .false., loads)
+        call solve_triangular(of_motions, .false., loads)
         motion = loads(:, 1)
         inverse = loads(:, 2:)
     end subroutine solve_spanned
@@ -188,7 +186,7 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, least_pivot)
+            call invert(inverse, loose_motion, least_pivot)
             if (least_pivot <= 0.0_wp) return
             motion = [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)]
             motion = matmul(inverse, motion)
@@ -229,22 +227,30 @@ contains
     end subroutine extend_forward
 
     !> Invert a small matrix unless it is singular to rounding.
-    pure subroutine invert_small(matrix, solved)
+    pure subroutine invert_small(matrix, solved, graded)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
         !> False if it is singular to rounding
         logical, intent(out) :: solved
+        !> It is known to be regular, however small its pivots are
+        logical, intent(in), optional :: graded
 
-        real(wp) :: least_pivot
+        real(wp) :: least_pivot, negligible
 
-        call invert(matrix, least_pivot)
-        solved = least_pivot > loose_motion
+        negligible = loose_motion
+        if (present(graded)) then
+            if (graded) negligible = 0.0_wp
+        end if
+        call invert(matrix, negligible, least_pivot)
+        solved = least_pivot > 0.0_wp
     end subroutine invert_small
 
     !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
-    pure subroutine invert(matrix, least_pivot)
+    pure subroutine invert(matrix, negligible, least_pivot)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
+        !> Pivots no larger than this part of the largest entry are taken for zero
+        real(wp), intent(in) :: negligible
         !> Least pivot beside the largest entry; as it is where that is 0
         real(wp), intent(out) :: least_pivot
 
@@ -268,7 +274,7 @@ contains
         do step = 1, q
             at = maxloc(abs(matrix), mask=free)
             pivot = matrix(at(1), at(2))
-            if (abs(pivot) > loose_motion*largest) then
+            if (abs(pivot) > negligible*largest) then
                 least_pivot = min(least_pivot, abs(pivot)/largest)
             else
                 least_pivot = 0.0_wp

@@ -11,6 +11,7 @@ module flankload_last_rung
     use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state, start_loop, start_warm
     use flankload_single_loop, only: single_loop
+    use flankload_block_loop, only: block_loop
     use flankload_final_refinement, only: most_open_pair, finish
     use flankload_contact_certificate, only: is_unique
     use flankload_load_path, only: path_end, follow_load_path, path_solved, path_ray
@@ -178,7 +179,7 @@ contains
 
         type(path_end) :: path
         type(error_type), allocatable :: error
-        integer, allocatable :: nothing(:)
+        integer, allocatable :: nothing(:), left(:)
         integer :: start, limit
 
         problem = touching
@@ -187,6 +188,19 @@ contains
         settled = .not. allocated(error)
         if (settled) return
         pivots = pivots + state%pivots
+        ! The methods that begin with single pairs have not seen where blocks lead to.
+        problem = touching
+        call block_loop(problem, compliance, nothing, .false., state, settled, error)
+        if (settled) return
+        pivots = pivots + state%pivots
+        if (allocated(state%system%pairs)) then
+            left = state%system%pairs
+            problem = touching
+            call single_loop(problem, compliance, left, .false., state, error)
+            settled = .not. allocated(error)
+            if (settled) return
+            pivots = pivots + state%pivots
+        end if
         limit = pivots + pivots_at_least + int(most_work/real(problem%n, wp)**2)
         do start = 1, other_starts
             if (pivots > limit) return

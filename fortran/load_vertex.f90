@@ -21,6 +21,9 @@ module flankload_load_vertex
 
     !> The load rows are scaled to one: what is smaller than this is rounding.
     real(wp), parameter :: tolerance = 1.0e4_wp*epsilon(1.0_wp)
+    !> The same beside the terms of each sum alone, where no vertex is found so: levers over many
+    !> decades, narrow cones.
+    real(wp), parameter :: graded_tolerance = 64.0_wp*epsilon(1.0_wp)
     !> Pairs with smaller rows (a normal that meets the axis but for rounding) hold loads only with
     !> forces beyond all others: they are taken where no other pairs hold the loads.
     real(wp), parameter :: small_row = 1.0e-8_wp
@@ -141,13 +144,26 @@ contains
         !> One of the codes above
         integer, intent(out) :: outcome
 
-        real(wp), allocatable :: sense(:), sizes(:)
+        integer :: other_outcome
+        integer, allocatable :: other_pairs(:)
+        real(wp), allocatable :: sense(:), sizes(:), other_motion(:)
 
         sense = merge(-1.0_wp, 1.0_wp, problem%loads < 0.0_wp)
         sizes = maxval(abs(problem%load_rows), dim=2)
-        call hold_loads(unit_rows(small_row), abs(problem%loads), pairs, forces, motion, outcome)
+        call hold_loads(unit_rows(small_row), abs(problem%loads), .false., pairs, forces, motion, &
+            & outcome)
         if (outcome /= vertex_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
-            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), pairs, forces, motion, outcome)
+            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
+                & outcome)
+        end if
+        if (outcome /= vertex_found) then
+            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, forces, &
+                & other_motion, other_outcome)
+            if (other_outcome /= vertex_loose) then
+                pairs = other_pairs
+                motion = other_motion
+                outcome = other_outcome
+            end if
         end if
         motion = sense*motion
         if (outcome == vertex_found) forces = forces/sizes(pairs)
@@ -174,11 +190,13 @@ contains
 
     !> Artificial forces hold the loads at the start and are driven out. Bland's rule cannot cycle,
     !> but for rounding.
-    pure subroutine hold_loads(rows, loads, pairs, forces, motion, outcome)
+    pure subroutine hold_loads(rows, loads, graded, pairs, forces, motion, outcome)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> Loads >= 0, shape (n_motions)
         real(wp), intent(in) :: loads(:)
+        !> Rounding is measured by the terms of each sum, not by one
+        logical, intent(in) :: graded
         !> The pairs, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
         !> Their forces, shape (n_motions)
@@ -190,7 +208,7 @@ contains
 
         integer :: q, c, j, leaving, step
         logical :: solved
-        real(wp), allocatable :: inverse(:, :), prices(:)
+        real(wp), allocatable :: inverse(:, :), prices(:), entering(:)
 
         q = size(loads)
         ! basis(c) > 0: a pair; -c: the artificial force of load c
@@ -198,34 +216,75 @@ contains
         allocate (motion(q), source=0.0_wp)
         outcome = vertex_loose
         do step = 1, steps_per_row*(size(rows, 1) + q)
-            call basis_inverse(rows, pairs, inverse, solved)
+            call basis_inverse(rows, graded, pairs, inverse, solved)
             forces = matmul(inverse, loads)
-            if (sum(forces, mask=pairs < 0) <= tolerance*sum(loads)) then
-                call fill_basis(rows, pairs, inverse, motion, outcome)
+            if (are_held(inverse, loads, graded, pairs, forces)) then
+                call fill_basis(rows, graded, pairs, inverse, motion, outcome)
                 forces = max(matmul(inverse, loads), 0.0_wp)
                 return
             end if
             prices = sum(inverse, dim=1, mask=spread(pairs < 0, 2, q))
             do j = 1, size(rows, 1)
                 if (any(pairs == j)) cycle
-                if (dot_product(prices, rows(j, :)) > tolerance) exit
+                if (dot_product(prices, rows(j, :)) > rounding(prices, rows(j, :), graded)) exit
             end do
             if (j > size(rows, 1)) then
                 outcome = vertex_infeasible
                 motion = prices
                 return
             end if
-            leaving = blocking_row(forces, matmul(inverse, rows(j, :)), pairs)
+            entering = matmul(inverse, rows(j, :))
+            do c = 1, q
+                if (entering(c) <= rounding(inverse(c, :), rows(j, :), graded)) entering(c) = 0.0_wp
+            end do
+            leaving = blocking_row(forces, entering, pairs)
             if (leaving == 0) return
             pairs(leaving) = j
         end do
     end subroutine hold_loads
 
+    !> Whether the artificial forces left are no more than rounding.
+    pure function are_held(inverse, loads, graded, basis, forces) result(held)
+        !> Inverse of the load rows of the basis
+        real(wp), intent(in) :: inverse(:, :)
+        !> Loads >= 0
+        real(wp), intent(in) :: loads(:)
+        !> Rounding is measured by the terms of each sum, not by one
+        logical, intent(in) :: graded
+        !> The basis
+        integer, intent(in) :: basis(:)
+        !> Its forces
+        real(wp), intent(in) :: forces(:)
+        logical :: held
+
+        integer :: c
+
+        if (graded) then
+            held = all([(basis(c) > 0 .or. forces(c) <= rounding(inverse(c, :), loads, .true.), &
+                & c=1, size(basis))])
+        else
+            held = sum(forces, mask=basis < 0) <= tolerance*sum(loads)
+        end if
+    end function are_held
+
+    !> What of a product of vectors is rounding.
+    pure function rounding(a, b, graded) result(limit)
+        !> The vectors
+        real(wp), intent(in) :: a(:)
+        real(wp), intent(in) :: b(:)
+        !> Measured by the terms of the sum, not by one
+        logical, intent(in) :: graded
+        real(wp) :: limit
+
+        limit = tolerance
+        if (graded) limit = graded_tolerance*dot_product(abs(a), abs(b))
+    end function rounding
+
     !> Row of the basis whose force first becomes zero; among equal ones the lowest number.
     pure function blocking_row(forces, entering, basis) result(leaving)
         !> Forces of the basis
         real(wp), intent(in) :: forces(:)
-        !> Their loss for a unit of the entering force
+        !> Their loss for a unit of the entering force, not above zero where that is rounding
         real(wp), intent(in) :: entering(:)
         !> The basis
         integer, intent(in) :: basis(:)
@@ -237,7 +296,7 @@ contains
         leaving = 0
         best_way = huge(1.0_wp)
         do c = 1, size(basis)
-            if (entering(c) <= tolerance) cycle
+            if (entering(c) <= 0.0_wp) cycle
             way = max(forces(c), 0.0_wp)/entering(c)
             if (leaving == 0) then
                 leaving = c
@@ -250,9 +309,11 @@ contains
     end function blocking_row
 
     !> Put pairs without force in the place of artificial forces that are zero.
-    pure subroutine fill_basis(rows, basis, inverse, motion, outcome)
+    pure subroutine fill_basis(rows, graded, basis, inverse, motion, outcome)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
+        !> Rounding is measured by the terms of each sum, not by one
+        logical, intent(in) :: graded
         !> The basis
         integer, intent(inout) :: basis(:)
         !> Inverse of its load rows
@@ -270,10 +331,11 @@ contains
         do c = 1, size(basis)
             if (basis(c) > 0) cycle
             best = 0
-            best_weight = tolerance
+            best_weight = 0.0_wp
             do j = 1, size(rows, 1)
                 if (any(basis == j)) cycle
                 weight = abs(dot_product(inverse(c, :), rows(j, :)))
+                if (weight <= rounding(inverse(c, :), rows(j, :), graded)) cycle
                 if (weight > best_weight) then
                     best = j
                     best_weight = weight
@@ -285,14 +347,16 @@ contains
                 return
             end if
             basis(c) = best
-            call basis_inverse(rows, basis, inverse, solved)
+            call basis_inverse(rows, graded, basis, inverse, solved)
         end do
     end subroutine fill_basis
 
     !> Inverse of the load rows of a basis.
-    pure subroutine basis_inverse(rows, basis, inverse, solved)
+    pure subroutine basis_inverse(rows, graded, basis, inverse, solved)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
+        !> Pivots may be small
+        logical, intent(in) :: graded
         !> The basis
         integer, intent(in) :: basis(:)
         !> The inverse, shape (n_motions, n_motions)
@@ -310,7 +374,7 @@ contains
                 inverse(-basis(c), c) = 1.0_wp
             end if
         end do
-        call invert_small(inverse, solved)
+        call invert_small(inverse, solved, graded)
     end subroutine basis_inverse
 
 end module flankload_load_vertex

@@ -1,75 +1,101 @@
-!> Columns that nearly depend on each other as columns at right angles and a triangle.
+!> Columns that nearly depend on each other as columns that do not, and a triangle.
 module flankload_spanned_columns
     use flankload_kinds, only: wp
     implicit none
     private
 
-    public :: span_columns, solve_upper
+    public :: spanned, span_columns, solve_triangular
 
-    !> What is left of a column beside those before it, relative to its size, where it depends on
-    !> them but for rounding.
-    real(wp), parameter :: dependent = 64.0_wp*epsilon(1.0_wp)
+    !> Columns = columns' M, where M is a triangle but for the order of its columns.
+    type :: spanned
+        !> Columns', whose largest entries are one, each in a row in which those after it are zero,
+        !> shape (k, q)
+        real(wp), allocatable :: columns(:, :)
+        !> M, shape (q, q), and its column in which each row has its pivot
+        real(wp), allocatable :: triangle(:, :)
+        integer, allocatable :: order(:)
+        !> False if a column depends on the others
+        logical :: independent = .false.
+    end type spanned
+
+    !> What elimination leaves of an entry, beside the sizes of its terms, where it is zero but for
+    !> rounding. Measured in each row by itself, since rows may be many decades apart.
+    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> columns = columns' triangle, with columns' at right angles and of length one: Gram and
-    !> Schmidt, twice.
-    pure subroutine span_columns(columns, triangle, independent)
-        !> The columns, then those at right angles, shape (k, q)
-        real(wp), intent(inout) :: columns(:, :)
-        !> Upper triangle, shape (q, q)
-        real(wp), allocatable, intent(out) :: triangle(:, :)
-        !> False if a column depends on those before it
-        logical, intent(out) :: independent
+    !> Elimination by the largest entry that is left.
+    pure function span_columns(columns) result(span)
+        !> The columns, shape (k, q)
+        real(wp), intent(in) :: columns(:, :)
+        type(spanned) :: span
 
-        integer :: q, c, d, turn
-        real(wp) :: part, before
+        integer :: q, c, at(2)
+        real(wp), allocatable :: left(:, :), terms(:, :)
 
         q = size(columns, 2)
-        allocate (triangle(q, q), source=0.0_wp)
-        independent = size(columns, 1) >= q
-        if (.not. independent) return
+        if (size(columns, 1) < q) return
+        allocate (span%columns(size(columns, 1), q), span%triangle(q, q), span%order(q))
+        left = columns
+        terms = abs(columns)
         do c = 1, q
-            before = norm2(columns(:, c))
-            do turn = 1, 2
-                do d = 1, c - 1
-                    part = dot_product(columns(:, d), columns(:, c))
-                    columns(:, c) = columns(:, c) - part*columns(:, d)
-                    triangle(d, c) = triangle(d, c) + part
-                end do
-            end do
-            triangle(c, c) = norm2(columns(:, c))
-            independent = triangle(c, c) > dependent*before
-            if (.not. independent) return
-            columns(:, c) = columns(:, c)/triangle(c, c)
+            at = maxloc(abs(left))
+            if (.not. abs(left(at(1), at(2))) > 0.0_wp) return
+            span%order(c) = at(2)
+            span%triangle(c, :) = left(at(1), :)
+            span%columns(:, c) = left(:, at(2))/left(at(1), at(2))
+            terms = terms + abs(outer(span%columns(:, c), span%triangle(c, :)))
+            left = left - outer(span%columns(:, c), span%triangle(c, :))
+            left(:, at(2)) = 0.0_wp
+            left(at(1), :) = 0.0_wp
+            where (abs(left) <= nothing*terms) left = 0.0_wp
         end do
-    end subroutine span_columns
+        span%independent = .true.
+    end function span_columns
 
-    !> U x = b or Uᵀ x = b for each column of b.
-    pure subroutine solve_upper(triangle, transposed, x)
-        !> U, shape (q, q)
-        real(wp), intent(in) :: triangle(:, :)
-        !> Uᵀ in place of U
+    !> a bᵀ
+    pure function outer(a, b) result(product)
+        !> The vectors
+        real(wp), intent(in) :: a(:)
+        real(wp), intent(in) :: b(:)
+        real(wp) :: product(size(a), size(b))
+
+        integer :: j
+
+        do j = 1, size(b)
+            product(:, j) = a*b(j)
+        end do
+    end function outer
+
+    !> M x = b or Mᵀ x = b for each column of b.
+    pure subroutine solve_triangular(span, transposed, x)
+        !> M
+        type(spanned), intent(in) :: span
+        !> Mᵀ in place of M
         logical, intent(in) :: transposed
         !> Right-hand sides, then solutions, shape (q, any)
         real(wp), intent(inout) :: x(:, :)
 
         integer :: q, c, j
+        real(wp) :: solution(size(x, 1))
 
-        q = size(triangle, 1)
-        do j = 1, size(x, 2)
-            if (transposed) then
-                do c = 1, q
-                    x(c, j) = (x(c, j) - dot_product(triangle(:c - 1, c), x(:c - 1, j))) &
-                        & /triangle(c, c)
-                end do
-            else
-                do c = q, 1, -1
-                    x(c, j) = (x(c, j) - dot_product(triangle(c, c + 1:), x(c + 1:, j))) &
-                        & /triangle(c, c)
-                end do
-            end if
-        end do
-    end subroutine solve_upper
+        q = size(x, 1)
+        associate (m => span%triangle, order => span%order)
+            do j = 1, size(x, 2)
+                if (transposed) then
+                    do c = 1, q
+                        solution(c) = (x(order(c), j) &
+                            & - dot_product(m(:c - 1, order(c)), solution(:c - 1)))/m(c, order(c))
+                    end do
+                else
+                    do c = q, 1, -1
+                        solution(order(c)) = (x(c, j) - dot_product(m(c, order(c + 1:)), &
+                            & solution(order(c + 1:))))/m(c, order(c))
+                    end do
+                end if
+                x(:, j) = solution
+            end do
+        end associate
+    end subroutine solve_triangular
 
 end module flankload_spanned_columns

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 from tests.benchmarks._fuzz_problems import KINDS, Problem, Trial
@@ -18,6 +19,8 @@ METHODS = ("auto", "single", "block", "load_path", "cascade", "primal")
 FEW_PAIRS = 9
 #: Two states that are the same differ by no more than this part of the largest force.
 SAME = 1e-6
+#: Terms that count for nothing beside the largest, rows over sqrt(K_ii).
+REMAINS = 1e-28
 #: So far from a change a state that was tried out has to be to count as one.
 CERTAIN = 1e-9
 
@@ -86,8 +89,14 @@ def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
 
 
 def backward_error(problem: Problem, forces: np.ndarray, motions: np.ndarray) -> float:
-    """Largest lack of a row or load, relative to the sum of its terms, in extended precision."""
+    """Largest lack of a row or load, relative to the sum of its terms, in extended precision.
+
+    Terms below `REMAINS` of the largest of their kind are rounding of rounding: a row that has no
+    other would be off by all of its size.
+    """
     gap, size = rows_of(problem, forces, motions)
+    root = np.sqrt(problem.compliance.diagonal())
+    size = np.maximum(size, REMAINS * root * (size / root).max())
     wrong = np.where(forces > 0, np.abs(gap), np.maximum(-gap, 0))
     terms = problem.load_rows.T.astype(np.longdouble) * forces
     lack = np.abs(terms.sum(axis=1) - problem.loads)
@@ -155,7 +164,7 @@ def faults_of_refusal(trial: Trial, method: str, error: errors.ContactError) -> 
     return []
 
 
-def certain_states(problem: Problem):
+def certain_states(problem: Problem) -> Iterator[np.ndarray]:
     """Forces of the states that are found by trying all contact sets, far from any change."""
     n, q = problem.motions.shape
     for size in range(q, n + 1):

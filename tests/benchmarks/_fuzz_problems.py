@@ -124,6 +124,19 @@ def nearly_dependent(rng: Rng) -> Trial:
     return Trial(Problem(compliance, gaps, levers, levers, levers.T @ forces), True)
 
 
+def narrow_cones(rng: Rng) -> Trial:
+    """Load rows that differ by 1e-2 … 1e-12 of their size, some pressing back."""
+    q = int(rng.integers(2, 5))
+    n = int(rng.integers(q + 2, 20))
+    root = rng.standard_normal((n, n))
+    width = np.r_[1.0, 10.0 ** -rng.uniform(2, 12, q - 1)]
+    levers = rng.standard_normal(q) + rng.standard_normal((n, q)) * width
+    levers[rng.random(n) < rng.uniform(0.0, 0.3)] *= -1.0
+    loads = levers.T @ rng.uniform(0.1, 1.0, n) * 10.0 ** rng.uniform(-4, 4)
+    compliance = root @ root.T / n + 0.1 * np.eye(n)
+    return Trial(Problem(compliance, rng.uniform(-0.3, 1.0, n), levers, levers, loads), True)
+
+
 def twins(rng: Rng) -> Trial:
     """Pairs that are the same but for 1e-16 … 1e-10 of them, gears of one motion or more."""
     q = int(rng.integers(1, 4))
@@ -207,6 +220,7 @@ KINDS: dict[str, Callable[[Rng], Trial]] = {
         decades,
         scales,
         nearly_dependent,
+        narrow_cones,
         twins,
         whole_numbers,
         without_structure,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from fractions import Fraction
 
 import mpmath as mp
@@ -191,10 +190,10 @@ def test_levers_that_are_rounding(method: str) -> None:
 
 
 @pytest.mark.parametrize("seed", SCATTERED)
-def test_levers_over_many_decades_prove_nothing(seed: int) -> None:
+def test_levers_over_many_decades_are_solved(seed: int) -> None:
     """Each lever on a decade of its own, 1e-100 … 1: K is positive definite and forces hold the
     loads, so that a state exists, but what a table makes of these levers is rounding. It was taken
-    for a proof that no forces hold the loads."""
+    for a proof that no forces hold the loads, later given up."""
     rng = np.random.default_rng(seed)
     q = int(rng.integers(1, 5))
     n = int(rng.integers(q + 1, 12))
@@ -204,8 +203,7 @@ def test_levers_over_many_decades_prove_nothing(seed: int) -> None:
     levers = rng.standard_normal((n, q)) * 10.0**-decades
     loads = levers.T @ np.abs(rng.standard_normal(n))
     problem = Problem(compliance, rng.uniform(-0.3, 1.0, n), levers, levers, loads)
-    with contextlib.suppress(errors.PivotLimit):
-        assert faults_of_state(problem, solve(problem, "auto")) == []
+    assert faults_of_state(problem, solve(problem, "auto")) == []
 
 
 def rollers_in_pockets(rng: np.random.Generator, *, second_motion: bool) -> Problem:

@@ -73,7 +73,8 @@ class ContactState(KeepsReadOnly):
     active_pairs : ndarray of int
         Pairs that carry a force, from 0, ascending.
     status : int
-        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right); 2 solved,
+        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right) or rows not
+        met to 10 eps (``info.backward_error``); 2 solved,
         degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain. The state
         attached to a `NegativeForce` has -6.
     info : ContactInfo
