@@ -13,6 +13,8 @@ elements
     With what the elements miss by their smoothed stresses (`element_error`).
 positions
     What the curve through the positions finds between them (`position_error`).
+tip
+    Where a contact works on a tip, what its turned force changes (`tip_error`).
 lumped
     Lumped contact has no cells; what it leaves is taken from what was measured of it.
 
@@ -160,6 +162,7 @@ def estimate_errors(
     lumped: bool = False,
     position_rad: Floats,
     window: Window | None = None,
+    tip: Callable[[Sweep], dict[str, Left]] | None = None,
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
@@ -177,6 +180,8 @@ def estimate_errors(
     position_rad : (P,) array
     window : Window, optional
         What the positions run over; absent where nothing is claimed of what is between them.
+    tip : callable, optional
+        What turned forces on tips leave in a sweep; nothing where none is.
 
     Returns
     -------
@@ -207,6 +212,9 @@ def estimate_errors(
             left[source] = what_is_left(rules[source], part, coarse[t], other[t])
         if not nodal:
             left["modes"]["peak_pressure"] = peak_of_modes(part, coarse[t], others["modes"][t])
+        on_tips = tip(part) if tip is not None else {}
+        if on_tips:
+            left["tip"] = on_tips
         if window is not None:
             missed = between_positions(part, window, position_rad)
             if missed:

@@ -22,6 +22,7 @@ from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents
+from flankload.tip_error import tip_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping
@@ -212,7 +213,14 @@ def solve_with(
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
-            estimates = _estimates(found, partial(run, account=account), pair, compliances, clock)
+            estimates = _estimates(
+                found,
+                partial(run, account=account),
+                pair,
+                compliances,
+                clock,
+                scene.pair.face_width_mm,
+            )
         for z, compliance in enumerate(compliances):
             account.bytes += held_bytes(compliance.missed)
             clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
@@ -250,6 +258,7 @@ def _estimates(
     pair: BodyPair,
     compliances: tuple[BodyCompliance, BodyCompliance],
     clock: _Clock,
+    face_width_mm: float,
 ) -> dict[int, Estimate]:
     """Error estimates by number of the torque; without torque nothing is approximated."""
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
@@ -274,6 +283,13 @@ def _estimates(
         lumped=pair.effects.lumped_contact,
         position_rad=pair.position_rad,
         window=None if pair.pitches is None or pair.adaptive else window_of(pair),
+        tip=partial(
+            tip_error,
+            bodies=(pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pair.pairing,
+            face_width_mm=face_width_mm,
+        ),
     )
     return dict(zip(loaded, estimated, strict=True))
 
