@@ -220,14 +220,19 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
     -------
     Left
     """
-    change = float(np.abs(_shares(other) - _shares(base)).max(initial=0.0))
+    changes = np.abs(_shares(other) - _shares(base))
+    change = float(changes.max(initial=0.0))
     largest = _largest_peak(found)
     if change < SAME_SHARE:  # one pair carries alone throughout
         doubt = replace(MODES, doubt=MODES.doubt_pressure)
         return _at_each(doubt, _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)
-    return Left(np.zeros_like(part), SHARE_TO_PEAK * change * part)
+    # the peak of a line contact goes with the root of its force: that of a pair that has just begun
+    # to carry may be a multiple
+    share = np.maximum(_shares(found), np.finfo(float).tiny)
+    begun = np.sqrt(1.0 + (MODES.part + MODES.doubt) * changes / share) - 1.0
+    return Left(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:

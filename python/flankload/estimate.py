@@ -16,6 +16,8 @@ positions
 period
     What other teeth do that yield differently and come later than the last position
     (`period_error`).
+tip
+    Where a contact works on a tip, what its turned force changes (`tip_error`).
 lumped
     Lumped contact has no cells; what it leaves is taken from what was measured of it.
 
@@ -166,6 +168,7 @@ def estimate_errors(
     position_rad: Floats,
     window: Window | None = None,
     unlike: OtherTeeth | None = None,
+    tip: Callable[[Sweep], dict[str, Left]] | None = None,
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
@@ -185,6 +188,8 @@ def estimate_errors(
         What the positions run over; absent where nothing is claimed of what is between them.
     unlike : OtherTeeth, optional
         Teeth that yield differently, of which the positions see some.
+    tip : callable, optional
+        What turned forces on tips leave in a sweep; nothing where none is.
 
     Returns
     -------
@@ -215,6 +220,9 @@ def estimate_errors(
             left[source] = what_is_left(rules[source], part, coarse[t], other[t])
         if not nodal:
             left["modes"]["peak_pressure"] = peak_of_modes(part, coarse[t], others["modes"][t])
+        on_tips = tip(part) if tip is not None else {}
+        if on_tips:
+            left["tip"] = on_tips
         if window is not None:
             missed = between_positions(part, window, position_rad)
             if missed:

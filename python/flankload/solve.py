@@ -32,6 +32,7 @@ from flankload.stages import compliance_of, grown_pair, sweep_of
 from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents, with_unloaded
+from flankload.tip_error import tip_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping
@@ -344,6 +345,13 @@ def _estimates(
         position_rad=pair.position_rad,
         window=None if pair.adaptive else window,
         unlike=None if window is None else OtherTeeth.of(pair, compliances, face_width_mm, window),
+        tip=partial(
+            tip_error,
+            bodies=(pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pair.pairing,
+            face_width_mm=face_width_mm,
+        ),
     )
     return dict(zip(loaded, estimated, strict=True))
 

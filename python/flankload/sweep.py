@@ -87,6 +87,8 @@ class Sweep:
         Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
         that touches without torque, -2: a lumped contact that no parabola makes, both off corners;
         -3: an end that is left out would touch).
+    site_force_per_torque : (P, S) array
+        Derivative of the forces by the torque, 1/mm; as long as that is not known, their part.
     n_pairs : (P,) array
         Those of coast flanks included.
     pairs : PackedPairs
@@ -106,6 +108,7 @@ class Sweep:
     site_force_N: NDArray[np.float64]
     site_peak_N_per_mm: NDArray[np.float64]
     site_corner: NDArray[np.int64]
+    site_force_per_torque: NDArray[np.float64]
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
     coast: CoastSweep | None = None
@@ -240,6 +243,7 @@ def sweep(
             site_force_N=force[working, :, t].T,
             site_peak_N_per_mm=peak[working, :, t].T,
             site_corner=corner[working, :, t].T,
+            site_force_per_torque=force[working, :, t].T / (torques[t] or 1.0),
             n_pairs=n_pairs[:, t],
             pairs=pairs,
             coast=coast,

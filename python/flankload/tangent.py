@@ -32,7 +32,7 @@ LARGEST_KINK = 5e-3
 def with_tangents(
     found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
 ) -> tuple[Sweep, ...]:
-    """Replace the derivative of the rotation by its differences.
+    """Replace the derivatives of rotation and forces by differences.
 
     Parameters
     ----------
@@ -96,4 +96,5 @@ def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:
     behind = (more.rotation_rad - part.rotation_rad) / step
     smooth = np.abs(behind - before) <= LARGEST_KINK * np.abs(part.tangent_rad_per_Nmm)
     tangent = np.where(smooth, 0.5 * (before + behind), part.tangent_rad_per_Nmm)
-    return replace(part, tangent_rad_per_Nmm=tangent)
+    forces = 0.5 * (more.site_force_N - less.site_force_N) / step
+    return replace(part, tangent_rad_per_Nmm=tangent, site_force_per_torque=forces)

@@ -24,6 +24,7 @@ CORNERS = "; pairs work on sharp corners, beside which all converges slowly (a w
 BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
 #: Sources that no knob answers for, and what does.
 LEFT_BY = {
+    "tip": "forces on tips turn from the normal of the flank, along which its modes push",
     "lumped": "effects.contact = 'lumped' leaves it",
     "period": "positions.pitches leaves out teeth that yield differently",
     "one solution": "effects.large_displacement = false leaves it",
