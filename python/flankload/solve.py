@@ -226,6 +226,7 @@ def solve_with(
                 account=aside,
             ),
         )
+    aside.counters.pop("states", None)  # those are positions under a torque
     estimates: dict[int, Estimate] = {}
     if scene.accuracy.estimate:
         with clock.stage("estimate", fixed + 2 * SWEEP_STEPS) as account:
