@@ -227,6 +227,8 @@ def build_bodies(
         fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
     except SceneError as error:
         raise _with_file(error, scene) from None
+    # the same teeth meet at every position of concentric splines: no window leaves any out
+    window = None if _is_concentric(scene) else pitches
     # a compliance file may bring pitch errors and modified flanks along
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
@@ -242,8 +244,8 @@ def build_bodies(
         *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
         *pairing.warnings,
         *alike,
-        *_beyond_window(pitches, geometric),
-        *_beyond_teeth(pitches, whole, groups, (body_1, body_2)),
+        *_beyond_window(window, geometric),
+        *_beyond_teeth(window, whole, groups, (body_1, body_2)),
         *friction_notes(friction, pairing),
         *growth_notes(scene),
         *(
@@ -422,12 +424,16 @@ def _beyond_teeth(
     return (note,)
 
 
+def _is_concentric(scene: Scene) -> bool:
+    """Whether a spline's axes are in line."""
+    return scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
+
+
 def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Concentric splines stand the same at every position: of a count the first one suffices."""
-    concentric = scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
-    if not concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
+    if not _is_concentric(scene) or scene.positions.angles_deg is not None or position_rad.size == 1:
         return position_rad, ()
     note = (
         f"on common axes all positions are alike: one is computed, not {position_rad.size} "

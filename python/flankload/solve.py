@@ -262,6 +262,7 @@ def solve_with(
                 account=aside,
             ),
         )
+    aside.counters.pop("states", None)  # those are positions under a torque
     geometry = pair_geometry(pair, compliances)  # at all its positions
     broken = [
         (*by_geometry, *held(scene, tuple(broken_by_load(scene, pair, geometry, part, t))))

@@ -277,6 +277,11 @@ def test_every_tooth_stands_in_the_result(example: fl.Result) -> None:
     assert max(map(len, rows)) <= 110
 
 
+def test_common_axes_leave_no_pitch_out(example: fl.Result) -> None:
+    """Regression: index errors were said to repeat after 24 pitches, which meet the same teeth."""
+    assert example.warnings == ()
+
+
 def test_force_and_moment_of_the_example(example: fl.Result) -> None:
     """On an involute every force has the base radius as its lever, at the rounded edges, too."""
     moment = example.site_force_N[0].sum() * BASE_RADIUS
