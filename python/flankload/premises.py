@@ -228,7 +228,8 @@ def broken_by_load(
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
-    overlap_um = coast_overlap_um(pair, geometry, found)
+    # without torque nothing carries: the rotation is that of the working flanks by definition
+    overlap_um = coast_overlap_um(pair, geometry, found) if found.torque_Nmm > 0.0 else 0.0
     if overlap_um > ROUNDING_UM:
         yield Broken(
             BACKLASH,
