@@ -91,11 +91,25 @@ contains
         ! a few cells beyond a corner see whether it digs in
         grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
         grid%high = zone%nearest%s_1 + max(widths(2)*reach(2), 3.0_wp*grid%cell)
-        grid%open_low = grid%low > zone%s_1_low
-        grid%open_high = grid%high < zone%s_1_high
-        grid%low = max(grid%low, zone%s_1_low)
-        grid%high = min(grid%high, zone%s_1_high)
+        call end_within_stretch(zone, grid)
     end function wanted_grid
+
+    !> Cut a grid off where the stretch of its zone ends; it stops in the open elsewhere.
+    pure subroutine end_within_stretch(zone, grid)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its grid
+        type(grid_type), intent(inout) :: grid
+
+        real(wp) :: same
+
+        ! a contact that reaches up to the end of the stretch reaches that far but for rounding
+        same = tie*(grid%high - grid%low)
+        grid%open_low = grid%low > zone%s_1_low + same
+        grid%open_high = grid%high < zone%s_1_high - same
+        if (.not. grid%open_low) grid%low = zone%s_1_low
+        if (.not. grid%open_high) grid%high = zone%s_1_high
+    end subroutine end_within_stretch
 
     !> How fine cells are around edges.
     pure function fine_around(edges, nearest, reach, strips) result(fineness)
@@ -176,10 +190,9 @@ contains
             & fineness_type(zone%level_high, finest(2), [0.0_wp, beyond_dig*digs(2)])]
         beyond = max(0.0_wp, beyond) + longer*half*(widths/first_width - 1.0_wp)
         beyond = max(beyond, 3.0_wp*finest)
-        grid%low = max(zone%level_low - beyond(1), zone%s_1_low)
-        grid%high = min(zone%level_high + beyond(2), zone%s_1_high)
-        grid%open_low = grid%low > zone%s_1_low
-        grid%open_high = grid%high < zone%s_1_high
+        grid%low = zone%level_low - beyond(1)
+        grid%high = zone%level_high + beyond(2)
+        call end_within_stretch(zone, grid)
     end function level_grid
 
     !> Where the grids of two zones of a site would overlap, part them: no place has two cells.

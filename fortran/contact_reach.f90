@@ -40,12 +40,12 @@ contains
         !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
         real(wp) :: reach(2)
 
-        !> Cells are laid by it: what it may be wrong by shows as a step where the number of rounds
-        !> changes.
+        !> A last step along the slope squares what is left. Cells are laid by it: where flanks
+        !> conform, rounding decides on the way there, and no number of cells may.
         real(wp), parameter :: tolerance = 1.0e-4_wp
         integer, parameter :: max_steps = 40
-        !> Only to begin with [1/mm]
-        real(wp), parameter :: least_curvature = 1.0e-3_wp
+        !> Turn over the length of flank 1 [rad]; only to begin with
+        real(wp), parameter :: least_turn = 3.0e-3_wp
         integer :: side, step
         real(wp) :: room, inner, outer, x, part, part_inner, part_outer
         type(pair_type) :: pair
@@ -58,7 +58,7 @@ contains
             outer = room
             part_inner = 0.0_wp
             part_outer = 0.0_wp
-            x = sqrt(2.0_wp*growth/max(zone%curvature, least_curvature))
+            x = sqrt(2.0_wp*growth/max(zone%curvature, least_turn/curve_length(flank_1)))
             if (is_level(zone)) then
                 inner = merge(zone%nearest%s_1 - zone%level_low, &
                     & zone%level_high - zone%nearest%s_1, side == 1)
@@ -81,7 +81,10 @@ contains
                         outer = x
                         part_outer = part
                     end if
-                    if (abs(part - 1.0_wp) <= tolerance) exit
+                    if (abs(part - 1.0_wp) <= tolerance) then
+                        x = along_slope()
+                        exit
+                    end if
                     x = next_place()
                 else
                     outer = x
@@ -93,6 +96,18 @@ contains
         end do
 
     contains
+
+        !> The place where the gap has grown enough, along its slope at a place near to it.
+        pure function along_slope() result(place)
+            real(wp) :: place
+
+            real(wp) :: part_slope
+
+            part_slope = merge(-1.0_wp, 1.0_wp, side == 1)*(pair%slope - zone%tilt) &
+                & *zone%lever/growth
+            place = x
+            if (part_slope > 0.0_wp) place = min(outer, max(inner, x - (part - 1.0_wp)/part_slope))
+        end function along_slope
 
         !> The next place: the gap as a power of the distance through both that enclose the wanted
         !> one, halved at times; a parabola through the last one while nothing encloses it.

@@ -57,14 +57,15 @@ module flankload_contact_zones
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
     !> Two places of least gap this near to each other (part of the flank's length) are one.
     real(wp), parameter :: same_place = 1.0e-7_wp
-    !> Places of least gap are one where what stands between them is lower than this [mm along the
-    !> normal]: curves are known to 1e-9 mm, and the gap of conforming flanks is even but for that.
-    real(wp), parameter :: barrier = 5.0e-9_wp
+    !> Places of least gap are one where what stands between them is lower than this part of the
+    !> longer flank's length, along the normal: curves are known to 1e-11 of theirs, and the gap of
+    !> conforming flanks is even but for that.
+    real(wp), parameter :: barrier = 2.0e-9_wp
     !> Ends of even gap are found to this fraction of the flank's length.
     real(wp), parameter :: edge_tolerance = 1.0e-6_wp
-    !> Only flanks flatter than this against each other [1/mm] conform; they do so until they turn
-    !> away as much as this, over an edge.
-    real(wp), parameter :: flat = 1.0e-4_wp, turning = 1.0e-2_wp
+    !> Only flanks that turn away from each other by less than this over the length of flank 1 [rad]
+    !> conform; they do so until they turn away as much as this, over an edge.
+    real(wp), parameter :: flat = 3.0e-4_wp, turning = 3.0e-2_wp
     !> A circle laid through a sample may miss it by some roundings.
     real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
@@ -337,7 +338,8 @@ contains
                 k = neighbour(at%s_1, side)
                 if (k < first .or. k > last) cycle
                 call exact_pair(0.5_wp*(at%s_1 + s_1(k)), segment(k), aside, met)
-                if (met) conforms = conforms .or. abs(sum_of_curvatures(aside, 0)) <= flat
+                if (met) conforms = conforms .or. abs(sum_of_curvatures(aside, 0)) &
+                    & <= flat/curve_length(flank_1%curve)
             end do
         end function is_flat
 
@@ -391,7 +393,7 @@ contains
             ahead = ahead*dot_product(aside%point_1, aside%tangent_1) &
                 & /dot_product(aside%point_2, aside%tangent_2)
             call placed_point(flank_2%curve, frame_2, aside%s_2 + ahead, point, tangent, kappa_2)
-            goes_on = abs(kappa_1 + kappa_2) <= turning
+            goes_on = abs(kappa_1 + kappa_2) <= turning/curve_length(flank_1%curve)
         end subroutine look_at
 
         !> To the middle of the stretch over which the gap is even, or on to where it is less.
@@ -415,9 +417,10 @@ contains
 
             is_found = .true.
             lower_sample = 0
-            lowest = -barrier
+            even = barrier*max(curve_length(flank_1%curve), curve_length(flank_2%curve))
+            lowest = -even
             scale = abs(dot_product(nearest%point_1, nearest%tangent_1))
-            even = max(barrier, closed_moment/scale)
+            even = max(even, closed_moment/scale)
             level = nearest%s_1
             high = 0
             do side = 1, 2

@@ -14,34 +14,48 @@ module flankload_lumped_hertz
     public :: lumped_contact, hertz_half_width
     public :: least_half_width
 
-    !> Half-width below which near fields are not followed, nor cells made [mm]: gaps between these
-    !> would drown in rounding (x²/(2 rho) of a tenth of it against 1e-16 of the radius).
-    real(wp), parameter :: least_half_width = 1.0e-4_wp
+    !> Half-width below which near fields are not followed, nor cells made, as a part of the flank's
+    !> length: gaps between these would drown in rounding (x²/(2 rho) of a tenth of it against 1e-16
+    !> of the radius).
+    real(wp), parameter :: least_part_of_flank = 1.0e-5_wp
     !> The half-width stands under a logarithm: after three passes forces change by less than 1 %.
     integer, parameter :: n_passes = 3
-    !> Flanks flatter than this against each other are treated as if curved by it [1/mm].
-    real(wp), parameter :: least_curvature = 1.0e-3_wp
+    !> Flanks flatter than this over their length against each other are treated as if they turned
+    !> away by it [rad].
+    real(wp), parameter :: least_turn = 3.0e-3_wp
 
 contains
 
+    !> Half-width below which near fields are not followed, nor cells made [mm].
+    elemental function least_half_width(flank_length) result(half_width)
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
+        real(wp) :: half_width
+
+        half_width = least_part_of_flank*flank_length
+    end function least_half_width
+
     !> Half-width of a line contact [mm].
-    elemental function hertz_half_width(force, curvature, kernel) result(half_width)
+    elemental function hertz_half_width(force, curvature, kernel, flank_length) result(half_width)
         !> Force [N]
         real(wp), intent(in) :: force
         !> Sum of the curvatures [1/mm]
         real(wp), intent(in) :: curvature
         !> c, sum of both bodies' 2(1-nu²)/(pi E w) [mm/N]
         real(wp), intent(in) :: kernel
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
         real(wp) :: half_width
 
-        half_width = sqrt(2.0_wp*max(force, 0.0_wp)*kernel/max(curvature, least_curvature))
+        half_width = sqrt(2.0_wp*max(force, 0.0_wp)*kernel/max(curvature, least_turn/flank_length))
     end function hertz_half_width
 
     !> Forces and rotation with one unknown for each place.
-    subroutine lumped_contact(smooth, gap_angles, levers, curvatures, widest, kernel, torque, &
-            & forces, rotation, pivots, error)
-        !> Smooth compliance of both bodies between the places [mm/N], shape (n, n)
-        real(wp), intent(in) :: smooth(:, :)
+    subroutine lumped_contact(coupling, gap_angles, levers, curvatures, widest, flank_length, &
+            & kernel, torque, forces, rotation, pivots, error)
+        !> Compliance of both bodies between the places, without their own near fields [mm/N],
+        !> shape (n, n)
+        real(wp), intent(in) :: coupling(:, :)
         !> Turns of body 1 that close the gaps [rad], lever arms [mm] (negative on coast flanks),
         !> sums of curvatures [1/mm], shape (n)
         real(wp), intent(in) :: gap_angles(:)
@@ -49,6 +63,8 @@ contains
         real(wp), intent(in) :: curvatures(:)
         !> Half the length of flank on which the contact can grow [mm], shape (n)
         real(wp), intent(in) :: widest(:)
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
         !> c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
         !> Torque on body 1 [N mm]
@@ -79,12 +95,14 @@ contains
         motions(:, 1) = levers
         gaps = levers*gap_angles
         do pass = 1, n_passes
-            matrix = smooth
+            matrix = coupling
             do i = 1, n
-                near = max(least_half_width, min(widest(i), &
-                    & hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), kernel)))
+                near = hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), kernel, &
+                    & flank_length)
+                near = max(least_half_width(flank_length), min(widest(i), near))
                 matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
             end do
+            call keep_definite(matrix)
             call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &
                 & method_single, warm_pairs, state, error)
             if (allocated(error)) return
@@ -94,5 +112,24 @@ contains
             pivots = pivots + state%pivots
         end do
     end subroutine lumped_contact
+
+    !> Places nearer to each other than their contacts are wide carry as one: none recedes more
+    !> under the other's force than both do under their own.
+    pure subroutine keep_definite(matrix)
+        !> Symmetric compliance [mm/N], shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        !> Of the geometric mean of both own compliances
+        real(wp), parameter :: largest_part = 0.999_wp
+        integer :: i, j
+
+        do j = 1, size(matrix, 2)
+            do i = 1, size(matrix, 1)
+                if (i == j) cycle
+                matrix(i, j) = min(matrix(i, j), largest_part &
+                    & *sqrt(max(0.0_wp, matrix(i, i)*matrix(j, j))))
+            end do
+        end do
+    end subroutine keep_definite
 
 end module flankload_lumped_hertz

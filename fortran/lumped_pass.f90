@@ -9,8 +9,6 @@ module flankload_lumped_pass
     use flankload_error, only: error_type, invalid_scale, no_contact_state
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_compliance_field, only: closed_strip_kernel, strip_kernel
-    use flankload_lumped_hertz, only: least_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -41,20 +39,12 @@ contains
         !> The same for a unit force along flank 1; (n, 0) without friction
         real(wp), allocatable, intent(out) :: rubbing(:, :)
 
-        integer :: i, j, n
+        integer :: n
         real(wp) :: ones(size(of)), no_width(size(of))
 
         n = size(of)
-        coupling = position%smooth(of, of)
+        coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
-            do j = 1, n
-                do i = 1, n
-                    if (i == j .or. zones(i)%site /= zones(j)%site) cycle
-                    coupling(i, j) = coupling(i, j) &
-                        & + far_field(body_1, zones(i)%nearest%s_1 - zones(j)%nearest%s_1) &
-                        & + far_field(body_2, zones(i)%nearest%s_2 - zones(j)%nearest%s_2)
-                end do
-            end do
             if (.not. allocated(body_1%friction)) then
                 allocate (rubbing(n, 0))
                 return
@@ -68,26 +58,6 @@ contains
                 & rubbing)
         end associate
     end subroutine couple
-
-    !> Near field of a body between two places of a site [mm/N].
-    pure function far_field(body, distance) result(recession)
-        !> The body
-        type(body_type), intent(in) :: body
-        !> Distance along its flank [mm]
-        real(wp), intent(in) :: distance
-        real(wp) :: recession
-
-        recession = 0.0_wp
-        associate (field => body%compliance)
-            if (.not. field%kernel > 0.0_wp) return
-            if (field%closed) then
-                recession = closed_strip_kernel(distance, least_half_width, least_half_width, &
-                    & field%s_high - field%s_low, field%kernel)
-            else
-                recession = strip_kernel(distance, least_half_width, field%kernel)
-            end if
-        end associate
-    end function far_field
 
     !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
     pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &

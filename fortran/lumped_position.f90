@@ -107,9 +107,9 @@ contains
 
             needed = .false.
             associate (zones => position%zones)
-                call lumped_contact(position%smooth, position%gap, zones%lever, zones%curvature, &
-                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%kernel, torque, &
-                    & estimate, rotation, spent, error)
+                call lumped_contact(position%coupling, position%gap, zones%lever, zones%curvature, &
+                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%flank_length, &
+                    & position%kernel, torque, estimate, rotation, spent, error)
             end associate
             call count_lumped(spent, state)
             if (allocated(error)) return
@@ -154,13 +154,14 @@ contains
                     if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
                     if (.not. any(place%reach > 0.0_wp)) then
                         place%reach = hertz_half_width(place%force, zone%curvature, &
-                            & position%kernel)
+                            & position%kernel, position%flank_length)
                     end if
                     call reach_of(curve_1, position%frames_1(site), curve_2, &
                         & position%frames_2(site), zone, position%kernel*place%force, place%reach, &
                         & place%reach_slope)
                     place%reach_slope = position%kernel*place%reach_slope
-                    call near_field_of(position%kernel, least_half_width, place)
+                    call near_field_of(position%kernel, &
+                        & least_half_width(position%flank_length), place)
                     call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                     if (.not. found) then
                         call fatal_error(error, code_circle_misses, &
@@ -209,7 +210,8 @@ contains
             grid%n = 1
             grid%first = zone%nearest%s_1
             ! of this width the largest pressure of a Hertz contact would carry its force
-            grid%cell = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width)
+            grid%cell = 0.25_wp*acos(-1.0_wp) &
+                & *max(sum(reach), least_half_width(position%flank_length))
             call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, grid, normal, &
                 & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)

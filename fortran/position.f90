@@ -3,12 +3,13 @@
 module flankload_position
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error
-    use flankload_flank_curve, only: frame_type, new_frame
+    use flankload_flank_curve, only: curve_length, frame_type, new_frame
     use flankload_friction, only: friction_type
-    use flankload_compliance_field, only: compliance_type
+    use flankload_compliance_field, only: closed_strip_kernel, compliance_type, strip_kernel
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
+    use flankload_lumped_hertz, only: least_half_width
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
     implicit none
     private
@@ -47,10 +48,13 @@ module flankload_position
         !> where there are none
         type(zone_type), allocatable :: ends(:)
         real(wp), allocatable :: end_gap(:)
-        !> Smooth compliance of both bodies between the zones [mm/N], shape (zones, zones)
-        real(wp), allocatable :: smooth(:, :)
+        !> Compliance of both bodies between the zones, without the near field of a zone itself
+        !> [mm/N], shape (zones, zones)
+        real(wp), allocatable :: coupling(:, :)
         !> c of both bodies: strength of the logarithm [mm/N]
         real(wp) :: kernel = 0.0_wp
+        !> Length of flank 1 [mm]: what is small or flat is so beside it
+        real(wp) :: flank_length = 0.0_wp
         !> The zones hold for the torque only for which they were found: flanks conform
         logical :: conforms = .false.
         !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
@@ -100,6 +104,7 @@ contains
         allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
         n_zones = 0
         position%kernel = body_1%compliance%kernel + body_2%compliance%kernel
+        position%flank_length = curve_length(body_1%flank%curve)
         allocate (sides(n_sites), source=1)
         if (allocated(body_1%sides)) sides = body_1%sides
         n_working = count(sides > 0)
@@ -158,11 +163,57 @@ contains
             smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
             smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
         end associate
-        position%smooth = smooth_1 + smooth_2
+        position%coupling = smooth_1 + smooth_2
+        call add_far_fields(body_1%compliance, body_2%compliance, &
+            & least_half_width(position%flank_length), position%zones, position%coupling)
         position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n_zones)], &
             & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
-            & body_2%compliance%kernel)
+            & body_2%compliance%kernel, position%flank_length)
     end subroutine look_at_position
+
+    !> Add the near fields of both bodies between places on the same flanks.
+    pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> Width that stands for a place [mm]
+        real(wp), intent(in) :: width
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> Compliance between them [mm/N], shape (zones, zones)
+        real(wp), intent(inout) :: coupling(:, :)
+
+        integer :: i, j
+
+        do j = 1, size(zones)
+            do i = 1, size(zones)
+                if (i == j .or. zones(i)%site /= zones(j)%site) cycle
+                coupling(i, j) = coupling(i, j) &
+                    & + far_field(body_1, zones(i)%nearest%s_1 - zones(j)%nearest%s_1, width) &
+                    & + far_field(body_2, zones(i)%nearest%s_2 - zones(j)%nearest%s_2, width)
+            end do
+        end do
+    end subroutine add_far_fields
+
+    !> Near field of a body between two places of a site [mm/N].
+    pure function far_field(body, distance, width) result(recession)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Distance along its flank [mm]
+        real(wp), intent(in) :: distance
+        !> Width that stands for a place [mm]
+        real(wp), intent(in) :: width
+        real(wp) :: recession
+
+        recession = 0.0_wp
+        if (.not. body%kernel > 0.0_wp) return
+        if (body%closed) then
+            recession = closed_strip_kernel(distance, width, width, body%s_high - body%s_low, &
+                & body%kernel)
+        else
+            recession = strip_kernel(distance, width, body%kernel)
+        end if
+    end function far_field
 
     !> Gap angles with all deviations and shifts [rad].
     pure function gaps_without_load(body_1, body_2, zones) result(gap)
@@ -185,7 +236,7 @@ contains
     !> that yields much more than the other (a long arm) bends the gap by its large rotation: 0.5 %
     !> of the pressure of a roller on an arm seven times as long as wide. One weight for a position:
     !> a place of least gap may jump where flanks conform.
-    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2) result(share)
+    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, flank_length) result(share)
         !> Smooth compliance of the bodies at the zones, without the zones' influence on each other
         !> [mm/N], shape (zones)
         real(wp), intent(in) :: smooth_1(:)
@@ -193,15 +244,18 @@ contains
         !> c of the bodies [mm/N]
         real(wp), intent(in) :: kernel_1
         real(wp), intent(in) :: kernel_2
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
         real(wp) :: share
 
-        !> 1/2 + ln(2/h), the near field of a contact 0.1 mm wide to both sides
-        real(wp), parameter :: near = 3.5_wp
+        !> Half-width of a contact, about, as a part of the flank's length
+        real(wp), parameter :: usual_part = 0.005_wp
         !> As far as this beside one half the parts do not matter (0.01 % of the pressure of gears):
         !> both levers then weigh the same.
         real(wp), parameter :: alike = 0.3_wp
-        real(wp) :: one, two, part
+        real(wp) :: near, one, two, part
 
+        near = 0.5_wp + log(2.0_wp/(usual_part*flank_length))
         one = sum(max(0.0_wp, smooth_1 + kernel_1*near))
         two = sum(max(0.0_wp, smooth_2 + kernel_2*near))
         share = 0.5_wp

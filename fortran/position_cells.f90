@@ -110,9 +110,9 @@ contains
         do z = 1, size(cells%joins)
             if (.not. cells%joins(z)) cycle
             site = position%zones(z)%site
-            cells%reach(:, z) = max(least_half_width, zone_reach(body_1%flank%curve, &
-                & position%frames_1(site), body_2%flank%curve, position%frames_2(site), &
-                & position%zones(z), position%kernel*cells%part(z)))
+            cells%reach(:, z) = max(least_half_width(position%flank_length), &
+                & zone_reach(body_1%flank%curve, position%frames_1(site), body_2%flank%curve, &
+                & position%frames_2(site), position%zones(z), position%kernel*cells%part(z)))
         end do
     end subroutine measure_reach
 
@@ -127,7 +127,7 @@ contains
 
         curvatures = position%zones%curvature
         where (cells%joins) curvatures = 8.0_wp*position%kernel*cells%part &
-            & /max(sum(cells%reach, dim=1), least_half_width)**2
+            & /max(sum(cells%reach, dim=1), least_half_width(position%flank_length))**2
     end function reached_curvatures
 
     !> Lay the cells and the pairs on them.

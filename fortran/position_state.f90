@@ -136,7 +136,7 @@ contains
             do z = 1, size(zones)
                 ! the own site pushes back at any place; how much the level itself will tell
                 touches(z) = zones(z)%lever*(position%gap(z) - zones(z)%side*rotation) &
-                    & + min(0.0_wp, sum(position%smooth(z, :)*forces, &
+                    & + min(0.0_wp, sum(position%coupling(z, :)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp
             end do
         end associate

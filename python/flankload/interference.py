@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 #: Places looked at on each interval of a flank's curve.
 PLACES = 6
 
-#: Less than this is no overlap, mm: no profile is made better, and any torque bridges it.
-LEAST_MM = 1e-3
+#: Less than this part of the flank's length is no overlap (1 um of a gear of module 4.5): no
+#: profile is made better, and any torque bridges it.
+LEAST_PART = 1e-4
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,7 @@ def overlaps_of(
     for part in (True, False):
         chosen = np.where(at_tips == part, depth, -np.inf)
         i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
-        if chosen[i, j] > LEAST_MM:
+        if chosen[i, j] > LEAST_PART * body_1.curve.length_mm:
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
 
 

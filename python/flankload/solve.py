@@ -52,8 +52,8 @@ if TYPE_CHECKING:
 #: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
 #: further apart is another tooth, or another centre distance.
 LARGEST_STANDING_GAP = 0.25
-#: A transmission error that varies less is rounding.
-LEAST_VARIATION_UM = 1e-3
+#: A transmission error that varies by less than this part of the flank's length is rounding.
+LEAST_VARIATION = 1e-7
 
 
 #: Steps of the progress: building the bodies, elements of each body, each sweep.
@@ -385,7 +385,7 @@ def _all_positions(
         window,
         tolerance=position_tolerance(scene),
         most=scene.positions.most_per_pitch * window.pitches,
-        least_rad=LEAST_VARIATION_UM / 1000.0 / pair.body_1.reference_radius_mm,
+        least_rad=LEAST_VARIATION * pair.body_1.curve.length_mm / pair.body_1.reference_radius_mm,
     )
     return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
 

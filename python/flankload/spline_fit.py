@@ -28,8 +28,9 @@ ROUNDING = 1e-9
 #: Teeth wider than their spaces by more than this part of the base pitch are no press fit.
 LARGEST_OVERLAP = 0.01
 
-#: Less than this is no overlap of a tip and a fillet, mm.
-LEAST_MM = 1e-3
+#: Less than this part of the flank's length is no overlap of a tip and a fillet (0.3 um of a spline
+#: of module 2).
+LEAST_PART = 1e-4
 
 #: Places looked at on each interval of a flank's curve.
 PLACES = 12
@@ -198,7 +199,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
     gap = np.interp(radius, r_2, angle_2) + fit.turn_rad - np.interp(radius, r_1, angle_1)
     depth = -gap * radius
     worst = int(np.argmax(depth))
-    if depth[worst] <= LEAST_MM:
+    if depth[worst] <= LEAST_PART * shaft.curve.length_mm:
         return
     at_hub_tip = radius[worst] < 0.5 * (low + high)
     (key, tip), mate = (("body_2", low), shaft) if at_hub_tip else (("body_1", high), hub)

@@ -157,10 +157,10 @@ contains
             call look_at_position(body_1, body_2, angles(1), angles(2), torque, position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
-            call lumped_contact(position%smooth, position%gap, position%zones%lever, &
+            call lumped_contact(position%coupling, position%gap, position%zones%lever, &
                 & position%zones%curvature, &
-                & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), position%kernel, &
-                & torque, estimate, rotation, pivots, error)
+                & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), &
+                & position%flank_length, position%kernel, torque, estimate, rotation, pivots, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)

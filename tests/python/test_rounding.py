@@ -1,5 +1,5 @@
-"""No count hangs on a last bit: quotients that are whole numbers in exact arithmetic, and the
-kernels of BLAS, which sum in orders of their own."""
+"""No count hangs on a last bit: quotients that are whole numbers in exact arithmetic, and kernels
+of BLAS, which sum in orders of their own."""
 
 from __future__ import annotations
 

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 #: A flank's nodes must lie on the given profile to this part of its module, and the tip circle must
 #: be that of the mesh to the second one.
 PROFILE_TOLERANCE, TIP_TOLERANCE = 0.005, 0.02
-#: Ends of the flank's nodes nearer than this to an end of the profile's flank are that end, mm.
-SNAP_MM = 1e-6
+#: Ends of the flank's nodes nearer than this to an end of the profile's flank, in parts of its
+#: length, are that end.
+SNAP_PART = 1e-7
 #: Edges may reach beyond the profile's flank by this part of its length.
 END_PART = 1e-4
 
@@ -104,8 +105,9 @@ def fit_flank(
     )
     edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, nodes, edges)
     low, high = fit.mode_range_mm
-    low = low if abs(s[0] - low) < SNAP_MM else float(s[0])
-    high = high if abs(s[-1] - high) < SNAP_MM else float(s[-1])
+    snap = SNAP_PART * (high - low)
+    low = low if abs(s[0] - low) < snap else float(s[0])
+    high = high if abs(s[-1] - high) < snap else float(s[-1])
     notes = fit.notes
     if straight and not source.body.linear:
         note = (

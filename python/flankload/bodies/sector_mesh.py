@@ -19,6 +19,7 @@ from flankload.bodies.rounded_tooth import rounded_tooth
 from flankload.bodies.sector_breaks import sector_breaks, slants
 from flankload.errors import SceneError
 from flankload.plane_mesh import jacobians
+from flankload.rounding import TIE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -179,12 +180,13 @@ def tooth_mesh(
     numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
     lengths = np.concatenate([s_flank, s_tip[1:]])
     low, high = profile.mode_range_mm
-    carries = (lengths >= low - 1e-12) & (lengths <= high + 1e-12)
+    rounding = TIE * (high - low)
+    carries = (lengths >= low - rounding) & (lengths <= high + rounding)
     path = numbers[carries]
     arc_length = np.full(len(nodes), np.nan)
     arc_length[path] = lengths[carries]
-    beyond = numbers[lengths >= high - 1e-12]
-    s_beyond = lengths[lengths >= high - 1e-12]
+    beyond = numbers[lengths >= high - rounding]
+    s_beyond = lengths[lengths >= high - rounding]
     return SectorMesh(
         nodes=nodes,
         cells=(("quad9", np.concatenate(mesh.cells)),),

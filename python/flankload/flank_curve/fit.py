@@ -20,6 +20,11 @@ DEGREE = 5
 #: Gauss rule for the arc length of an interval; the intervals are short.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 
+#: A fit stays this near to the exact curve, in parts of the length of all pieces …
+TOLERANCE = 1e-11
+#: … or of the distance from the axis, where that is so large that rounding comes to more.
+ROUNDING = 256 * float(np.finfo(float).eps)
+
 #: Parts of an interval at which a fit is compared with the exact curve.
 _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 
@@ -54,7 +59,7 @@ class CurvePiece(NamedTuple):
 
 
 def fit_flank_curve(
-    pieces: Sequence[CurvePiece], *, tolerance_mm: float = 1e-10, corner_at_end: bool = False
+    pieces: Sequence[CurvePiece], *, tolerance_mm: float | None = None, corner_at_end: bool = False
 ) -> FlankCurve:
     """Fit exact pieces by quintics in arc length.
 
@@ -66,8 +71,9 @@ def fit_flank_curve(
     ----------
     pieces : sequence of CurvePiece
         In order from root to tip; each begins where the one before ends.
-    tolerance_mm : float
-        Largest distance of the fit from the exact curve.
+    tolerance_mm : float, optional
+        Largest distance of the fit from the exact curve; absent: a part of the curve's length, so
+        that curves of all sizes are cut into the same intervals.
     corner_at_end : bool
         The curve ends in a sharp corner.
 
@@ -82,6 +88,8 @@ def fit_flank_curve(
     """
     if not pieces:
         raise ValueError("pieces: expected at least one piece, found none")
+    if tolerance_mm is None:
+        tolerance_mm = _tolerance_mm(pieces)
     lengths, coefficients, labels, corners = [], [], [], []
     for piece in pieces:
         part_lengths, part_coefficients = _fit_piece(piece, tolerance_mm)
@@ -96,6 +104,17 @@ def fit_flank_curve(
         labels=tuple(labels),
         corners=np.array([*corners, corner_at_end]),
     )
+
+
+def _tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
+    """How near a fit shall come, by the size of the curve."""
+    ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
+    length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
+    far = max(
+        float(np.linalg.norm(piece.place(at[0])[0], axis=1).max())
+        for piece, at in zip(pieces, ends, strict=True)
+    )
+    return max(TOLERANCE * float(length), ROUNDING * far)
 
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:

@@ -9,6 +9,7 @@ import numpy as np
 from flankload.node_spacing import wide_nodes_notes
 from flankload.resolution import elements_for_modes
 from flankload.result.corners import corner_notes
+from flankload.rounding import TIE
 from flankload.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def notes_of_sweep(
             )
         low = body.mode_range_mm[0]
         places = found.pairs.column(f"s_{z + 1}")
-        below = (places < low - 1e-9) & (found.pairs.column("force") > 0)
+        below = (places < low - TIE * body.curve.length_mm) & (found.pairs.column("force") > 0)
         if below.any():
             deepest = low - float(places[below].min())
             yield (
