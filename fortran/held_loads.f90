@@ -29,14 +29,20 @@ contains
         real(wp), intent(in) :: tolerance
         logical :: holds
 
-        integer :: c
-        real(wp), allocatable :: work(:)
+        integer :: c, k
+        real(wp) :: part, held, work
 
         holds = .true.
         do c = 1, problem%n_motions
-            work = problem%load_rows(pairs, c)*forces
-            holds = holds .and. abs(sum(work) - problem%loads(c)) &
-                & <= tolerance*(sum(abs(work)) + abs(problem%loads(c)))
+            held = -problem%loads(c)
+            work = abs(held)
+            do k = 1, size(pairs)
+                part = problem%load_rows(pairs(k), c)*forces(k)
+                held = held + part
+                work = work + abs(part)
+            end do
+            holds = abs(held) <= tolerance*work
+            if (.not. holds) return
         end do
     end function holds_loads
 

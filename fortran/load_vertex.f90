@@ -27,6 +27,9 @@ module flankload_load_vertex
     !> Pairs with smaller rows (a normal that meets the axis but for rounding) hold loads only with
     !> forces beyond all others: they are taken where no other pairs hold the loads.
     real(wp), parameter :: small_row = 1.0e-8_wp
+    !> Forces that pull by more of the largest are none of a vertex: what was taken for rounding of
+    !> a load is held by large forces along a narrow cone.
+    real(wp), parameter :: no_pull = 1.0e-8_wp
     !> Steps of the simplex method per row; in exact numbers a few would do.
     integer, parameter :: steps_per_row = 50
 
@@ -145,8 +148,9 @@ contains
         integer, intent(out) :: outcome
 
         integer :: other_outcome
+        logical :: holds
         integer, allocatable :: other_pairs(:)
-        real(wp), allocatable :: sense(:), sizes(:), other_motion(:)
+        real(wp), allocatable :: sense(:), sizes(:), other_forces(:), other_motion(:)
 
         sense = merge(-1.0_wp, 1.0_wp, problem%loads < 0.0_wp)
         sizes = maxval(abs(problem%load_rows), dim=2)
@@ -156,17 +160,21 @@ contains
             call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
                 & outcome)
         end if
-        if (outcome /= vertex_found) then
-            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, forces, &
-                & other_motion, other_outcome)
-            if (other_outcome /= vertex_loose) then
+        holds = outcome == vertex_found
+        if (holds) holds = minval(forces) >= -no_pull*maxval(forces)
+        if (.not. holds) then
+            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, &
+                & other_forces, other_motion, other_outcome)
+            if (other_outcome == vertex_found &
+                & .or. (other_outcome == vertex_infeasible .and. outcome /= vertex_found)) then
                 pairs = other_pairs
+                forces = other_forces
                 motion = other_motion
                 outcome = other_outcome
             end if
         end if
         motion = sense*motion
-        if (outcome == vertex_found) forces = forces/sizes(pairs)
+        if (outcome == vertex_found) forces = max(forces, 0.0_wp)/sizes(pairs)
 
     contains
 
@@ -199,7 +207,7 @@ contains
         logical, intent(in) :: graded
         !> The pairs, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Their forces, shape (n_motions)
+        !> Their forces, below zero by rounding, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
         !> A motion that shows that the loads cannot be held, or that is loose, else zero
         real(wp), allocatable, intent(out) :: motion(:)
@@ -220,7 +228,7 @@ contains
             forces = matmul(inverse, loads)
             if (are_held(inverse, loads, graded, pairs, forces)) then
                 call fill_basis(rows, graded, pairs, inverse, motion, outcome)
-                forces = max(matmul(inverse, loads), 0.0_wp)
+                forces = matmul(inverse, loads)
                 return
             end if
             prices = sum(inverse, dim=1, mask=spread(pairs < 0, 2, q))

@@ -129,6 +129,7 @@ def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
         (narrow_cones, [1, 5]),
         (narrow_cones, [1, 6]),
         (narrow_cones, [1, 11]),
+        (narrow_cones, [22, 2558]),
     ],
 )
 def test_levers_far_apart_are_solved(make: Callable[..., Trial], seed: list[int]) -> None:
