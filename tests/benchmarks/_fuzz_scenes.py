@@ -110,33 +110,37 @@ def faults_of(result: fl.Result) -> list[str]:
 def imbalance(result: fl.Result) -> float:
     """Largest sum of all moments on body 1 over the sum of their sizes.
 
-    The forces of a chain's rollers have directions of their own: its strands balance nothing but
-    what the polygon leaves of their levers, which is not looked at.
+    The forces of a chain's rollers have directions of their own, which are not looked at.
     """
     torque = 1000 * result.torque_Nm
     drive: Any = result.drive
     if drive is not None:
         if drive.name == "chain":
             return 0.0
-        parts = (
-            np.array([drive.tight_tension_N, -drive.slack_tension_N]) * result.reference_radius_mm
+        forces = np.column_stack([result.site_force_N, drive.land_friction_N])
+        parts = np.column_stack(
+            [forces * result.reference_radius_mm, -torque * np.ones(len(forces))]
         )
-        sums, sizes = parts.sum(axis=0) - torque, np.abs(parts).sum(axis=0) + torque
-        return float(np.max(np.abs(sums) / np.maximum(sizes, np.finfo(float).tiny)))
+        sizes = np.maximum(np.abs(parts).sum(axis=1), np.finfo(float).tiny)
+        return float((np.abs(parts.sum(axis=1)) / sizes).max())
     worst = 0.0
     coast = () if result.coast is None else (result.coast.pair_tables,)
     for tables in zip(result.pair_tables, *coast, strict=True):
-        parts = np.concatenate([[-torque], *(_moments(table) for table in tables)])
+        moments = (_moments(table, side) for table, side in zip(tables, (1, -1), strict=False))
+        parts = np.concatenate([[-torque], *moments])
         size = np.abs(parts).sum()
         worst = max(worst, abs(parts.sum()) / size if size > 0 else 0.0)
     return worst
 
 
-def _moments(table: Any) -> np.ndarray:
-    """Of normal and friction forces about the axis of body 1, N mm."""
+def _moments(table: Any, side: int) -> np.ndarray:
+    """Of normal and friction forces about the axis of body 1, N mm; side -1: of coast flanks.
+
+    Arc length grows from root to tip on both sides of a tooth, friction is positive that way.
+    """
     along = table.x_mm * table.normal_y - table.y_mm * table.normal_x
     parts = [table.force_N * along]
     if table.friction_force_N is not None:
         across = table.x_mm * table.normal_x + table.y_mm * table.normal_y
-        parts.append(table.friction_force_N * across)
+        parts.append(side * table.friction_force_N * across)
     return np.concatenate(parts)
