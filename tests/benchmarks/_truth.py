@@ -68,7 +68,7 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
                 there = "rotation_rad" in stored
                 return Truth(**{name: stored[name] for name in names}) if there else None
     truth, arrays = None, {}
-    with suppress(_TooLongError), _at_most(MOST_CPU_S):
+    with suppress(TooLongError), at_most(MOST_CPU_S):
         truth = finer_solution(scene)
         arrays = {name: getattr(truth, name) for name in names}
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -102,16 +102,16 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
     return Truth(**{field.name: np.asarray(getattr(result, field.name)) for field in fields(Truth)})
 
 
-class _TooLongError(Exception):
+class TooLongError(BaseException):  # no `except Exception` on the way stops it
     """Given up."""
 
 
 @contextmanager
-def _at_most(seconds: float) -> Iterator[None]:
+def at_most(seconds: float) -> Iterator[None]:
     """Give up what takes more CPU seconds: the core is left like on Ctrl-C."""
 
     def give_up(*_: object) -> None:
-        raise _TooLongError
+        raise TooLongError
 
     before = signal.signal(signal.SIGPROF, give_up)
     signal.setitimer(signal.ITIMER_PROF, seconds)

@@ -241,6 +241,24 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "2026-01-31",
         ),
         (
+            {"load__torque_Nm": b"x"},
+            "load.torque_Nm",
+            TORQUES,
+            "[120]",
+        ),
+        (
+            {"load__torque_Nm": 1e300},
+            "load.torque_Nm",
+            TORQUES,
+            "1e+300",
+        ),
+        (
+            {"body_1__pitch_errors_um": [1e300] * 16},
+            "body_1.pitch_errors_um[0]",
+            "a number from -1e+06 to 1e+06",
+            "1e+300",
+        ),
+        (
             {"load__torque_Nm": [1, -2]},
             "load.torque_Nm[1]",
             "a number from 0 to 1e+12",

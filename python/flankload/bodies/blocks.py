@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.errors import SceneError
 from flankload.rounding import TIE, round_up
 
 if TYPE_CHECKING:
@@ -14,6 +15,20 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
+
+
+#: Nodes of a block and parts of a line: beyond them a mesh would fill the memory.
+MOST_NODES, MOST_PARTS = 1_000_000, 50_000
+
+
+def check_count(count: float, most: int, what: str) -> None:
+    """Refuse elements so small that there would be more of something than `most`."""
+    if count > most:
+        raise SceneError(
+            key="accuracy.flank_element_mm",
+            expected=f"elements so large that a block of a mesh has at most {most} {what}",
+            found=f"{count:.3g} {what}",
+        )
 
 
 def with_middles(breaks: Floats) -> Floats:
@@ -26,7 +41,9 @@ def with_middles(breaks: Floats) -> Floats:
 
 def even_breaks(start: float, end: float, largest: float, least_count: int = 1) -> Floats:
     """Equal parts of [start, end], none longer than `largest`."""
-    count = max(least_count, round_up((end - start) / largest))
+    parts = (end - start) / largest
+    check_count(parts, MOST_PARTS, "elements along a line")
+    count = max(least_count, round_up(parts))
     return np.linspace(start, end, count + 1)
 
 
@@ -50,6 +67,7 @@ def growing_breaks(length: float, first: float, growth: float, caps: Floats | No
     while ends[-1] < length - rounding:
         if caps is not None:
             part = min(part, float(np.interp(ends[-1], caps[0], caps[1])))
+        check_count(len(ends), MOST_PARTS, "elements along a line")
         ends.append(ends[-1] + part)
         part *= growth
     # the last part that sticks out is spread over all, unless leaving it out is nearer
@@ -84,6 +102,7 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
     -------
     (n, m, 2) array
     """
+    check_count(x.shape[1] * y.shape[1], MOST_NODES, "nodes")
     # both weights go over from one edge to the opposite one; two passes suffice
     across = np.broadcast_to(x[0], (y.shape[1], x.shape[1]))
     for _ in range(2):

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.blocks import BlockMesh, growing_breaks, with_middles
+from flankload.bodies.blocks import (
+    MOST_NODES,
+    MOST_PARTS,
+    BlockMesh,
+    check_count,
+    growing_breaks,
+    with_middles,
+)
 from flankload.bodies.body import Body, Material, MeshedFlank, WholeMesh
 from flankload.bodies.cam_profile import cam_profile
 from flankload.rounding import round_up
@@ -109,11 +116,14 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
         With one closed flank, that of tooth 0.
     """
     length = profile.curve.length_mm
-    half = max(8, round_up(0.5 * length / flank_element_mm))
+    parts = 0.5 * length / flank_element_mm
+    check_count(parts, MOST_PARTS, "elements along a line")
+    half = max(8, round_up(parts))
     wall = profile.least_radius_mm - bore_radius_mm
     first = min(FIRST_LAYER * length / (2 * half), wall / LEAST_LAYERS)
     depth = growing_breaks(wall, first, GROWTH, None)
     up = 1.0 - with_middles(depth)[::-1]
+    check_count(2.0 * half * up.size, MOST_NODES, "nodes")
     blocks = BlockMesh()
     ends: dict[str, NDArray[np.int64]] = {}
     outside = []

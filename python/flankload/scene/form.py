@@ -143,7 +143,7 @@ def _member(union: inspect.UnionType, value: Any, key: str) -> inspect.Type:
             )
         return tagged[found]
     if len(members) > 1:
-        is_list = isinstance(value, Sequence) and not isinstance(value, str)
+        is_list = isinstance(value, Sequence) and not isinstance(value, str | bytes)
         single = [m for m in members if not isinstance(_bare(m), inspect.VarTupleType)]
         if is_list and len(single) < len(members):
             return next(member for member in members if member not in single)
@@ -160,7 +160,7 @@ def _bare(kind: inspect.Type) -> inspect.Type:
 
 
 def _read_list(kind: inspect.VarTupleType | inspect.TupleType, value: Any, key: str) -> Any:
-    if isinstance(value, str | Mapping) or not isinstance(value, Sequence):
+    if isinstance(value, str | bytes | Mapping) or not isinstance(value, Sequence):
         raise SceneError(key=key, expected=expected_of(kind), found=shown(value))
     if isinstance(kind, inspect.TupleType):
         items: Sequence[inspect.Type] = kind.item_types
