@@ -17,8 +17,8 @@ Beside a free corner of interior angle w a force moves the flank by -c0 psi(w) l
 d the distances from the corner, psi = π [sin²(w/2)/(w + sin w) + cos²(w/2)/(w - sin w)] - 1 (the
 wedge that carries a force at its apex). Modes have their projection of that; what it lacks at the
 contact is in doubt, too. On 20 modes it is told within 0.3 of c0 at the end of a sharp flank whose
-five modes lack 0.7 (corner of 125 degrees) and 2.8 of c0 (105 degrees). A rounding or a chamfer
-counts as the corner that it cuts off.
+five modes lack 0.7 (corner of 125 degrees) and 2.8 of c0 (105 degrees). At a rounding or a chamfer
+they lack a tenth of that, of either sign.
 """
 
 from __future__ import annotations
@@ -206,12 +206,11 @@ def _yields(
     less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
     lost = ((less * yields) @ found.site_force_N[:, :, None])[..., 0]
     wedge = none
-    if turned.any():
-        psi, beyond = _corner(body)
-        distance = mean(np.maximum(end - s, 0.0)) + beyond
-        log = np.log(2.0 * np.where(on_tip, np.maximum(distance, 0.25 * width), 1.0))
-        log -= np.einsum("pia,ab,pib->pi", modes, _projected(compliance, beyond), modes)
-        wedge = np.where(on_tip, compliance.kernel * psi * log, 0.0) * found.site_force_N
+    if turned.any() and body.curve.length_mm <= _last(body) + 2.0 * (end - _last(body)):
+        distance = np.maximum(mean(np.maximum(end - s, 0.0)), 0.25 * width)
+        log = np.log(2.0 * np.where(on_tip, distance, 1.0))
+        log -= np.einsum("pia,ab,pib->pi", modes, _projected(compliance), modes)
+        wedge = np.where(on_tip, compliance.kernel * _wedge(body) * log, 0.0) * found.site_force_N
     return lost, wedge, between
 
 
@@ -221,26 +220,20 @@ def _last(body: Body) -> float:
     return high - SHORT * (high - low)
 
 
-def _corner(body: Body) -> tuple[float, float]:
-    """psi of the corner in which flank and tip circle would meet, and how far beyond the flank."""
+def _wedge(body: Body) -> float:
+    """psi of the corner between flank and tip circle."""
     at = [_last(body)]
     place, along, out = (
         f(at)[0] for f in (body.curve.point, body.curve.tangent, body.curve.normal)
     )
-    radius = body.tip_radius_mm
-    assert radius is not None
-    forwards = float(place @ along)
-    room = max(forwards**2 - float(place @ place) + radius**2, 0.0)
-    beyond = max(-forwards + body.outward * float(np.sqrt(room)), 0.0)
-    corner = place + beyond * along
-    land = np.array([-corner[1], corner[0]]) / np.hypot(*corner)
+    land = np.array([-place[1], place[0]]) / np.hypot(*place)
     land *= -np.sign(land @ out)
     w = float(np.arccos(np.clip(-along @ land, -1.0, 1.0)))
     axial, across = np.sin(0.5 * w) ** 2, np.cos(0.5 * w) ** 2
-    return float(np.pi * (axial / (w + np.sin(w)) + across / (w - np.sin(w))) - 1.0), beyond
+    return float(np.pi * (axial / (w + np.sin(w)) + across / (w - np.sin(w))) - 1.0)
 
 
-def _projected(compliance: BodyCompliance, beyond: float) -> Floats:
+def _projected(compliance: BodyCompliance) -> Floats:
     """Coefficients (p, p) of the modes for ln(d + d')."""
     low, high = compliance.mode_range_mm
     n = compliance.smooth.shape[1]
@@ -249,7 +242,7 @@ def _projected(compliance: BodyCompliance, beyond: float) -> Floats:
     distance = (high - low) * root**2
     modes = mode_values(high - distance, (low, high), n)
     modes *= ((high - low) * root * weights)[:, None] / mode_norms((low, high), n)
-    log = np.log(distance[:, None] + distance[None, :] + 2.0 * beyond)
+    log = np.log(distance[:, None] + distance[None, :])
     return np.asarray(modes.T @ log @ modes)
 
 

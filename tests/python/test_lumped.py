@@ -84,7 +84,7 @@ def test_everything_else_is_there(lumped: fl.Result, pairs: fl.Result) -> None:
 def test_the_estimate_says_what_the_level_leaves(lumped: fl.Result, pairs: fl.Result) -> None:
     assert lumped.estimate is not None
     sources = lumped.estimate["by_source"]
-    assert set(sources) == {"modes", "elements", "lumped", "positions"}  # no strips: there are none
+    assert set(sources) == {"modes", "elements", "tip", "lumped", "positions"}  # no strips
     assert set(sources["lumped"]) >= set(LUMPED)
     for quantity in LUMPED:
         parts = [errors[quantity] for errors in sources.values() if quantity in errors]
