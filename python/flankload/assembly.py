@@ -433,7 +433,11 @@ def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Concentric splines stand the same at every position: of a count the first one suffices."""
-    if not _is_concentric(scene) or scene.positions.angles_deg is not None or position_rad.size == 1:
+    if (
+        not _is_concentric(scene)
+        or scene.positions.angles_deg is not None
+        or position_rad.size == 1
+    ):
         return position_rad, ()
     note = (
         f"on common axes all positions are alike: one is computed, not {position_rad.size} "
