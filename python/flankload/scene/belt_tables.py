@@ -9,6 +9,7 @@ from flankload.scene.table import (
     EvenBody,
     Force,
     Length,
+    Modulus,
     PoissonRatio,
     YoungModulus,
     about,
@@ -82,7 +83,7 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
     ]
     width_mm: Annotated[Length, about("mm", "width of the belt")]
     cord_stiffness_N_per_mm: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)],
+        Annotated[float, Meta(ge=1e-3, le=1e9)],
         about("N/mm", "tension of the cord over its strain, per mm of width"),
     ]
     land_distance_mm: Annotated[
@@ -97,9 +98,7 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         FlankAngle | None,
         about("deg", "between flank and centre line of a tooth, 'T' only, needed there"),
     ] = None
-    young_modulus_MPa: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)], about("MPa", "Young's modulus of the belt's material")
-    ]
+    young_modulus_MPa: Annotated[Modulus, about("MPa", "Young's modulus of the belt's material")]
     poisson_ratio: Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson ratio")] = (
         0.45
     )
