@@ -241,6 +241,20 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "2026-01-31",
         ),
         (
+            {
+                "body_2": {
+                    "kind": "chain",
+                    "pitch_mm": 12.7,
+                    "roller_diameter_mm": 8.5,
+                    "wrap_angle_deg": 180,
+                    "link_stiffness_N": 5e-324,
+                }
+            },
+            "body_2.link_stiffness_N",
+            "a number from 0.001 to 1e+12",
+            "5e-324",
+        ),
+        (
             {"load__torque_Nm": b"x"},
             "load.torque_Nm",
             TORQUES,

@@ -317,3 +317,11 @@ def test_element_size_follows_the_module_where_none_is_given(tmp_path) -> None:
         gear(), "body_1", folder=tmp_path, flank_element_mm=None, flank_element_parts=1 / 4.5
     )
     assert len(mesh_of(body).nodes) == len(mesh_of(built(1.0)).nodes)
+
+
+def test_elements_that_would_fill_the_memory_are_refused() -> None:
+    """Regression: 0.001 mm on a gear of module 7 made a block of 1e9 nodes."""
+    line = r"accuracy\.flank_element_mm: expected elements so large that a block"
+    for length in (1e-3, 1e-6):
+        with pytest.raises(SceneError, match=line):
+            built(length)

@@ -10,6 +10,7 @@ from flankload.scene.table import (
     EvenBody,
     Force,
     Length,
+    Modulus,
     PoissonRatio,
     YoungModulus,
     about,
@@ -86,7 +87,7 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
     ]
     width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
     cord_stiffness_N_per_mm: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)],
+        Annotated[float, Meta(ge=1e-3, le=1e9)],
         about("N/mm", "tension of the cord over its strain, per mm of width"),
     ]
     land_distance_mm: Annotated[
@@ -102,7 +103,7 @@ class Belt(EvenBody, frozen=True, kw_only=True, tag="belt"):
         about("deg", "between flank and centre line of a tooth, 'T' only, needed there"),
     ] = None
     young_modulus_MPa: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)],
+        Modulus,
         # from soft rubber to filled polyurethane
         about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
     ]

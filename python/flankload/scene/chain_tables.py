@@ -67,11 +67,11 @@ class Chain(EvenBody, frozen=True, kw_only=True, tag="chain"):
         about("deg", "angle around the sprocket between the places where both strands leave"),
     ]
     link_stiffness_N: Annotated[
-        Annotated[float, Meta(gt=0, le=1e12)],
+        Annotated[float, Meta(ge=1e-3, le=1e12)],
         about("N", "tension of the chain over its strain"),
     ]
     contact_stiffness_N_per_mm: Annotated[
-        Annotated[float, Meta(gt=0, le=1e12)],
+        Annotated[float, Meta(ge=1e-3, le=1e12)],
         about("N/mm", "force of a roller on its pocket over how far it yields there"),
     ]
     elongation: Annotated[
