@@ -49,8 +49,8 @@ CORE_COUNTERS = (
 #: is never written costs nothing.
 FIRST_ROOM = 256
 #: The same where all teeth may carry, per site and cell between its middle and the edge of its
-#: zone: two sides, and some to spare.
-ROOM_OF_CELL = 2.4
+#: zone: two sides, finer cells at the ends of conforming flanks (2.8 in all), some to spare.
+ROOM_OF_CELL = 3.2
 
 
 @dataclass(frozen=True)

@@ -211,8 +211,9 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
 def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
     """Metal that touches early by more than the teeth yield, on all teeth alike."""
     early = {**PAIR["body_1"], "pitch_errors_um": [500.0] * 16}
+    beyond = {"effects": {"beyond_limits": True}}  # this pair has no backlash
     (behind, plain) = (
-        fl.solve(fl.Scene.from_dict({**PAIR, "body_1": body, "positions": {"count": 8}}))
+        fl.solve(fl.Scene.from_dict({**PAIR, **beyond, "body_1": body, "positions": {"count": 8}}))
         for body in (early, PAIR["body_1"])
     )
     assert behind.rotation_rad.max() < 0

@@ -12,13 +12,13 @@ from msgspec import structs
 from tolerances import SOLVER
 
 import flankload as fl
+from flankload.array_archive import archive_of
 from flankload.assembly import build_bodies
 from flankload.bodies.body_file import write_body
 from flankload.bodies.modal_file import modal_arrays
 from flankload.compliance import BodyCompliance
 from flankload.cost import Account
 from flankload.mesh_io import read_mesh, write_mesh
-from flankload.named_arrays import npz_of
 from flankload.period_error import teeth_until_alike
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
@@ -88,11 +88,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scene = scene_of(whole(out / "windows.msh"))
     body = build_bodies(scene).body_2
     found = compliance_of(body, scene)
-    (out / "windows.npz").write_bytes(npz_of(modal_arrays(body, found, plane="strain")))
+    (out / "windows.npz").write_bytes(archive_of(modal_arrays(body, found, plane="strain")))
     number = np.arange(TEETH)
     blocks = compliance_of(gear, gears).smooth[(number[:, None] - number) % TEETH]
     alike = dataclasses.replace(found, smooth=blocks.reshape(found.smooth.shape))
-    (out / "full.npz").write_bytes(npz_of(modal_arrays(body, alike, plane="strain")))
+    (out / "full.npz").write_bytes(archive_of(modal_arrays(body, alike, plane="strain")))
     return out
 
 

@@ -15,6 +15,10 @@ from flankload.plane_mesh import boundary_edges, raise_to_quadratic
 ROOT = Path(__file__).parents[2]
 PINION = ROOT / "examples" / "meshes" / "fzg_c_pinion.msh"
 WHEEL = ROOT / "examples" / "meshes" / "fzg_c_wheel.msh"
+#: The same pair with larger elements on its flanks, for tests of whole bodies.
+COARSE_MM = 2.5
+COARSE_PINION = ROOT / "tests" / "meshes" / "pinion_coarse.msh"
+COARSE_WHEEL = ROOT / "tests" / "meshes" / "wheel_coarse.msh"
 
 Cells = tuple[tuple[str, np.ndarray], ...]
 

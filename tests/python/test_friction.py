@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mesh_files import PINION, whole_of
+from mesh_files import COARSE_PINION, whole_of
 from plane_sectors import STEEL, ring_sector
 from scipy.integrate import dblquad
 from test_compliance_files import FROM_FILE_1, FROM_FILE_2, assert_same, scene_of, solved, toml_of
@@ -108,14 +108,14 @@ def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
 
 def test_whole_body_rubs_as_its_sector_does(tmp_path: Path) -> None:
     """One computation of the whole pinion against the ring closed over its sectors."""
-    write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(PINION), 16))
+    write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(COARSE_PINION), 16))
     sides = []
-    for body in (sector("body_1", PINION), whole("body_1", tmp_path / "whole.msh")):
+    for body in (sector("body_1", COARSE_PINION), whole("body_1", tmp_path / "whole.msh")):
         tables = {"body_1": {"reference_radius_mm": 33.8289343, **body}, "body_2": TWO}
         sides.append(solved(effects={"friction_coefficient": 0.3}, **tables))
     one, other = sides
     np.testing.assert_allclose(one.rotation_rad, other.rotation_rad, rtol=1e-9, atol=0)
-    assert other.cost["unit_loads_tangential"] > 16 * 4
+    assert other.cost["unit_loads_tangential"] > 16 * 3
 
 
 # --- scene ----------------------------------------------------------------------------------------

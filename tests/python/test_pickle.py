@@ -42,6 +42,7 @@ def raised() -> dict[str, errors.FlankloadError]:
     return {
         "FlankloadError": errors.FlankloadError("something"),
         "SceneError": errors.SceneError(**PLACED),
+        "PremiseError": errors.PremiseError(**PLACED),
         "MeshError": errors.MeshError(**PLACED),
         "ComplianceFileError": errors.ComplianceFileError(**PLACED),
         "OtherProgramError": errors.OtherProgramError("no answer", folder=Path("out")),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import PINION, ROOT, whole_of
+from mesh_files import COARSE_PINION, ROOT, whole_of
 from test_compliance import CLOSURE, full_ring
 from test_result_contacts import RING_PAIR, SPLINE
 from tolerances import ROUND_OFF, SOLVER
@@ -168,13 +168,13 @@ def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:
 
 
 def test_whole_body_reads_what_its_sector_reads(tmp_path: Path) -> None:
-    write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(PINION), 16))
+    write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(COARSE_PINION), 16))
     names = [f"FLANK_{k}" for k in range(16)]
     whole = {
         "kind": "mesh", "file": str(tmp_path / "whole.msh"), "flank_sets": names,
         "profile": PROFILE,
     }  # fmt: skip
-    sector = {"kind": "mesh", "file": str(PINION), "teeth": 16, "profile": PROFILE}
+    sector = {"kind": "mesh", "file": str(COARSE_PINION), "teeth": 16, "profile": PROFILE}
     one, two = (solved(body) for body in (sector, whole))
     for key in ("tension", "compression"):
         found, expected = (getattr(result.root_stress[0], key).stress_MPa for result in (two, one))
@@ -334,7 +334,8 @@ def test_without_any_torque_there_is_nothing_to_ask() -> None:
         ),
         (
             {
-                "kind": "mesh", "file": str(PINION), "teeth": 16, "reference_radius_mm": 33.8289,
+                "kind": "mesh", "file": str(COARSE_PINION), "teeth": 16,
+                "reference_radius_mm": 33.8289,
             },
             "body_1.kind = 'mesh' without a profile",
         ),

@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.errors import SceneError
 from flankload.flank_curve import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank_curve.fit import TOLERANCE
 from flankload.named_arrays import read_columns
 
 if TYPE_CHECKING:
@@ -82,7 +83,8 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     # clockwise: from the first row's angle a turn down to it
     pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
     _check_kinks(place, angle, name)
-    curve = fit_flank_curve(pieces)
+    # its length is that of a whole turn: the size of a flank on it is rather the radius
+    curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
     samples = curve.point(_samples(curve))
     least, largest = (float(f(np.hypot(*samples.T))) for f in (np.min, np.max))
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
