@@ -18,11 +18,11 @@ module flankload
     use flankload_compliance_field, only: compliance_type
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
         & most_nodal_pairs, find_nodal_pairs, nodal_influences
-    use flankload_position, only: body_type
+    use flankload_position_zones, only: body_type
     use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
-    use flankload_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
+    use flankload_position_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
         & pair_columns_with_friction
     use flankload_nodal_sweep, only: sweep_nodal_positions, nodal_sweep_type
     implicit none

@@ -2,7 +2,7 @@
 
 !> Version of the library.
 subroutine flankload_version(major, minor, patch, info)
-    use flankload, only: version_number
+    use flankload_version_number, only: version_number
     implicit none
     !> The three parts of the version
     integer, intent(out) :: major

@@ -22,7 +22,7 @@ PROCEDURE = re.compile(
 )
 DECLARED = re.compile(
     r"^    (integer(?:\(c_int\))?|double precision|character\([\w=*]+\)), "
-    r"(?:volatile, )?intent\((in|out|inout)\)(, value)? :: (\w+)",
+    r"intent\((in|out|inout)\)(, value)? :: (\w+)",
     re.MULTILINE,
 )
 C_TYPES = {"integer": "int", "double precision": "double"}
