@@ -10,7 +10,7 @@ C     MM, N, RAD.
 C
       INTEGER MFLANK, MPOINT, MPOS, MTORQ
       PARAMETER (MFLANK=8, MPOINT=150, MPOS=50, MTORQ=5)
-      INCLUDE 'flankload.inc'
+      INCLUDE 'flankload_interfaces.inc'
       CHARACTER*120 TITLE
       CHARACTER*80 TEXT
       INTEGER NFLANK, NPOS, NTORQ, NP1, NP2, INFO, IOS, I, J, K, N

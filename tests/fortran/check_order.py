@@ -18,7 +18,8 @@ def listed_sources() -> list[Path]:
     text = (FORTRAN / "meson.build").read_text(encoding="utf-8")
     made = sorted(FORTRAN.glob("*.f90.in"))
     return made + [
-        FORTRAN / name for name in re.findall(r"^\s*'([\w/]+\.f90)',", text, re.MULTILINE)
+        FORTRAN / name
+        for name in re.findall(r"^\s*(?:input: )?'([\w/]+\.f90)',", text, re.MULTILINE)
     ]
 
 
