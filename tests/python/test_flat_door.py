@@ -256,6 +256,16 @@ def test_refused_arguments_of_a_sequence() -> None:
     assert info_of(method=11) == [-115, -115]
 
 
+def test_global_names_are_used_once() -> None:
+    """Neither two modules nor a module and an external procedure have the same name (F2008, 16.2)."""
+    text = "\n".join(path.read_text(encoding="utf-8").lower() for path in SOURCES)
+    modules = re.findall(r"^module (\w+)$", text, re.MULTILINE)
+    names = [*modules, *DOOR]
+    assert len(modules) >= 70
+    assert {name for name in names if names.count(name) > 1} == set()
+    assert "volatile" not in text
+
+
 def test_the_core_prints_opens_and_stops_nothing() -> None:
     """Nor does it keep anything between calls."""
     forbidden = re.compile(
