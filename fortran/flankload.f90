@@ -43,7 +43,8 @@ module flankload
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
     public :: sweep_nodal_positions, nodal_sweep_type
     ! The flat door
-    public :: flankload_version, flankload_double_vector, flankload_status_text
+    public :: flankload_version, flankload_double_vector, flankload_integer_vector
+    public :: flankload_status_text
     public :: flankload_position, flankload_normal_compliance, flankload_matrix_form
     public :: flankload_solve_contact, flankload_contact_columns, flankload_solve_sequence
     public :: flankload_sweep, flankload_sweep_points

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from .conftest import EXAMPLES
+
 RIGHT = "3, matrix, 0, levers, scaled, symmetric, elastic, info"
 WRONG = {
     "an argument fewer": "3, matrix, 0, levers, scaled, symmetric, elastic",
@@ -85,3 +87,62 @@ def test_programs_with_external_procedures_still_compile(prefix: Path, tmp_path:
 """
     made = compiled(tmp_path / "old.f", text, ["-std=legacy"], prefix)
     assert (made.returncode, made.stderr) == (0, "")
+
+
+def with_option(option: str, example: str, program: str, folder: Path, prefix: Path) -> Path | str:
+    """An example program compiled with an option, or what the compiler has against it."""
+    first, ending = ("rdbody.f", "f") if example == "legacy_fortran" else ("body_file.f90", "f90")
+    library = prefix / "lib"
+    made = subprocess.run(
+        [
+            *("gfortran", option, f"-I{prefix / 'include' / 'flankload'}", "-o", folder / program),
+            *(EXAMPLES / example / name for name in (first, f"{program}.{ending}")),
+            *(f"-L{library}", "-lflankload", f"-Wl,-rpath,{library}"),
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return folder / program if made.returncode == 0 else made.stderr
+
+
+@pytest.mark.parametrize("program", ["loads", "sweep"])
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("-fdefault-integer-8", "INTEGERS OF 4 BYTES ARE WANTED"),
+        ("-fdefault-real-8", "DOUBLE PRECISION OF 8 BYTES IS WANTED"),
+    ],
+)
+def test_numbers_of_another_size_are_refused(
+    program: str, option: str, words: str, prefix: Path, tmp_path: Path
+) -> None:
+    """In place of status 0 with wrong sets of pairs in contact."""
+    made = with_option(option, "legacy_fortran", program, tmp_path, prefix)
+    assert isinstance(made, Path), made
+    data = EXAMPLES / "legacy_fortran" / ("pair.dat" if program == "loads" else "sweep.dat")
+    with data.open() as text:
+        done = subprocess.run([made], stdin=text, capture_output=True, text=True, check=False)
+    assert done.returncode == 3
+    assert words in done.stderr
+    assert option in done.stderr
+    assert done.stdout == ""
+
+
+def test_the_module_keeps_the_sizes_of_numbers(
+    prefix: Path, tmp_path: Path, environment: dict[str, str]
+) -> None:
+    refused = with_option("-fdefault-integer-8", "modern_fortran", "loads", tmp_path, prefix)
+    assert isinstance(refused, str)
+    assert "passed INTEGER(8) to INTEGER(4)" in refused
+    printed = []
+    for option in ("-O0", "-fdefault-real-8"):
+        made = with_option(option, "modern_fortran", "loads", tmp_path, prefix)
+        assert isinstance(made, Path), made
+        with (EXAMPLES / "legacy_fortran" / "pair.dat").open() as text:
+            done = subprocess.run(
+                [made], stdin=text, env=environment, capture_output=True, text=True, check=True
+            )
+        printed.append(done.stdout)
+    assert printed[0] == printed[1] != ""

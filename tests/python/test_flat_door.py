@@ -257,7 +257,7 @@ def test_refused_arguments_of_a_sequence() -> None:
 
 
 def test_global_names_are_used_once() -> None:
-    """Neither two modules nor a module and an external procedure have the same name (F2008, 16.2)."""
+    """Modules and external procedures share one space of names (Fortran 2008, 16.2)."""
     text = "\n".join(path.read_text(encoding="utf-8").lower() for path in SOURCES)
     modules = re.findall(r"^module (\w+)$", text, re.MULTILINE)
     names = [*modules, *DOOR]
