@@ -1,14 +1,13 @@
-!> Façade: what a Fortran program uses of the library.
+!> Façade: what a Fortran program uses of the library. The procedures of the flat door are here too,
+!> with explicit interfaces, and the numbers of structures and methods that they take.
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number
-    use flankload_error, only: error_type, status_text, refused_argument
+    use flankload_error, only: error_type, status_text
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
         & method_auto, method_single, method_paper, method_block, &
         & method_load_path, method_pivoted, method_cascade, method_primal, &
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
-    use flankload_contact_result, only: counters_of, certificate_of, blank
-    use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     use flankload_contact_loads, only: solve_contact_loads
     use flankload_contact_sequence, only: solve_contact_sequence
     use flankload_column_demand, only: column_source, solve_on_demand, solve_known_columns
@@ -17,24 +16,22 @@ module flankload
     use flankload_friction, only: friction_type, new_friction
     use flankload_compliance_field, only: compliance_type
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
-        & most_nodal_pairs, find_nodal_pairs, nodal_influences
-    use flankload_position, only: body_type
+        & find_nodal_pairs, nodal_influences
+    use flankload_position_zones, only: body_type
     use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
-    use flankload_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
+    use flankload_position_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
         & pair_columns_with_friction
     use flankload_nodal_sweep, only: sweep_nodal_positions, nodal_sweep_type
     implicit none
     private
 
     public :: wp, version_number
-    public :: error_type, status_text, refused_argument
+    public :: error_type, status_text
     public :: contact_result, solve_contact_problem
-    public :: scale_rows, form_of, matrix_form
     public :: solve_contact_loads, solve_contact_sequence
     public :: column_source, solve_on_demand, solve_known_columns
-    public :: counters_of, certificate_of, blank
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -44,6 +41,17 @@ module flankload
     public :: level_lumped, level_pairs
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
-    public :: most_nodal_pairs, sweep_nodal_positions, nodal_sweep_type
+    public :: sweep_nodal_positions, nodal_sweep_type
+    ! The flat door
+    public :: flankload_version, flankload_double_vector, flankload_integer_vector
+    public :: flankload_status_text
+    public :: flankload_position, flankload_normal_compliance, flankload_matrix_form
+    public :: flankload_solve_contact, flankload_contact_columns, flankload_solve_sequence
+    public :: flankload_sweep, flankload_sweep_points
+    public :: fl_general, fl_symmetric, fl_definite, fl_definite_part
+    public :: fl_auto, fl_single, fl_paper, fl_block
+    public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal
+
+    include 'flat/flankload_interfaces.inc'
 
 end module flankload

@@ -10,7 +10,7 @@ module flankload_lumped_pass
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lumped_place, only: place_type
-    use flankload_position, only: body_type, position_type
+    use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
     use flankload_tangential_influence, only: add_tangential
     implicit none

@@ -13,7 +13,7 @@ module flankload_lumped_position
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
-    use flankload_position, only: body_type, code_circle_misses, position_type
+    use flankload_position_zones, only: body_type, code_circle_misses, position_type
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
     private

@@ -12,7 +12,7 @@ module flankload_nodal_sweep
         & symmetric_matrix, method_auto
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
         & most_nodal_pairs, nodal_influences, code_unsteady_points
-    use flankload_position, only: code_no_zone
+    use flankload_position_zones, only: code_no_zone
     implicit none
     private
 

@@ -11,7 +11,7 @@ module flankload_pair_forces
     use flankload_finite_influence, only: departures
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
-    use flankload_position, only: body_type, position_type
+    use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: position_state
     implicit none
     private

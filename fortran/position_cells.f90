@@ -14,7 +14,7 @@ module flankload_position_cells
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_position, only: body_type, position_type, code_circle_misses
+    use flankload_position_zones, only: body_type, position_type, code_circle_misses
     implicit none
     private
 

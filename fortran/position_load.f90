@@ -7,7 +7,7 @@ module flankload_position_load
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
-    use flankload_position, only: body_type, look_at_position, position_type
+    use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_pair_forces, only: solve_pairs

@@ -3,7 +3,7 @@ module flankload_position_state
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
-    use flankload_position, only: position_type
+    use flankload_position_zones, only: position_type
     implicit none
     private
 

@@ -3,10 +3,28 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <flankload.h>
+
 static void bad_data(const char *wanted)
 {
     fprintf(stderr, "bad data, expected %s\n", wanted);
     exit(2);
+}
+
+void check_numbers(void)
+{
+    /* The zeros are room for a library whose numbers are twice as large. */
+    const int n[2] = {2, 0}, whole[4] = {-1, -2, 0, 0};
+    const double real[4] = {-1, -2, 0, 0};
+    int twice[4] = {0, 0, 0, 0}, info[2];
+    double doubled[4] = {0, 0, 0, 0};
+
+    flankload_integer_vector_(n, whole, twice, info);
+    flankload_double_vector_(n, real, doubled, info);
+    if (twice[0] != -2 || twice[1] != -4 || doubled[0] != -2 || doubled[1] != -4) {
+        fprintf(stderr, "the library was built for integers or reals of other sizes\n");
+        exit(3);
+    }
 }
 
 void *room(size_t count, size_t size)

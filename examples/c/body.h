@@ -14,6 +14,9 @@ struct body {
 struct body read_body(int flanks);
 void free_body(struct body *body);
 
+/* Ends the program where the library was built for integers or reals of other sizes. */
+void check_numbers(void);
+
 /* A whole number from low to high, or any number; `wanted` is said where there is none. */
 int whole_number(const char *wanted, int low, int high);
 double number(const char *wanted);

@@ -17,6 +17,7 @@ int main(void)
     double torque, axes[4], rotation, tangent, certificate[5];
     char text[81];
 
+    check_numbers();
     skip_line();
     flanks = whole_number("1 to 100 flanks", 1, 100);
     torque = number("a torque");

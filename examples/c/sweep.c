@@ -15,6 +15,7 @@ int main(void)
     int k, t, f, i, info;
     double axes[4];
 
+    check_numbers();
     skip_line();
     const int flanks = whole_number("1 to 100 flanks", 1, 100);
     const int positions = whole_number("1 to 10000 positions", 1, 10000);

@@ -34,3 +34,26 @@ C
       WRITE (0,'(2A)') ' BAD DATA, EXPECTED ', WANTED
       STOP 2
       END
+C
+      SUBROUTINE CHKNUM
+C
+C     STOP WHERE THE LIBRARY TAKES NUMBERS FOR OTHERS, AS IT DOES WHEN
+C     OPTIONS OF THE COMPILER CHANGE THE SIZE OF INTEGERS OR REALS.
+C
+      INCLUDE 'flankload_interfaces.inc'
+      INTEGER K(2), K2(2), INFO
+      DOUBLE PRECISION X(2), X2(2)
+      DATA K /-1, -2/, X /-1D0, -2D0/
+      CALL FLANKLOAD_INTEGER_VECTOR (2, K, K2, INFO)
+      IF (K2(1) .NE. -2 .OR. K2(2) .NE. -4) THEN
+         WRITE (0,'(A)') ' INTEGERS OF 4 BYTES ARE WANTED: COMPILE' //
+     &        ' WITHOUT -fdefault-integer-8'
+         STOP 3
+      END IF
+      CALL FLANKLOAD_DOUBLE_VECTOR (2, X, X2, INFO)
+      IF (X2(1) .NE. -2D0 .OR. X2(2) .NE. -4D0) THEN
+         WRITE (0,'(A)') ' DOUBLE PRECISION OF 8 BYTES IS WANTED:' //
+     &        ' COMPILE WITHOUT -fdefault-real-8'
+         STOP 3
+      END IF
+      END

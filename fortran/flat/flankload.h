@@ -38,6 +38,9 @@ void flankload_version_(int *major, int *minor, int *patch, int *info);
 /* Twice a vector: a caller whose reals have another size does not get that. */
 void flankload_double_vector_(const int *n, const double *vector, double *doubled, int *info);
 
+/* The same for integers, of which two or more are negative. */
+void flankload_integer_vector_(const int *n, const int *vector, int *doubled, int *info);
+
 /* What a status says, in at most `size` characters, the null character included; 81 are enough. */
 void flankload_status_text_c(int code, int size, char *text);
 

@@ -3,7 +3,7 @@
 !> diag(b) A [mm/N] of a flexibility matrix A [rad/N], and whether it is symmetric.
 subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
         & symmetric, elastic, info)
-    use flankload, only: scale_rows, form_of, matrix_form
+    use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -37,7 +37,7 @@ end subroutine flankload_normal_compliance
 !> What one pass over a compliance matrix finds out: what the caller of flankload_solve_contact is
 !> to say of its structure, and whether there is NaN or infinity in columns that it would not read.
 subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, finite, info)
-    use flankload, only: form_of, matrix_form
+    use flankload_row_scaling, only: form_of, matrix_form
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -74,8 +74,9 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         & load_rows, loads, structure, method, warm_pairs, forces, gaps, motion, tangent, &
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-    use flankload, only: solve_contact_problem, contact_result, error_type, counters_of, &
-        & certificate_of, blank, refused_argument
+    use flankload_contact_loop, only: solve_contact_problem
+    use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
+    use flankload_error, only: error_type, refused_argument
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -158,8 +159,10 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
         & normal_gaps, motions, load_rows, loads, structure, method, warm_pairs, n_wanted, wanted, &
         & forces, gaps, motion, tangent, active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
-    use flankload, only: solve_known_columns, contact_result, error_type, counters_of, &
-        & certificate_of, blank, refused_argument, method_paper
+    use flankload_column_demand, only: solve_known_columns
+    use flankload_contact_loop, only: method_paper
+    use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
+    use flankload_error, only: error_type, refused_argument
     implicit none
     !> Number of pairs, of known columns, of motions, of pairs to begin with
     integer, intent(in) :: n

@@ -17,8 +17,8 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
         & axis_1, axis_2, sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
         & n_pairs, flank, radius, gap_angle, lever, torque_lever, torque_lever_2, compliance, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-    use flankload, only: nodal_body, nodal_pairs_type, find_nodal_pairs, new_nodal_body, &
-        & nodal_influences
+    use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
+        & new_nodal_body, nodal_influences
     implicit none
     !> Number of flanks of each body, and of the points on all flanks of a body
     integer, intent(in) :: n_flanks

@@ -25,9 +25,13 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload, only: body_type, grid_settings, level_lumped, level_pairs, new_flank, &
-        & new_flank_curve, new_friction, pair_columns, pair_columns_with_friction, &
-        & sweep_positions, sweep_type
+    use flankload_circle_pair, only: new_flank
+    use flankload_flank_curve, only: new_flank_curve
+    use flankload_friction, only: new_friction
+    use flankload_position_zones, only: body_type
+    use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
+    use flankload_position_sweep, only: pair_columns, pair_columns_with_friction, sweep_positions, &
+        & sweep_type
     implicit none
     !> Numbers of positions and torques, and the turns of both bodies [rad]
     integer, intent(in) :: n_positions
@@ -128,7 +132,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: room
     !> (1): anything but 0 asks to stop: positions not yet begun are left out, status -16; (2):
     !> grows by one with each position that is done
-    integer, volatile, intent(inout) :: control(2)
+    integer, intent(inout) :: control(2)
     !> Pairs (lumped: the places of contact, with cells over which the largest pressure would carry
     !> the force): site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
     !> lever of the torque row, with friction sliding speed [mm per rad of the position] and

@@ -19,8 +19,8 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
         & n_pairs, flank, radius, gap_angle, force, final_gap, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
-    use flankload, only: nodal_body, nodal_sweep_type, most_nodal_pairs, new_nodal_body, &
-        & sweep_nodal_positions
+    use flankload_nodal_pairs, only: nodal_body, most_nodal_pairs, new_nodal_body
+    use flankload_nodal_sweep, only: nodal_sweep_type, sweep_nodal_positions
     implicit none
     !> Numbers of positions, torques and flanks of each body, and of the points on all flanks of a
     !> body

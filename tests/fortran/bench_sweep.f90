@@ -11,7 +11,7 @@ program bench_sweep
     use flankload_contact_pairs, only: pairs_type
     use flankload_influence_number, only: influence_matrix
     use flankload_lumped_hertz, only: lumped_contact
-    use flankload_position, only: look_at_position, position_type
+    use flankload_position_zones, only: look_at_position, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
     implicit none

@@ -9,6 +9,7 @@ from pathlib import Path
 
 FORTRAN = Path(__file__).resolve().parents[2] / "fortran"
 USE = re.compile(r"^\s*use\s+(?:,\s*\w+\s*::\s*)?(flankload\w*)", re.IGNORECASE | re.MULTILINE)
+EXTERNAL = re.compile(r"^subroutine\s+(\w+)", re.IGNORECASE | re.MULTILINE)
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)\s*$", re.IGNORECASE | re.MULTILINE)
 
 
@@ -17,7 +18,8 @@ def listed_sources() -> list[Path]:
     text = (FORTRAN / "meson.build").read_text(encoding="utf-8")
     made = sorted(FORTRAN.glob("*.f90.in"))
     return made + [
-        FORTRAN / name for name in re.findall(r"^\s*'([\w/]+\.f90)',", text, re.MULTILINE)
+        FORTRAN / name
+        for name in re.findall(r"^\s*(?:input: )?'([\w/]+\.f90)',", text, re.MULTILINE)
     ]
 
 
@@ -37,6 +39,11 @@ def complaints() -> list[str]:
             if module not in known and module not in modules:
                 found.append(f"{name}: uses {module}, which does not stand before it")
         known.update(modules)
+    # Modules and external procedures are global names (Fortran 2008, 16.2).
+    for path in sources:
+        for name in EXTERNAL.findall(path.read_text(encoding="utf-8")):
+            if name.lower() in known:
+                found.append(f"{path.name}: the module {name} has the name of this procedure")
     for path in sorted(FORTRAN.rglob("*.f90")):
         if path not in sources:
             found.append(f"{path.relative_to(FORTRAN).as_posix()}: not in fortran/meson.build")

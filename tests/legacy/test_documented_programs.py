@@ -137,7 +137,8 @@ def test_every_program_of_the_documentation_is_run() -> None:
 
 
 def test_every_procedure_has_a_program() -> None:
-    """But for the sweep by curves, which Python feeds, and the test of the reals."""
-    said = "".join(SOURCES.values()).lower() + "flankload_sweep flankload_double_vector"
+    """But for the sweep by curves, which Python feeds, and the tests of numbers (the examples)."""
+    said = "".join(SOURCES.values()).lower() + "flankload_sweep "
+    said += "flankload_double_vector flankload_integer_vector"
     door = [name for name in dir(_core) if name.startswith("flankload_")]
     assert [name for name in door if not re.search(rf"{name}(?![a-z])", said)] == []

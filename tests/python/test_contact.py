@@ -328,6 +328,12 @@ def test_the_door_doubles_a_vector() -> None:
     assert doubled.tolist() == (2 * vector).tolist()
 
 
+def test_the_door_doubles_integers() -> None:
+    doubled, info = _core.flankload_integer_vector(np.array([-1, -7, 1000], dtype=np.int32))
+    assert info == 0
+    assert doubled.tolist() == [-2, -14, 2000]
+
+
 def test_the_version_stands_in_one_place() -> None:
     assert ".".join(map(str, _core.flankload_version()[:3])) == fl.__version__
 

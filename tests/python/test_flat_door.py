@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import subprocess
 import textwrap
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -22,7 +24,7 @@ PROCEDURE = re.compile(
 )
 DECLARED = re.compile(
     r"^    (integer(?:\(c_int\))?|double precision|character\([\w=*]+\)), "
-    r"(?:volatile, )?intent\((in|out|inout)\)(, value)? :: (\w+)",
+    r"intent\((in|out|inout)\)(, value)? :: (\w+)",
     re.MULTILINE,
 )
 C_TYPES = {"integer": "int", "double precision": "double"}
@@ -100,6 +102,53 @@ def test_the_include_file_names_every_procedure() -> None:
         assert len(line) <= 72
         assert line.startswith(("!", "      "))
         assert "&" not in line
+
+
+def make_interfaces() -> ModuleType:
+    """The script that writes the interfaces."""
+    path = FORTRAN / "flat" / "make_interfaces.py"
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_the_interfaces_are_those_of_the_sources() -> None:
+    text = (FORTRAN / "flat" / "flankload_interfaces.inc").read_text(encoding="ascii")
+    wanted = make_interfaces().interfaces()
+    assert text == wanted, "run python fortran/flat/make_interfaces.py"
+    assert sorted(re.findall(r"^      subroutine (\w+)", text, re.MULTILINE)) == FOR_FORTRAN
+    statements = re.sub(r" *&\n     & *", " ", text)
+    for name in FOR_FORTRAN:
+        block = re.search(
+            rf"subroutine {name}\((.*?)\)$(.*?)end subroutine", statements, re.M | re.S
+        )
+        assert block is not None
+        assert block[1].split(", ") == [argument for argument, *_ in DOOR[name]]
+        assert {
+            found[3] for found in DECLARED.findall(block[2].replace("\n        ", "\n    "))
+        } == {argument for argument, *_ in DOOR[name]}
+
+
+def test_both_source_forms_read_the_interfaces() -> None:
+    """Continued lines have & in column 73, where fixed form ends, and in column 6."""
+    lines = (FORTRAN / "flat" / "flankload_interfaces.inc").read_text(encoding="ascii").splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        assert line.startswith(("!", "      ", "     &"))
+        assert len(line) <= 72 or (len(line) == 73 and line.endswith("&"))
+        assert line.endswith("&") == following.startswith("     &")
+
+
+def test_the_module_shows_the_whole_door() -> None:
+    text = (FORTRAN / "flankload.f90").read_text(encoding="utf-8")
+    shown = [name for line in re.findall(r"public :: (.*)", text) for name in line.split(", ")]
+    include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
+    numbers = re.findall(r"(fl_\w+)=", include)
+    assert len(numbers) == 12
+    door = [name for name in shown if name.startswith(("flankload_", "fl_"))]
+    assert sorted(door) == sorted([*FOR_FORTRAN, *numbers])
 
 
 def test_numbers_of_methods_and_structures_agree() -> None:
@@ -205,6 +254,16 @@ def test_refused_arguments_of_a_sequence() -> None:
     assert info_of(sizes=np.array([1], dtype=np.int32)) == [-107, -107]
     assert info_of(structures=np.array([9], dtype=np.int32)) == [-114, -114]
     assert info_of(method=11) == [-115, -115]
+
+
+def test_global_names_are_used_once() -> None:
+    """Modules and external procedures share one space of names (Fortran 2008, 16.2)."""
+    text = "\n".join(path.read_text(encoding="utf-8").lower() for path in SOURCES)
+    modules = re.findall(r"^module (\w+)$", text, re.MULTILINE)
+    names = [*modules, *DOOR]
+    assert len(modules) >= 70
+    assert {name for name in names if names.count(name) > 1} == set()
+    assert "volatile" not in text
 
 
 def test_the_core_prints_opens_and_stops_nothing() -> None:

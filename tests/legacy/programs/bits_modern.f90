@@ -1,6 +1,6 @@
 !> Prints every number of each state in all its digits.
 program bits
-    use flankload, only: wp, contact_result, error_type, solve_contact_problem, certificate_of
+    use flankload, only: wp, contact_result, error_type, solve_contact_problem
     implicit none
 
     integer :: n_problems, k
@@ -31,7 +31,8 @@ contains
         info = state%status
         if (allocated(error)) info = error%code
         print '(2i8,*(1x,es25.17e3))', info, state%pivots, state%forces, state%gaps, &
-            & state%motion, state%tangent, certificate_of(state)
+            & state%motion, state%tangent, state%condition, state%growth, state%backward_error, &
+            & state%margin, state%largest_part
     end subroutine print_state
 
 end program bits

@@ -4,11 +4,11 @@
 !>
 !> Memory: the numbers of the sites for all states, the pairs packed into the caller's room, and one
 !> position for each thread.
-module flankload_sweep
+module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_error, only: no_contact_state
-    use flankload_position, only: body_type
+    use flankload_position_zones, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
@@ -73,7 +73,7 @@ contains
         type(grid_settings), intent(in) :: settings
         !> Shared with the caller while this runs. (1): anything but 0 asks to stop, positions not
         !> yet begun are left out; (2): grows by one with each position that is done
-        integer, volatile, intent(inout) :: control(2)
+        integer, intent(inout) :: control(2)
         !> Site of each pair, and its columns, shape (room) and (pair_columns or
         !> pair_columns_with_friction, room); the pairs of a state stand together. No room: pairs
         !> are not wanted
@@ -82,13 +82,16 @@ contains
         !> What is found
         type(sweep_type), intent(out) :: found
 
-        integer :: k, used
+        integer :: k, used, asked_to_stop
 
         call reserve(found, size(body_1%site_angles), size(angles_1), size(torques))
         used = 0
-        !$omp parallel do schedule(dynamic)
+        !$omp parallel do schedule(dynamic) private(asked_to_stop)
         do k = 1, size(angles_1)
-            if (control(1) == 0) call take_position(k)
+            ! Atomic: the caller's other thread writes it, so that each read goes to memory.
+            !$omp atomic read
+            asked_to_stop = control(1)
+            if (asked_to_stop == 0) call take_position(k)
         end do
         !$omp end parallel do
 
@@ -242,4 +245,4 @@ contains
         end do
     end subroutine pack_pairs
 
-end module flankload_sweep
+end module flankload_position_sweep

@@ -1,6 +1,6 @@
 !> A position as such: where the flanks of both bodies stand and where they come nearest to each
 !> other. Nothing of it depends on the torque, but for flanks that conform.
-module flankload_position
+module flankload_position_zones
     use flankload_kinds, only: wp
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: curve_length, frame_type, new_frame
@@ -304,4 +304,4 @@ contains
             & <= half_turn*span_1/widest
     end function sites_that_face
 
-end module flankload_position
+end module flankload_position_zones
