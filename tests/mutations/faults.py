@@ -209,11 +209,18 @@ _FORTRAN = (
 _PYTHON = (
     *_in(
         "bodies/involute.py",
-        "python/test_gear_profile.py",
+        # the others refine a curve whose derivatives are wrong without end
+        "python/test_gear_profile.py::"
+        "test_derivatives_of_modifications_are_those_of_the_metal_taken_off",
         ("n * (n - 1)", "n * n"),
         ("first = 2 * self.crowning_mm * x / half", "first = self.crowning_mm * x / half"),
+    ),
+    *_in(
+        "bodies/involute.py",
+        "python/test_gear_profile.py::test_flank_is_the_involute "
+        "python/test_gear_profile.py::test_derivatives_of_a_modified_flank_are_those_of_its_places",
         ("(base - 2 * first) * radial", "(base - first) * radial"),
-        ("* (1.0 + roll**2) / roll**2", "* (2.0 + roll**2) / roll**2"),
+        ("base_half_angle_rad - roll + atan(roll)", "base_half_angle_rad - roll - atan(roll)"),
     ),
     *_in(
         "result/harmonics.py",

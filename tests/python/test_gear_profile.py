@@ -11,7 +11,7 @@ from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies.gear import build_gear
 from flankload.bodies.gear_profile import GearProfile, gear_profile
-from flankload.bodies.involute import Modifications
+from flankload.bodies.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
 
@@ -252,6 +252,18 @@ def test_derivatives_of_modifications_are_those_of_the_metal_taken_off(
     (less, *_), (off, first, second), (more, *_) = (made.at(roll + d) for d in (-step, 0.0, step))
     np.testing.assert_allclose(first, (more - less) / (2 * step), rtol=0, atol=1e-12)
     np.testing.assert_allclose(second, (more - 2 * off + less) / step**2, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_derivatives_of_a_modified_flank_are_those_of_its_places(power: int) -> None:
+    """Differences, with metal taken off as deep as the flank is high: a wrong factor is seen."""
+    flank = InvoluteFlank(30.0, 0.1, Modifications(4.0, 0.5, power, 3.0, 0.2, 0.8))
+    roll, step = np.array([0.25, 0.45, 0.55, 0.75]), 1e-4
+    (less, *_), (here, first, second), (more, *_) = (
+        flank.place(roll + d) for d in (-step, 0.0, step)
+    )
+    np.testing.assert_allclose(first, (more - less) / (2 * step), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(second, (more - 2 * here + less) / step**2, rtol=0, atol=1e-4)
 
 
 def test_tip_rounding_touches_flank_and_tip_circle() -> None:
