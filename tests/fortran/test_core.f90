@@ -11,6 +11,8 @@ program test_core
         & drop_pair
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
     use flankload_near_field, only: add_near_field
+    use flankload_nodal_table, only: nodal_place, place_among
+    use flankload_friction, only: mean_sign
     use flankload_finite_influence, only: departures
     use flankload_compliance_field, only: compliance_type
     use flankload_tabled_influence, only: add_table, add_tangential_table
@@ -40,6 +42,8 @@ program test_core
     call test_strip_near_and_far
     call test_near_field_of_cells
     call test_tables_between_nodes
+    call test_place_before_the_second_point
+    call test_slope_of_the_mean_sign
     call test_flank_pushed_far
     call test_flank_turned_far
     call test_small_forces_depart_little
@@ -88,6 +92,47 @@ contains
             end do
         end do
     end subroutine test_tables_between_nodes
+
+    !> Places of every interval and beyond both ends, the first interval of a flank too.
+    subroutine test_place_before_the_second_point
+        real(wp), parameter :: points(4) = [1.0_wp, 2.0_wp, 4.0_wp, 5.0_wp]
+        real(wp), parameter :: s(7) = &
+            & [0.5_wp, 1.0_wp, 1.25_wp, 2.0_wp, 3.0_wp, 4.75_wp, 6.0_wp]
+        integer, parameter :: point(7) = [1, 1, 1, 2, 2, 3, 3]
+        real(wp), parameter :: part(7) = &
+            & [0.0_wp, 0.0_wp, 0.25_wp, 0.0_wp, 0.5_wp, 0.75_wp, 1.0_wp]
+        type(nodal_place) :: place
+        integer :: i
+
+        do i = 1, size(s)
+            place = place_among(points, s(i))
+            call expect(place%point == point(i), 'the point before a place')
+            call expect(abs(place%part - part(i)) <= round_off, 'part of the way to the next point')
+        end do
+        place = place_among(points(:2), 1.25_wp)
+        call expect(place%point == 1, 'a place between the only two points')
+    end subroutine test_place_before_the_second_point
+
+    !> The slope of the mean sign of sliding is that of its differences by u = v_0/(|v'| h).
+    subroutine test_slope_of_the_mean_sign
+        real(wp), parameter :: step = 1.0e-5_wp
+        real(wp), parameter :: u(6) = [-0.95_wp, -0.6_wp, -0.1_wp, 0.0_wp, 0.4_wp, 0.9_wp]
+        real(wp) :: mean(-1:1), slope, part, other
+        integer :: i, side
+
+        do i = 1, size(u)
+            do side = -1, 1
+                call mean_sign(u(i) + side*step + [-1.0_wp, 1.0_wp], 10.0_wp, mean(side), other, &
+                    & part)
+                if (side == 0) slope = other
+            end do
+            call expect(abs(slope - (mean(1) - mean(-1))/(2.0_wp*step)) <= 1.0e-7_wp, &
+                & 'slope of the mean sign of sliding')
+        end do
+        call mean_sign([1.0_wp, 3.0_wp], 10.0_wp, mean(0), slope, part)
+        call expect(abs(mean(0) - 1.0_wp) <= round_off .and. abs(slope) <= round_off, &
+            & 'one sign over a whole contact')
+    end subroutine test_slope_of_the_mean_sign
 
     !> A straight flank pushed by a force, whatever its size: where its line then cuts a circle is
     !> known, and so is the line through the angles of all steps.

@@ -13,7 +13,7 @@ from tests.benchmarks.estimate import compared
 import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.compliance import BodyCompliance, flank_compliance
-from flankload.error_rules import Left
+from flankload.error_rules import STRIPS, Left, peak_of_cells, what_is_left
 from flankload.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
 from flankload.near_field import mode_values
 from flankload.resolution import DEFAULT, Grid, Resolution
@@ -179,6 +179,51 @@ def test_errors_add_up_with_their_signs_and_doubts_by_their_squares() -> None:
     assert estimate.errors == {"load_share": 6.0}  # |3 - 3| + 5 and |1 - 3| + 4
     assert estimate.by_source == {"one": {"load_share": 6.0}, "two": {"load_share": 7.0}}
     assert estimate.dominant_source == {"load_share": "two"}
+
+
+def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
+    """Not half as much again: c/n² leaves c/n² where n/2 cells add 3 c/n²."""
+    scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
+    pair = build_bodies(scene)
+    (limit,) = sweep_of(scene, pair)(
+        position_rad=pair.position_rad,
+        torques_Nmm=[302e3],
+        compliances=tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2)),
+        grid=pair.resolution.grid,
+    )
+    limit = replace(limit, site_corner=np.zeros_like(limit.site_corner))
+    error = np.array([2e-3, -1e-3])
+
+    def with_cells(n: float) -> Sweep:
+        parts = 1 + error[:, None] / n**2
+        return replace(
+            limit,
+            rotation_rad=limit.rotation_rad * parts[:, 0],
+            site_peak_N_per_mm=limit.site_peak_N_per_mm * parts,
+        )
+
+    found, coarse = with_cells(1.0), with_cells(0.5)
+    left = what_is_left(STRIPS, found, found, coarse)
+    largest = np.abs(found.rotation_rad).max()
+    np.testing.assert_allclose(
+        left["transmission_error"].error,
+        (found.rotation_rad - limit.rotation_rad) / largest,
+        rtol=1e-9,
+        atol=0,
+    )
+    mean = found.rotation_rad.mean()
+    np.testing.assert_allclose(
+        left["transmission_error_mean"].error,
+        (mean - limit.rotation_rad.mean()) / mean,
+        rtol=1e-9,
+        atol=0,
+    )
+    np.testing.assert_allclose(
+        peak_of_cells(found, coarse).error,
+        (found.site_peak_N_per_mm - limit.site_peak_N_per_mm) / found.site_peak_N_per_mm.max(),
+        rtol=1e-9,
+        atol=1e-15,
+    )
 
 
 def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:

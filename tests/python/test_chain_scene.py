@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import pytest
 import flankload as fl
 from flankload.bodies.sprocket import build_sprocket
 from flankload.cli import main
+from flankload.errors import ContactError
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "chain.toml"
 
@@ -201,6 +203,34 @@ def test_chain_jumps_below_the_limit(slack: float, *, holds: bool) -> None:
         return
     with pytest.raises(fl.NoContactState, match=r"over the tip .* below a slack tension of about"):
         solved(**changes)
+
+
+def test_jump_limit_takes_the_moment_of_the_slack_strand(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """T1 a = M + T2 b and T1 q^n: 10.5 pitches, roller 0 half a pitch off its line."""
+
+    def no_state(*_: object, **__: object) -> None:
+        raise ContactError("made up")
+
+    torque_Nm, slack_N, radius = 77.0, 5000.0, 0.5 * 12.7 / np.sin(np.pi / 20)
+    text = EXAMPLE.read_text().replace("angle_deg = 198", "angle_deg = 189")
+    text = text.replace("tension_N = 100", "tension_N = 5000") + "[positions]\ncount = 1\n"
+    path = tmp_path / "heavy.toml"
+    path.write_text(text)
+    scene = fl.Scene.from_dict(tomllib.loads(text))
+    assert isinstance(scene.body_1, fl.scene.Sprocket)
+    falls = build_sprocket(scene.body_1, "body_1").tension_ratio ** 10.5
+    monkeypatch.setattr("flankload.chain_drive.solve_wrap", no_state)
+    with pytest.raises(fl.NoContactState, match="made up") as refused:
+        fl.solve(scene)
+    said = re.search(r"below a slack tension of about (\S+) N", str(refused.value))
+    assert said is not None
+    tight_N = (1000 * torque_Nm / radius + slack_N) / np.cos(np.pi / 20)
+    assert said[1] == f"{tight_N * falls:.3g}"
+    assert main(["check", str(path)]) == 0
+    on_circle = 1000 * torque_Nm / radius + slack_N
+    assert f"{on_circle * falls:.4g} N" in capsys.readouterr().out
 
 
 def test_exports_have_tensions(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies.gear import build_gear
 from flankload.bodies.gear_profile import GearProfile, gear_profile
+from flankload.bodies.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
 
@@ -232,6 +233,37 @@ def test_crowning_takes_off_nothing_in_the_middle_and_all_at_the_ends() -> None:
     exact = gear_profile(gear(), "body_1").curve
     _, moved = exact.arc_length_of(profile.curve.point([0.0, low]))
     np.testing.assert_allclose(moved, [0.0, 0.006], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("outward", [1, -1])
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize(("relief", "crowning"), [(0.02, 0.0), (0.0, 0.006), (0.02, 0.006)])
+def test_derivatives_of_modifications_are_those_of_the_metal_taken_off(
+    relief: float, crowning: float, power: int, outward: int
+) -> None:
+    """Wrong ones left every place of the flank where it was and bent only the fitted curve.
+
+    Central differences of parabolas are exact, on both sides of the start of the relief.
+    """
+    form, start, tip = (0.2, 0.5, 0.8)[::outward]
+    step = 0.01
+    roll = np.array([0.25, 0.4, 0.47, 0.53, 0.6, 0.75])
+    made = Modifications(outward * relief, start, power, outward * crowning, form, tip)
+    (less, *_), (off, first, second), (more, *_) = (made.at(roll + d) for d in (-step, 0.0, step))
+    np.testing.assert_allclose(first, (more - less) / (2 * step), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(second, (more - 2 * off + less) / step**2, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_derivatives_of_a_modified_flank_are_those_of_its_places(power: int) -> None:
+    """Differences, with metal taken off as deep as the flank is high: a wrong factor is seen."""
+    flank = InvoluteFlank(30.0, 0.1, Modifications(4.0, 0.5, power, 3.0, 0.2, 0.8))
+    roll, step = np.array([0.25, 0.45, 0.55, 0.75]), 1e-4
+    (less, *_), (here, first, second), (more, *_) = (
+        flank.place(roll + d) for d in (-step, 0.0, step)
+    )
+    np.testing.assert_allclose(first, (more - less) / (2 * step), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(second, (more - 2 * here + less) / step**2, rtol=0, atol=1e-4)
 
 
 def test_tip_rounding_touches_flank_and_tip_circle() -> None:

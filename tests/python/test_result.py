@@ -119,6 +119,25 @@ def test_open_curves_have_no_harmonics_and_no_contact_ratio() -> None:
     assert summary["contact_ratio_under_load"] is None
 
 
+def test_pairs_change_half_way_where_the_error_has_no_kink() -> None:
+    """Uneven positions: parts of the period with one pair and with two, by hand."""
+    summary = small_result(position_rad=[0.0, 0.05], rotation_rad=[1e-3, 1e-3]).summary
+    # one pair from -0.075 to 0.025, two from there to 0.125, of a period of 0.2
+    assert summary["contact_ratio_under_load"] == pytest.approx(1.5, rel=ROUND_OFF)
+    three = small_result(
+        position_rad=[0.0, 0.02, 0.06],
+        rotation_rad=[1e-3, 1e-3, 1e-3],
+        site_force_N=[[200.0, 0.0], [50.0, 150.0], [50.0, 150.0]],
+        peak_pressure_MPa=[[1000.0, 0.0], [500.0, 1700.0], [500.0, 1700.0]],
+        corner_contact=np.zeros((3, 2), dtype=bool),
+        stiffness_tangent_Nm_per_rad=[4000.0, 3000.0, 3000.0],
+        status=[0, 1, 1],
+        pair_tables=made_up_result(count=3).pair_tables,
+    ).summary
+    # one pair from 0.13 - 0.2 to 0.01: 0.08 of 0.2
+    assert three["contact_ratio_under_load"] == pytest.approx(1.6, rel=ROUND_OFF)
+
+
 def test_summary_without_load() -> None:
     summary = small_result(
         torque_Nm=0.0, site_force_N=np.zeros((2, 2)), peak_pressure_MPa=np.zeros((2, 2))

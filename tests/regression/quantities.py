@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flankload.result import Result
 
 
 @dataclass(frozen=True)
@@ -80,3 +86,43 @@ SCENE = {
     ),
     "fe_factorisations": Quantity("1", 0.0, 0.0, _EXACT),
 }
+
+#: Of those scenes that are about them.
+MORE = {
+    "root_tension_MPa": Quantity("MPa", 1e-6, 0.0, _ROUNDED),
+    "root_compression_MPa": Quantity("MPa", 1e-6, 0.0, _ROUNDED),
+    "transmission_error_harmonics_um": Quantity("um", 1e-6, 1e-6, _PLACED),
+    "contact_ratio_under_load": Quantity("1", 1e-6, 0.0, "a count of loaded pairs over positions"),
+    "error_estimates": Quantity("1", 1e-4, 1e-9, "differences of two solutions known to 1e-9"),
+    "estimates_by_source": Quantity("1", 1e-4, 1e-9, "differences of two solutions known to 1e-9"),
+    "sliding_mm_per_rad": Quantity("mm/rad", 1e-6, 0.0, _PLACED),
+    "specific_sliding": Quantity("1", 1e-6, 0.0, _PLACED),
+    "friction_loss_J_per_rad": Quantity("J/rad", 1e-6, 0.0, _ROUNDED),
+    "tension_behind_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
+    "roller_height_um": Quantity("um", 1e-6, 1e-6, "rollers followed to 1e-10 of a pitch"),
+    "jump_margin_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
+    "lands_N": Quantity("N", 1e-6, 0.0, _ROUNDED),
+}
+
+
+def quantity_beside(key: str, result: Result) -> Any:
+    """One of `MORE` of a result; sites without load have 0."""
+    if key in ("root_tension_MPa", "root_compression_MPa"):
+        assert result.root_stress is not None
+        side = key.split("_")[1]
+        return [getattr(body, side).stress_MPa for body in result.root_stress if body is not None]
+    if key in ("transmission_error_harmonics_um", "contact_ratio_under_load"):
+        return result.summary[key]
+    if key == "friction_loss_J_per_rad":
+        assert result.friction is not None
+        return result.friction.loss_J_per_rad
+    if key in ("error_estimates", "estimates_by_source"):
+        assert result.estimate is not None
+        whole = {k: v for k, v in result.estimate.items() if isinstance(v, float)}
+        parts = [whole] if key == "error_estimates" else result.estimate["by_source"].values()
+        return [part[name] for part in parts for name in sorted(part)]
+    if key == "specific_sliding":
+        return np.nan_to_num([result.specific_sliding_1, result.specific_sliding_2])
+    if key == "sliding_mm_per_rad":
+        return np.nan_to_num(result.sliding_mm_per_rad)
+    return np.nan_to_num(getattr(result.drive, key))

@@ -14,11 +14,18 @@ from cam_scenes import FLAT_FOLLOWER, disc
 import flankload as fl
 
 from .cases import Case
-from .quantities import SCENE
+from .quantities import MORE, SCENE, quantity_beside
 
 SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
 #: Positions of a period: enough to see every state of contact, and a second a scene at the most.
 POSITIONS = 6
+
+#: The tooth of pair 0 stands out, that of pair -1 back: both carry at these positions.
+TWO_TEETH_OFF = [8.0, -5.0] + [0.0] * 14
+#: Errors of all teeth, without a regular pattern.
+TEETH_APART = [0.0, 3.0, -2.0, 4.0, -4.0, 1.0, 5.0, -3.0, 2.0, -1.0, 4.0, 0.0, -5.0, 3.0, 1.0, -2.0]
+#: Under this torque the six positions have a pair on a tip corner.
+ON_A_CORNER = {"load": {"torque_Nm": 900.0}}
 
 #: Changes of the external gear, a name each.
 VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
@@ -32,7 +39,11 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
     "tip_relief": {
         "body_1": {"tip_relief_um": 25.0, "tip_relief_start_diameter_mm": 79.0},
     },
-    "pitch_errors": {"body_1": {"pitch_errors_um": [0.0] * 8 + [8.0] + [0.0] * 7}},
+    "pitch_errors": {"body_1": {"pitch_errors_um": TWO_TEETH_OFF}},
+    "crowning": {
+        "body_1": {"profile_crowning_um": 12.0},
+        "body_2": {"profile_crowning_um": 5.0},
+    },
     "friction": {"effects": {"friction_coefficient": 0.1}},
     "friction_driven": {
         "effects": {"friction_coefficient": 0.3},
@@ -52,7 +63,17 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
             "beyond_limits": True,  # growth takes up the backlash
         },
     },
-    "no_tip_contact": {"effects": {"tip_contact": False}},
+    "tip_corner": ON_A_CORNER,
+    "coarse_elements": {"accuracy": {"flank_element_mm": 0.6}},
+    "finite": {"effects": {"influence": "finite"}, "positions": {"count": 2}},
+    "root_stress": {"effects": {"root_stress": True}, "positions": {"count": 3}},
+    "adaptive": {"positions": {"count": 8, "adaptive": True, "tolerance": 0.05}},
+    "hunting": {
+        "body_1": {"pitch_errors_um": TEETH_APART},
+        "positions": {"count": 1, "pitches": "hunting"},
+    },
+    "harmonics": {"positions": {"count": 16}},
+    "estimates": {"accuracy": {"estimate": True}, "positions": {"count": 4}},
     "coast_flank": {
         "effects": {"coast_flank": True, "friction_coefficient": 0.05},
         "pair": {"center_distance_mm": 91.49},
@@ -60,15 +81,40 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
     },
 }
 
-#: Changes of other examples: which one, and what; a table that names its kind stands for itself.
+#: Changes of other cases: which one, and what; a table that names its kind stands for itself.
 OTHERS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     "internal_friction": (
-        "internal_gear",
+        "scene_internal_gear",
         {"effects": {"friction_coefficient": 0.08}, "positions": {"driver": "body_2"}},
     ),
-    "spline_apart": ("spline", {"pair": {"center_offset_mm": 0.02}}),
-    "cam_flat": ("cam", {"body_1": FLAT_FOLLOWER, "body_2": {"profile": disc(15.0)}}),
-    "whole_body_friction": ("toothed_sector", {"effects": {"friction_coefficient": 0.1}}),
+    "spline_apart": ("scene_spline", {"pair": {"center_offset_mm": 0.02}}),
+    "cam_flat": ("scene_cam", {"body_1": FLAT_FOLLOWER, "body_2": {"profile": disc(15.0)}}),
+    "whole_body_friction": ("scene_toothed_sector", {"effects": {"friction_coefficient": 0.1}}),
+    "nodes": (
+        "variant_coarse_elements",
+        {"effects": {"near_field": "nodes"}, "positions": {"count": 3}},
+    ),
+    "no_tip_contact": ("variant_tip_corner", {"effects": {"tip_contact": False}}),
+    "friction_unlike": (
+        "variant_friction",
+        {"body_2": {"young_modulus_MPa": 105000.0, "poisson_ratio": 0.22}},
+    ),
+    "sliding": ("variant_friction", {"positions": {"count": 5}}),
+    "chain_followed": (
+        "scene_chain",
+        {"effects": {"large_displacement": True}, "positions": {"count": 2}},
+    ),
+    "belt_land_friction": ("scene_belt", {"effects": {"land_friction": 0.1}}),
+}
+
+#: What some variants have beside the quantities of every scene.
+BESIDE: dict[str, tuple[str, ...]] = {
+    "root_stress": ("root_tension_MPa", "root_compression_MPa"),
+    "harmonics": ("transmission_error_harmonics_um", "contact_ratio_under_load"),
+    "estimates": ("error_estimates", "estimates_by_source"),
+    "sliding": ("sliding_mm_per_rad", "specific_sliding", "friction_loss_J_per_rad"),
+    "chain_followed": ("tension_behind_N", "roller_height_um", "jump_margin_N"),
+    "belt_land_friction": ("tension_behind_N", "lands_N"),
 }
 
 
@@ -80,7 +126,7 @@ def _paths_made_whole(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
     return tree
 
 
-def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
+def _quantities(tree: dict[str, Any], beside: tuple[str, ...]) -> dict[str, Any]:
     solved = fl.solve(fl.Scene.from_dict(_paths_made_whole(deepcopy(tree), SCENES)))
     results = solved if isinstance(solved, tuple) else (solved,)
     several = len(results) > 1
@@ -99,40 +145,53 @@ def _quantities(tree: dict[str, Any]) -> dict[str, Any]:
             # without torque there is no stiffness
             if np.isfinite(np.asarray(value, dtype=float)).all():
                 found[key + mark] = value
+        found |= {key + mark: quantity_beside(key, result) for key in beside}
     return found
 
 
-def _case(tree: dict[str, Any], provenance: str) -> Case:
-    tree = deepcopy(tree)
+def _case(tree: dict[str, Any], provenance: str, beside: tuple[str, ...] = ()) -> Case:
+    return Case(
+        inputs={"scene": tree},
+        provenance=provenance,
+        solve=partial(_quantities, tree, beside),
+        known=SCENE | MORE,
+    )
+
+
+def _example(path: Path) -> dict[str, Any]:
+    """An example at few positions."""
+    tree = tomllib.loads(path.read_text(encoding="utf-8"))
     driver = {k: v for k, v in tree.get("positions", {}).items() if k == "driver"}
     if tree["body_2"]["kind"] != "belt":  # which has one
         tree["positions"] = {"count": POSITIONS} | driver
     tree.setdefault("accuracy", {})["estimate"] = False
-    return Case(
-        inputs={"scene": tree},
-        provenance=provenance,
-        solve=partial(_quantities, tree),
-        known=SCENE,
-    )
+    return tree
 
 
 def _positions(tree: dict[str, Any]) -> str:
     return "as it stands" if tree["body_2"]["kind"] == "belt" else f"{POSITIONS} positions"
 
 
+def parents() -> dict[str, str]:
+    """Of which case each variant is one, by both names."""
+    gears = dict.fromkeys(VARIANTS, "scene_external_gear")
+    others = {name: parent for name, (parent, _) in OTHERS.items()}
+    return {f"variant_{name}": parent for name, parent in (gears | others).items()}
+
+
 def scene_cases() -> dict[str, Case]:
-    """All of them by name."""
+    """All of them by name, parents first."""
     cases = {}
     for path in sorted(SCENES.glob("*.toml")):
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+        tree = _example(path)
         cases[f"scene_{path.stem}"] = _case(
             tree, f"examples/scenes/{path.name}, {_positions(tree)}"
         )
-    gears = {name: ("external_gear", changes) for name, changes in VARIANTS.items()}
-    for name, (stem, changes) in (gears | OTHERS).items():
-        tree = tomllib.loads((SCENES / f"{stem}.toml").read_text(encoding="utf-8"))
+    gears = {name: ("scene_external_gear", changes) for name, changes in VARIANTS.items()}
+    for name, (parent, changes) in (gears | OTHERS).items():
+        tree = deepcopy(cases[parent].inputs["scene"])
         for table, keys in changes.items():
             tree[table] = {**({} if "kind" in keys else tree.get(table, {})), **keys}
-        said = {table: list(keys) for table, keys in changes.items()} if stem == "cam" else changes
-        cases[f"variant_{name}"] = _case(tree, f"examples/scenes/{stem}.toml with {said}")
+        said = {k: list(keys) for k, keys in changes.items()} if parent == "scene_cam" else changes
+        cases[f"variant_{name}"] = _case(tree, f"{parent} with {said}", BESIDE.get(name, ()))
     return cases

@@ -18,9 +18,16 @@ from .compare import (
 )
 from .contact_cases import contact_cases
 from .nodal_cases import nodal_cases
-from .scene_cases import scene_cases
+from .scene_cases import parents, scene_cases
 
 CASES = contact_cases() | nodal_cases() | scene_cases()
+#: Variants that find the state of their parent at more positions, torques or in more quantities.
+MORE_IS_SEEN = {
+    f"variant_{name}"
+    for name in ("two_torques", "root_stress", "adaptive", "harmonics", "estimates", "sliding")
+}
+#: What a variant changes at least of the largest number: ten times what a reference may move.
+LEAST_DIFFERENCE = 1e-5
 NAMES = sorted(path.stem for path in REFERENCES.glob("*.json"))
 
 
@@ -32,6 +39,40 @@ def test_reference(name: str) -> None:
     assert found["inputs"] == reference["inputs"], "another problem than that of the reference"
     moved = movements(reference, found)
     assert not any(row.is_drift for row in moved), "\n" + table(name, moved)
+
+
+def found_at(reference: dict[str, Any], places: list[float]) -> dict[str, np.ndarray]:
+    """Rotations and load shares at some of its positions."""
+    values = {key: about["value"] for key, about in reference["quantities"].items()}
+    rows = [values["position_rad"].index(place) for place in places]
+    return {
+        key: np.reshape(values[key], (len(values["position_rad"]), -1))[rows]
+        for key in ("rotation_rad", "load_share", "site_force_N")
+    }
+
+
+@pytest.mark.parametrize(("name", "parent"), parents().items(), ids=parents())
+def test_variant_differs_from_its_parent(name: str, parent: str) -> None:
+    """Two were the plain gear in every digit: what they are about touched none of its teeth."""
+    before, now = read_reference(parent), read_reference(name)
+    if name in MORE_IS_SEEN:
+        one, two = before["quantities"], now["quantities"]
+        assert set(two) - set(one) or len(two["position_rad"]["value"]) > len(
+            one["position_rad"]["value"]
+        )
+        return
+    common = [
+        place
+        for place in before["quantities"]["position_rad"]["value"]
+        if place in now["quantities"]["position_rad"]["value"]
+    ]
+    assert common, "no position at which both can be compared"
+    one, two = found_at(before, common), found_at(now, common)
+    assert any(
+        one[key].shape != two[key].shape
+        or np.abs(one[key] - two[key]).max() > LEAST_DIFFERENCE * np.abs(one[key]).max()
+        for key in one
+    ), f"all the same as {parent}"
 
 
 def test_there_are_enough_of_each_kind() -> None:
