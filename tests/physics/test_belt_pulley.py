@@ -249,7 +249,7 @@ def monolith(
 
 def polar(turns: np.ndarray) -> csc_matrix:
     """Columns outwards and along the turn."""
-    blocks = [[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in turns]
+    blocks = [csc_matrix([[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]]) for t in turns]
     return block_diag(blocks).tocsc()
 
 

@@ -7,6 +7,7 @@ import io
 import json
 import os
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -569,3 +570,12 @@ def test_letters_that_the_terminal_does_not_have_are_no_traceback(scene: Path) -
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("\\u5c0f\\u3055")
+
+
+def test_manual_page_is_that_of_the_parser() -> None:
+    """`python docs/make_manual.py` writes it anew."""
+    docs = Path(__file__).parents[2] / "docs"
+    page = (docs / "flankload.1").read_text(encoding="ascii")
+    assert page == runpy.run_path(str(docs / "make_manual.py"))["manual"]()
+    for command in ("run", "plan", "check"):
+        assert f".SS flankload {command} " in page

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 FORTRAN = Path(__file__).resolve().parents[2] / "fortran"
@@ -107,3 +108,12 @@ def test_the_door_is_described_procedure_by_procedure() -> None:
     table = text.split("## The flat door")[1].split("## ")[0]
     door = {name for path in (FORTRAN / "flat").glob("*.f90") for name in procedures_of(path)}
     assert {name for name in door if f"`{name}" not in table} == set()
+
+
+def test_public_names_of_the_module_are_described() -> None:
+    text = (FORTRAN / "README.md").read_text(encoding="utf-8")
+    table = text.split("**What `use flankload` brings:**")[1].split("\n\n")[1]
+    rows = [row.split("|")[1] for row in table.splitlines()[2:]]
+    described = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    public = runpy.run_path(str(FORTRAN / "exported_symbols.py"))["public_names"]
+    assert sorted(described) == sorted(public(FORTRAN / "flankload.f90"))

@@ -36,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         0 done, 1 could not solve, 2 bad input, 130 interrupted.
     """
-    arguments = _parser().parse_args(argv)
+    arguments = parser().parse_args(argv)
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
         command(arguments)
@@ -87,14 +87,21 @@ class _Version(argparse.Action):
         sys.exit(SOLVED)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def parser() -> argparse.ArgumentParser:
+    """All commands with their arguments.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+        Each command leaves its function in `command`.
+    """
+    top = _Parser(
         prog="flankload",
         description="Load distribution on the flanks of two elastic bodies on parallel axes.",
         epilog="exit codes: 0 done, 1 could not solve, 2 bad input, 130 interrupted",
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    top.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    commands = top.add_subparsers(metavar="COMMAND", required=True)
 
     run_parser = commands.add_parser("run", help="solve a scene; prints the table of the result")
     run_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
@@ -156,7 +163,7 @@ def _parser() -> argparse.ArgumentParser:
 
     schema_parser = commands.add_parser("schema", help="print the JSON schema of a scene file")
     schema_parser.set_defaults(command=schema)
-    return parser
+    return top
 
 
 def _add_accuracy(commands: Any) -> None:

@@ -91,6 +91,8 @@ def png_of(figure: Figure) -> bytes:
     out = io.BytesIO()
     with rc_context(STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
+        # matplotlib before 3.10 sets such scripts letter by letter and says so
+        warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)
         figure.savefig(out, format="png")
     return out.getvalue()
 

@@ -1,0 +1,27 @@
+"""Deprecations: an error where the package calls what is deprecated, a word where others do."""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+
+
+def deprecated_in(module: str) -> None:
+    warnings.warn_explicit("old", DeprecationWarning, "some.py", 1, module=module)
+
+
+@pytest.mark.parametrize("module", ["flankload", "flankload.plot.style"])
+def test_what_the_package_calls_is_an_error(module) -> None:
+    with pytest.raises(DeprecationWarning):
+        deprecated_in(module)
+
+
+@pytest.mark.parametrize("module", ["matplotlib._fontconfig_pattern", "flankloader"])
+def test_what_other_packages_call_is_none(module) -> None:
+    deprecated_in(module)
+
+
+def test_other_warnings_are_errors_wherever_they_come_from() -> None:
+    with pytest.raises(RuntimeWarning):
+        warnings.warn_explicit("odd", RuntimeWarning, "some.py", 1, module="scipy")
