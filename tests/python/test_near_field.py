@@ -19,6 +19,18 @@ from flankload.near_field import (
 )
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_norms_of_modes_are_integrals_of_their_squares(*, closed: bool) -> None:
+    low, high, count = 1.5, 4.0, 7
+    x, weights = np.polynomial.legendre.leggauss(40)
+    s = 0.5 * (low + high) + 0.5 * (high - low) * x
+    values = mode_values(s, (low, high), count, closed=closed)
+    squares = 0.5 * (high - low) * (weights[:, None] * values).T @ values
+    np.testing.assert_allclose(
+        squares, np.diag(mode_norms((low, high), count, closed=closed)), rtol=0, atol=SOLVER
+    )
+
+
 def test_modes_are_orthogonal_with_the_stated_norms() -> None:
     span, n_modes = (1.5, 8.25), 6
     points, weights = np.polynomial.legendre.leggauss(20)
