@@ -12,7 +12,7 @@ program test_core
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
     use flankload_near_field, only: add_near_field
     use flankload_nodal_table, only: nodal_place, place_among
-    use flankload_friction, only: mean_sign
+    use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
     use flankload_compliance_field, only: compliance_type
     use flankload_tabled_influence, only: add_table, add_tangential_table
@@ -44,6 +44,7 @@ program test_core
     call test_tables_between_nodes
     call test_place_before_the_second_point
     call test_slope_of_the_mean_sign
+    call test_lever_of_friction
     call test_flank_pushed_far
     call test_flank_turned_far
     call test_small_forces_depart_little
@@ -133,6 +134,23 @@ contains
         call expect(abs(mean(0) - 1.0_wp) <= round_off .and. abs(slope) <= round_off, &
             & 'one sign over a whole contact')
     end subroutine test_slope_of_the_mean_sign
+
+    !> b - mu sigma sign(P x n) P x t has the sense of the torque's lever |P x n|, whichever way n
+    !> turns about O1.
+    subroutine test_lever_of_friction
+        real(wp), parameter :: point(2) = [3.0_wp, 1.0_wp]
+        real(wp), parameter :: normal(2, 2) = reshape([0.6_wp, 0.8_wp, 0.6_wp, -0.8_wp], [2, 2])
+        real(wp) :: wanted, along
+        integer :: k
+
+        do k = 1, 2
+            ! t to the right of n, as n is t turned to the left
+            along = point(1)*(-normal(1, k)) - point(2)*normal(2, k)
+            wanted = -along*merge(1.0_wp, -1.0_wp, k == 1)
+            call expect(abs(friction_lever(point, normal(:, k)) - wanted) <= round_off, &
+                & 'lever of friction')
+        end do
+    end subroutine test_lever_of_friction
 
     !> A straight flank pushed by a force, whatever its size: where its line then cuts a circle is
     !> known, and so is the line through the angles of all steps.

@@ -51,7 +51,9 @@ _FORTRAN = (
     ),
     *_in(
         "friction.f90",
-        "core python/test_friction.py",
+        "core physics/test_lumped_contact.py::"
+        "test_the_sign_of_sliding_turns_over_inside_the_contact "
+        "physics/test_rubbing_pair.py",
         ("slope = 2.0_wp*two_over_pi", "slope = two_over_pi"),
         ("sign(lever, lever*cross(point, normal))", "lever"),
         (
@@ -293,7 +295,7 @@ _PYTHON = (
     ),
     *_in(
         "friction.py",
-        "python/test_friction.py",
+        "physics/test_rubbing_pair.py::test_coefficient_over_the_roll_position",
         ("pairing.ratio / (1.0 + pairing.ratio)", "pairing.ratio / (1.1 + pairing.ratio)"),
     ),
     *_in(
@@ -318,14 +320,6 @@ _PYTHON = (
         "python/test_coast_flank.py python/test_premises.py python/test_result_contacts.py "
         "python/test_large_wind_up.py",
         ("fit.normal_backlash_mm - 2.0 * fit.offset_mm", "fit.normal_backlash_mm"),
-    ),
-    *_in(
-        "chain_planes.py",
-        "physics/test_chain.py",
-        (
-            "[0.0] * (angles.size - 1) + [1.0 / distance]",
-            "[0.0] * (angles.size - 1) + [0.5 / distance]",
-        ),
     ),
     *_in(
         "elasticity.py",

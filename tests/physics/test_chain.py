@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 
 from flankload.bodies.chain import Chain
 from flankload.bodies.sprocket import Sprocket
-from flankload.chain_contact import WrapState, solve_wrap
+from flankload.chain_contact import WrapState, _link_tensions, solve_wrap
 from flankload.chain_wrap import Wrap, cross, wrap_at
 
 ROLLER, PITCH, TEETH = 8.51, 12.7, 20
@@ -114,6 +114,32 @@ def test_end_tensions_and_contacts_have_the_same_moment() -> None:
     ends = cross(place, pull).sum()
     assert contacts == pytest.approx(2000.0 * one - 100.0 * two, rel=1e-9)
     assert ends == pytest.approx(-contacts, rel=1e-6)
+
+
+def test_tight_end_runs_with_the_tension_that_the_torque_wants() -> None:
+    """10.5 pitches: the levers of both strands differ by the cosine of half a pitch."""
+    wheel, links, slack = sprocket(), chain(stiffer=0.1), 5000.0
+    wrap = wrap_at(wheel, 21 * wheel.half_pitch_rad, 0.0)
+    torque, radius = 80e3, wheel.pitch_radius_mm
+    tight = (torque + slack * radius) / (radius * np.cos(wheel.half_pitch_rad))
+    state = solve_wrap(wrap, links, torque, slack, large_displacement=True)
+    assert wrap.advance == pytest.approx(-0.5, rel=1e-12)
+    run = 0.5 * PITCH * (1 + tight / links.link_stiffness_N)
+    assert world_places(wrap, state)[0] @ wrap.tight == pytest.approx(run, rel=1e-9)
+
+
+def test_links_pull_after_a_small_move_as_at_its_places() -> None:
+    wrap = eleven(sprocket())
+    links = chain(wear=0.05)
+    place = wrap.centers * 1.02
+    move = 1e-6 * np.random.default_rng(5).standard_normal(place.shape)
+    # what is left out goes with the square of the move
+    np.testing.assert_allclose(
+        _link_tensions(links, place, move) - links.tensions(place),
+        links.tensions(place + move) - links.tensions(place),
+        rtol=0,
+        atol=1e-6,
+    )
 
 
 def test_turned_by_a_pitch_all_moves_on_by_a_roller() -> None:

@@ -19,13 +19,15 @@ from flankload.near_field import (
 )
 
 
-def test_modes_are_orthogonal_with_the_stated_norms() -> None:
-    span, n_modes = (1.5, 8.25), 6
-    points, weights = np.polynomial.legendre.leggauss(20)
+@pytest.mark.parametrize("closed", [False, True])
+def test_modes_are_orthogonal_with_the_stated_norms(*, closed: bool) -> None:
+    span, n_modes = (1.5, 8.25), 7
+    points, weights = np.polynomial.legendre.leggauss(40)
     half = 0.5 * (span[1] - span[0])
-    values = mode_values(span[0] + half * (points + 1), span, n_modes)
+    values = mode_values(span[0] + half * (points + 1), span, n_modes, closed=closed)
     gram = values.T @ (half * weights[:, None] * values)
-    np.testing.assert_allclose(gram, np.diag(mode_norms(span, n_modes)), rtol=0, atol=1e-13)
+    norms = mode_norms(span, n_modes, closed=closed)
+    np.testing.assert_allclose(gram, np.diag(norms), rtol=0, atol=1e-13)
 
 
 def test_projected_logarithm_is_the_limit_of_strips() -> None:
