@@ -213,8 +213,8 @@ def test_wind_up_converges_with_the_elements() -> None:
 
 def test_wind_up_and_edge_pressure_converge_with_the_cells() -> None:
     """Rounded edges have a largest pressure; sharp ones only a wind-up."""
-    fine = solved(ROUNDED, ROUNDED, strips_per_half_width=20)
-    for strips, turn, peak in ((5, 2e-4, 0.2), (10, 5e-5, 0.1)):
+    fine = solved(ROUNDED, ROUNDED, strips_per_half_width=40)
+    for strips, turn, peak in ((5, 2e-4, 0.2), (10, 5e-5, 0.1), (20, 5e-5, 0.05)):
         found = solved(ROUNDED, ROUNDED, strips_per_half_width=strips)
         np.testing.assert_allclose(found.rotation_rad, fine.rotation_rad, rtol=turn)
         np.testing.assert_allclose(found.peak_pressure_MPa, fine.peak_pressure_MPa, rtol=peak)

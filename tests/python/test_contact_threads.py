@@ -106,8 +106,8 @@ def test_other_threads_run_during_a_call_of_the_core() -> None:
 
 
 @pytest.mark.skipif(not STATM.exists(), reason="resident memory is read from /proc")
-def test_thirty_thousand_calls_keep_no_memory() -> None:
-    """Solved, without a state, refused; 600 kB are 20 bytes a call."""
+def test_a_hundred_thousand_calls_keep_no_memory() -> None:
+    """Solved, without a state, refused; 2 MB are 20 bytes a call."""
     rng = np.random.default_rng(23)
     matrix, row, levers, gaps, torque = random_problem(rng, unsymmetric=False)
 
@@ -129,4 +129,4 @@ def test_thirty_thousand_calls_keep_no_memory() -> None:
         return int(STATM.read_text().split()[1]) * PAGE
 
     warm = resident_after(10_000)
-    assert resident_after(30_000) - warm < 600_000
+    assert resident_after(100_000) - warm < 2_000_000
