@@ -13,15 +13,15 @@ from pathlib import Path
 import numpy as np
 
 import flankload as fl
-from flankload.accuracy.knobs import FINEST_MODES
-from flankload.accuracy.observed import CORNER, HEADS
-from flankload.accuracy.runs import Runs
-from flankload.accuracy.study_text import KNOBS, NAMED
-from flankload.accuracy.truth import Truth
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.plot.style import png_of
 from flankload.plot.work_precision import plot_work_precision
 from flankload.setting import Setting
+from flankload.studies.accuracy.knobs import FINEST_MODES
+from flankload.studies.accuracy.observed import CORNER, HEADS
+from flankload.studies.accuracy.runs import Runs
+from flankload.studies.accuracy.study_text import KNOBS, NAMED
+from flankload.studies.accuracy.truth import Truth
 
 DOCS = Path(__file__).parent
 SCENES = DOCS.parent / "examples" / "scenes"

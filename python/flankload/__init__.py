@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.accuracy import Study, accuracy
+    from flankload.analysis.runner import solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from flankload.plan import Plan, plan
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
-    from flankload.solve import solve
-    from flankload.verify import Verification, verify
+    from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
@@ -91,11 +91,11 @@ _ROOM_OF_NAME = {
     "Plan": "plan",
     "plan": "plan",
     "Result": "result",
-    "solve": "solve",
-    "Study": "accuracy",
-    "accuracy": "accuracy",
-    "Verification": "verify",
-    "verify": "verify",
+    "solve": "analysis.runner",
+    "Study": "studies.accuracy",
+    "accuracy": "studies.accuracy",
+    "Verification": "studies.verification",
+    "verify": "studies.verification",
 }
 
 

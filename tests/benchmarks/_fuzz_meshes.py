@@ -16,13 +16,13 @@ from tests.benchmarks._tally import Tally
 from tests.benchmarks._truth import TooLongError, at_most
 
 import flankload as fl
-from flankload.array_archive import archive_of
-from flankload.assembly import build_bodies
+from flankload.base.array_archive import archive_of
 from flankload.errors import SceneError
-from flankload.mesh_defects import find_defects
-from flankload.mesh_io import read_mesh, write_mesh
-from flankload.mesh_report import hints, mesh_rows, set_rows
-from flankload.plane_mesh import boundary_edges, raise_to_quadratic
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.meshes.defects import find_defects
+from flankload.meshes.io import read_mesh, write_mesh
+from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
+from flankload.meshes.report import hints, mesh_rows, set_rows
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"

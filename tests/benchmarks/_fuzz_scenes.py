@@ -11,10 +11,10 @@ from tests.benchmarks._tally import Tally
 from tests.benchmarks._truth import TooLongError, at_most
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.belt_drive import describe_belt
-from flankload.chain_drive import describe_drive
 from flankload.errors import FlankloadError, SceneError
+from flankload.mechanisms.belt.drive import describe_belt
+from flankload.mechanisms.chain.drive import describe_drive
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.steering import first_scene
 
 #: A scene may ask for more than is worth waiting for: then it is no trial.

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.errors import FlankloadError
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 ANGLE = radians(20.0)
 #: c0 in plane strain, mm²/N.

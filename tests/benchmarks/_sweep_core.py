@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from tests.benchmarks._core import BUILD
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
-from flankload.compliance import BodyCompliance
-from flankload.resolution import Grid
-from flankload.stages import compliance_of
-from flankload.sweep import Level, Sweep, _core_arguments, sweep
+from flankload.contact.sweep import Level, Sweep, _core_arguments, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.scene.resolution import Grid
 
 TARGET = "tests/fortran/bench_sweep"
 

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import flankload as fl
-from flankload.resolution import Grid, Resolution, choose_resolution
-from flankload.solve import solve_with
+from flankload.analysis.runner import solve_with
+from flankload.scene.resolution import Grid, Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

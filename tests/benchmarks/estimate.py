@@ -16,7 +16,7 @@ from tests.benchmarks._scenes import SEED, scenes
 from tests.benchmarks._truth import FINER, MODES, Truth, finer_solution, kept_truth
 
 import flankload as fl
-from flankload.estimate import OVERALL, POINTWISE
+from flankload.analysis.estimate import OVERALL, POINTWISE
 
 STORE = "out/bench_estimate_{}/{}.npz"
 #: Errors below are rounding; of load shares they are counted apart (one pair alone, all alike).

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.compliance import flank_compliance
-from flankload.sweep import Sweep, sweep
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import flank_compliance
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 #: Wanted, seconds: both gears' elements, a position, the import over numpy, the demo.

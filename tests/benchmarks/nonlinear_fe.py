@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.compliance import flank_compliance
-from flankload.resolution import Grid
-from flankload.sweep import sweep
-from flankload.verify.calculix import version_of
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance import flank_compliance
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene.resolution import Grid
+from flankload.studies.verification.calculix import version_of
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 POSITIONS = 8

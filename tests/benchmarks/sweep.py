@@ -20,7 +20,7 @@ import numpy as np
 from tests.benchmarks._sweep_core import Job, stage_times
 
 import flankload as fl
-from flankload.sweep import LEVELS
+from flankload.contact.sweep import LEVELS
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 TORQUE = 302e3

@@ -24,14 +24,14 @@ from tests.benchmarks._scenes import SEED, scenes
 from tests.benchmarks.estimate import true_errors
 
 import flankload as fl
-from flankload.accuracy.observed import observed
-from flankload.accuracy.runs import Runs
-from flankload.resolution import Grid, Resolution, choose_resolution
+from flankload.analysis.runner import solve_with
 from flankload.scene.pair_tables import Positions
+from flankload.scene.resolution import Grid, Resolution, choose_resolution
 from flankload.setting import Setting
-from flankload.solve import solve_with
 from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND
+from flankload.studies.accuracy.observed import observed
+from flankload.studies.accuracy.runs import Runs
 
 STORE = "out/bench_tolerance_{}.json"
 TOLERANCES = (1e-2, 1e-3)

@@ -14,10 +14,10 @@ import numpy as np
 
 import flankload as fl
 from flankload import _core
-from flankload.assembly import build_bodies
 from flankload.bodies import Body
-from flankload.near_field import mode_values, strip_kernel
-from flankload.stages import compliance_of
+from flankload.elasticity.near_field import mode_values, strip_kernel
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "examples" / "legacy_fortran" / "pair.dat"

@@ -22,7 +22,7 @@ from tests.legacy.nodal_position import (
 
 import flankload as fl
 from flankload import _core
-from flankload.assembly import build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 SWEEP_DATA = DATA.with_name("sweep.dat")
 #: Positions over one pitch, and parts of the torque of the scene.

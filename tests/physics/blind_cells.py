@@ -14,12 +14,12 @@ from math import acos, cos, pi, radians, sin, sqrt, tan
 import numpy as np
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.compliance import flank_compliance
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.near_field import mode_values, strip_kernel
 from flankload.errors import SceneError
-from flankload.near_field import mode_values, strip_kernel
-from flankload.resolution import Grid
-from flankload.sweep import Sweep, sweep
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene.resolution import Grid
 
 ANGLE = radians(20.0)
 STEEL = 2 * (1 - 0.3**2) / (pi * 206000.0)  # c0 in plane strain, mm²/N

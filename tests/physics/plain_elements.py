@@ -17,10 +17,10 @@ from unittest import mock
 import numpy as np
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import Body, SectorMesh, sector_breaks
-from flankload.elasticity import stiffness
-from flankload.sector_closure import close_ring, condense
+from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 
 FILE = Path(__file__).parents[1] / "reference_solutions" / "internal_pair.json"
 

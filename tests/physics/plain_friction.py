@@ -11,10 +11,10 @@ import numpy as np
 from plain_elements import Hats, blind_pairs, fine_bodies, hat_loads
 
 import flankload as fl
-from flankload.assembly import BodyPair
 from flankload.bodies import Body
-from flankload.elasticity import stiffness
-from flankload.sector_closure import close_ring, condense
+from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.mechanisms.flank_pair.assembly import BodyPair
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload.belt_contact import BeltState, SpringRow, solve_belt, spring_row
-from flankload.belt_row import BeltRow, StripResponse, strand_ends, strip_response
-from flankload.belt_strip import cord_stiffness, solve_piece
-from flankload.bodies.belt import Round, Strip, Trapezoid
-from flankload.bodies.belt_mesh import mesh_strip
 from flankload.bodies.body import Material
-from flankload.plane_mesh import jacobians
+from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
+from flankload.mechanisms.belt.belt_mesh import mesh_strip
+from flankload.mechanisms.belt.contact import BeltState, SpringRow, solve_belt, spring_row
+from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends, strip_response
+from flankload.mechanisms.belt.strip import cord_stiffness, solve_piece
+from flankload.meshes.plane_mesh import jacobians
 
 CORD, FORCE = 25e3, 40.0
 #: Of shares between two programs, points; without the land in series they are 5 to 8 points off.

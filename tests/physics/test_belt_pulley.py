@@ -12,24 +12,24 @@ from scipy.sparse.linalg import spsolve
 from test_belt import CORD, FORCE, HTD, ROW, ROW_AT_THE_EDGE, T10, TAUT, longer, response, shares
 from tolerances import SOLVER
 
-from flankload.belt_columns import flank_columns, land_columns
-from flankload.belt_contact import solve_belt, spring_row
-from flankload.belt_pulley import (
+from flankload.bodies.body import Material
+from flankload.elasticity.finite_elements import degrees_of, stiffness
+from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
+from flankload.mechanisms.belt.belt_mesh import mesh_strip
+from flankload.mechanisms.belt.columns import flank_columns, land_columns
+from flankload.mechanisms.belt.contact import solve_belt, spring_row
+from flankload.mechanisms.belt.pulley import ElasticPulley
+from flankload.mechanisms.belt.pulley_compliance import (
     PulleyResponse,
     pulley_compliance,
     rest_on,
     solve_pulley,
 )
-from flankload.belt_row import BeltRow, StripResponse, strand_ends
-from flankload.belt_strip import cord_stiffness
-from flankload.belt_touch import land_forces, touches_of, unit_forces
-from flankload.bodies.belt import Round, Strip, Trapezoid
-from flankload.bodies.belt_mesh import mesh_strip
-from flankload.bodies.body import Material
-from flankload.bodies.pulley import ElasticPulley
-from flankload.bodies.pulley_mesh import mesh_pulley
-from flankload.elasticity import degrees_of, stiffness
-from flankload.plane_mesh import jacobians
+from flankload.mechanisms.belt.pulley_mesh import mesh_pulley
+from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends
+from flankload.mechanisms.belt.strip import cord_stiffness
+from flankload.mechanisms.belt.touch import land_forces, touches_of, unit_forces
+from flankload.meshes.plane_mesh import jacobians
 
 PLASTIC, STEEL = Material(3000.0, 0.35), Material(206e3, 0.3)
 #: Of symmetry.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blind_cells import Job, job, reference, scenes
 
-from flankload.sweep import Sweep
+from flankload.contact.sweep import Sweep
 
 SEED, WANTED = 20261121, 10
 JOBS = pytest.mark.parametrize("k", range(WANTED))

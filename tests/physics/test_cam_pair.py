@@ -7,11 +7,11 @@ import pytest
 from cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import WholeMesh
-from flankload.cam_motion import Stand
-from flankload.compliance import flank_compliance
-from flankload.elasticity import degrees_of, factored, stiffness
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.pairing.cam_motion import Stand
 
 #: Steel in plane strain.
 MODULUS = 206000.0 / (1 - 0.3**2)

@@ -11,15 +11,15 @@ from tests.benchmarks._scenes import scenes
 from tests.benchmarks.estimate import compared
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.compliance import BodyCompliance, flank_compliance
-from flankload.error_rules import STRIPS, Left, peak_of_cells, what_is_left
-from flankload.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
-from flankload.near_field import mode_values
-from flankload.resolution import DEFAULT, Grid, Resolution
-from flankload.solve import solve_with
-from flankload.stages import compliance_of, sweep_of
-from flankload.sweep import Sweep
+from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
+from flankload.analysis.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
+from flankload.analysis.runner import solve_with
+from flankload.contact.sweep import Sweep
+from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.elasticity.near_field import mode_values
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
+from flankload.scene.resolution import DEFAULT, Grid, Resolution
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)

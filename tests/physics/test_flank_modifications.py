@@ -10,10 +10,10 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.bodies.gear_profile import gear_profile
-from flankload.bodies.gear_tip import modifications_of
+from flankload.bodies.involute.gear_profile import gear_profile
+from flankload.bodies.involute.gear_tip import modifications_of
 from flankload.bodies.profile_deviation import profile_deviation
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import Gear
 
 #: Flank curves are within 1e-10 mm of the exact profile; wanted of what follows from them.

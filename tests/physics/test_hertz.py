@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flankload.compliance import BodyCompliance
-from flankload.flank_curve import CurvePiece, fit_flank_curve
-from flankload.pairing import Pairing
-from flankload.period import Period
-from flankload.resolution import Grid
-from flankload.sweep import Level, sweep
+from flankload.contact.sweep import Level, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.flank import CurvePiece, fit_flank_curve
+from flankload.pairing.pairing import Pairing
+from flankload.pairing.period import Period
+from flankload.scene.resolution import Grid
 
 CASE = json.loads(
     (Path(__file__).parents[1] / "reference_solutions" / "closed_form.json").read_text()

@@ -13,13 +13,13 @@ from test_hertz import CASE, LEVER, contact
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
-from flankload.compliance import BodyCompliance
+from flankload.analysis.estimate import lumped_error
+from flankload.analysis.runner import compliance_of
+from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
+from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
-from flankload.estimate import lumped_error
-from flankload.resolution import Grid
-from flankload.solve import compliance_of
-from flankload.sweep import CORE_COUNTERS, Level, Sweep, sweep
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.scene.resolution import Grid
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Finer than any default, so that the cells' own error does not count.

@@ -13,10 +13,10 @@ from nodal_position import NodalPosition
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload import nodal_loads
-from flankload.assembly import build_bodies
-from flankload.near_field import mode_loads
-from flankload.stages import compliance_of
+from flankload.elasticity import nodal_loads
+from flankload.elasticity.near_field import mode_loads
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 
 SCENE = tomllib.loads(
     (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")

@@ -12,18 +12,18 @@ from msgspec import structs
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.array_archive import archive_of
-from flankload.assembly import build_bodies
-from flankload.bodies.body_file import write_body
-from flankload.bodies.modal_file import modal_arrays
-from flankload.compliance import BodyCompliance
+from flankload.analysis.period_error import teeth_until_alike
+from flankload.analysis.runner import solve_with
+from flankload.base.array_archive import archive_of
+from flankload.bodies.imported.body_file import write_body
+from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cost import Account
-from flankload.mesh_io import read_mesh, write_mesh
-from flankload.period_error import teeth_until_alike
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.meshes.io import read_mesh, write_mesh
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
-from flankload.solve import solve_with
-from flankload.stages import compliance_of
 
 TEETH = 24
 #: Elements of the wheel's disc between these radii (mm) are cut out in some sectors, so that four
@@ -206,7 +206,7 @@ def test_mesh_that_is_not_the_same_at_all_teeth_is_no_longer_period(
     folder: Path, tmp_path: Path
 ) -> None:
     """Every node inside moves by up to a tenth of the shortest edge there, each its own way."""
-    from flankload.plane_mesh import boundary_edges
+    from flankload.meshes.plane_mesh import boundary_edges
 
     nodes, cells, sets = whole_of(read_mesh(folder / "sector.msh"), TEETH)
     ((_, data),) = cells

@@ -11,8 +11,8 @@ import pytest
 from plain_elements import FILE, solve_plainly
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.bodies.body_file import write_body
+from flankload.bodies.imported.body_file import write_body
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 REFERENCE = json.loads(FILE.read_text(encoding="utf-8"))
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "internal_gear.toml"

@@ -18,7 +18,7 @@ from test_result_contacts import RING_PAIR, SPLINE
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.assembly import build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 #: Peaks over conforming flanks stand at edges, whose cells are the finest by far: 4e-9 of rounding.
 CONFORMING = 5e-8

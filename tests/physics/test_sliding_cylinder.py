@@ -16,13 +16,13 @@ import pytest
 from test_hertz import arc
 
 from flankload.bodies.body import Material
-from flankload.compliance import BodyCompliance
-from flankload.friction import Friction
-from flankload.near_field import jump_strength, logarithm_strength
-from flankload.pairing import Pairing
-from flankload.period import Period
-from flankload.resolution import Grid
-from flankload.sweep import sweep
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.near_field import jump_strength, logarithm_strength
+from flankload.pairing.friction import Friction
+from flankload.pairing.pairing import Pairing
+from flankload.pairing.period import Period
+from flankload.scene.resolution import Grid
 
 RADII = (20.0, 35.0)
 #: The contact lies at (LEVER, ASIDE), its normal along y; both axes at y = 0, DISTANCE apart.

@@ -17,12 +17,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flankload.compliance import BodyCompliance
-from flankload.flank_curve import CurvePiece, fit_flank_curve
-from flankload.pairing import Pairing
-from flankload.period import Period
-from flankload.resolution import Grid
-from flankload.sweep import sweep
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.flank import CurvePiece, fit_flank_curve
+from flankload.pairing.pairing import Pairing
+from flankload.pairing.period import Period
+from flankload.scene.resolution import Grid
 
 #: The contact lies at (LEVER, 0), its normal along y; far from O1, so that levers hardly differ.
 LEVER, DISTANCE = 20000.0, 50000.0

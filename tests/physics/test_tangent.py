@@ -97,9 +97,9 @@ def test_no_torque_needs_no_tangent() -> None:
 
 def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state() -> None:
     """A little more torque has no state; the derivative with the pairs in contact held stays."""
+    from flankload.analysis.tangent import with_tangents
+    from flankload.contact.sweep import Sweep
     from flankload.errors import NoContactState
-    from flankload.sweep import Sweep
-    from flankload.tangent import with_tangents
 
     numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
     state = Sweep(**(numbers | {"torque_Nmm": 5.0}))  # type: ignore[arg-type]

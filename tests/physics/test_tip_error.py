@@ -13,11 +13,11 @@ import pytest
 from tolerances import ROUND_OFF
 
 import flankload as fl
-from flankload import tip_error
-from flankload.bodies.ring import build_ring
-from flankload.compliance import flank_compliance
-from flankload.error_rules import Left, peak_of_modes
-from flankload.estimate import Estimate
+from flankload.analysis import tip_error
+from flankload.analysis.error_rules import Left, peak_of_modes
+from flankload.analysis.estimate import Estimate
+from flankload.bodies.involute.ring import build_ring
+from flankload.elasticity.compliance import flank_compliance
 from flankload.scene import Ring
 
 SCENE = tomllib.loads(

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flankload.assembly import BodyPair
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair
 from flankload.scene import Scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"

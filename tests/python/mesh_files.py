@@ -9,8 +9,8 @@ from matplotlib.path import Path as Outline
 from scipy.spatial import Delaunay
 
 from flankload.bodies.body import Body
-from flankload.mesh_io import RawMesh
-from flankload.plane_mesh import boundary_edges, raise_to_quadratic
+from flankload.meshes.io import RawMesh
+from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 
 ROOT = Path(__file__).parents[2]
 PINION = ROOT / "examples" / "meshes" / "fzg_c_pinion.msh"

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from flankload.bodies.body import Body
-from flankload.elasticity import stiffness
-from flankload.sector_closure import close_ring, condense
+from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.sector_closure import close_ring, condense
 
 
 def flank_order(body: Body) -> np.ndarray:

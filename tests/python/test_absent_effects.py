@@ -20,10 +20,10 @@ from gear_scenes import changed
 
 import flankload as fl
 from flankload import _core
-from flankload.assembly import build_bodies
-from flankload.effects import EFFECTS, Effect, switches_of
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.belt import BeltDrive
 from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects import EFFECTS, Effect, switches_of
 
 #: A pair that is soon solved; what it says of gears means nothing.
 SMALL: dict[str, Any] = {
@@ -308,7 +308,7 @@ def test_rooms_that_nothing_calls_for_stay_closed() -> None:
     loaded = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
     ).stdout.split()
-    assert "flankload.sweep" in loaded
+    assert "flankload.contact.sweep" in loaded
     assert not {"flankload.plan", "flankload.plot", "flankload.verify", "skfem"} & set(loaded)
 
 

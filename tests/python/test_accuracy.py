@@ -15,18 +15,18 @@ from test_cli import SCENE
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.accuracy import Study, accuracy, combinations, knobs, making, runs, truth
-from flankload.accuracy.knobs import can_be_nodal, knobs_of
-from flankload.accuracy.ladder import limit_of
-from flankload.accuracy.notes import corner_notes, failure_notes, file_notes
-from flankload.accuracy.observed import common, errors_of, from_tree, observed, to_tree
-from flankload.accuracy.runs import Run, Runs, fingerprint
-from flankload.accuracy.study import Row
-from flankload.accuracy.truth import Truth
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
 from flankload.setting import Setting, scene_at
+from flankload.studies.accuracy import Study, accuracy, combinations, knobs, making, runs, truth
+from flankload.studies.accuracy.knobs import can_be_nodal, knobs_of
+from flankload.studies.accuracy.ladder import limit_of
+from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes
+from flankload.studies.accuracy.observed import common, errors_of, from_tree, observed, to_tree
+from flankload.studies.accuracy.runs import Run, Runs, fingerprint
+from flankload.studies.accuracy.study import Row
+from flankload.studies.accuracy.truth import Truth
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 #: A budget that is never spent, CPU seconds.

@@ -14,9 +14,9 @@ import pytest
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.belt_estimate import DOUBT, between_places
-from flankload.belt_states import lands_in_words
 from flankload.cli import main
+from flankload.mechanisms.belt.estimate import DOUBT, between_places
+from flankload.mechanisms.belt.states import lands_in_words
 from flankload.plot import plot_all
 from flankload.result.belt import BeltDrive
 

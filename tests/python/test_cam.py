@@ -25,19 +25,19 @@ from scipy.interpolate import CubicSpline
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
-from flankload.bodies.follower import Lever, lever_of
-from flankload.cam_motion import Stand
+from flankload.analysis.runner import window_of
+from flankload.bodies.cam.follower import Lever, lever_of
 from flankload.cli import main
-from flankload.errors import SceneError
-from flankload.near_field import (
+from flankload.elasticity.near_field import (
     mode_norms,
     mode_values,
     projected_logarithm,
 )
-from flankload.plane_mesh import boundary_edges, jacobians
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.meshes.plane_mesh import boundary_edges, jacobians
+from flankload.pairing.cam_motion import Stand
 from flankload.plot import plot_all, plot_follower_motion, plot_loaded_pair
-from flankload.solve import window_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "cam.toml"
 #: Curves of the core against the spline of the table, mm.
@@ -532,7 +532,7 @@ def test_follower_is_meshed_whole(follower: dict) -> None:
     spec = scene.body_1
     body = pair_of(None, follower).body_1 if "roller_radius_mm" not in follower else None
     if body is None:
-        from flankload.bodies.follower import build_follower
+        from flankload.bodies.cam.follower import build_follower
 
         body = build_follower(spec, "body_1", flank_element_mm=None, fineness=1.0)
     mesh = body.mesh
@@ -568,7 +568,7 @@ def enclosed(nodes: np.ndarray, cells: tuple) -> float:
 
 def area_of(lever: Lever) -> float:
     """Of the lever's contour less its bore."""
-    from flankload.bodies.follower import outline_of
+    from flankload.bodies.cam.follower import outline_of
 
     x, y = outline_of(lever, points=20001).T
     contour = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)

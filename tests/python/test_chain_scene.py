@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.bodies.sprocket import build_sprocket
 from flankload.cli import main
 from flankload.errors import ContactError
+from flankload.mechanisms.chain.sprocket import build_sprocket
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "chain.toml"
 
@@ -221,7 +221,7 @@ def test_jump_limit_takes_the_moment_of_the_slack_strand(
     scene = fl.Scene.from_dict(tomllib.loads(text))
     assert isinstance(scene.body_1, fl.scene.Sprocket)
     falls = build_sprocket(scene.body_1, "body_1").tension_ratio ** 10.5
-    monkeypatch.setattr("flankload.chain_drive.solve_wrap", no_state)
+    monkeypatch.setattr("flankload.mechanisms.chain.drive.solve_wrap", no_state)
     with pytest.raises(fl.NoContactState, match="made up") as refused:
         fl.solve(scene)
     said = re.search(r"below a slack tension of about (\S+) N", str(refused.value))

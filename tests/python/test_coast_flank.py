@@ -15,18 +15,18 @@ from test_result_contacts import EXTERNAL, RING_PAIR, RUBBING, SPEED_MM, SPLINE,
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies.body import Body
-from flankload.bodies.ring import build_ring
-from flankload.compliance import flank_compliance
-from flankload.errors import SceneError
-from flankload.near_field import (
+from flankload.bodies.involute.ring import build_ring
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.near_field import (
     mirrored_loads,
     mode_loads,
     mode_norms,
     mode_values,
     strip_kernel,
 )
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.plot import plot_flank_forces, plot_loaded_pair
 from flankload.result import Result
 from flankload.scene import Ring

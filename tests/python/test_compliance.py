@@ -9,16 +9,16 @@ from scipy.sparse.linalg import splu
 from tolerances import ROUND_OFF
 
 from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
-from flankload.bodies.gear import build_gear
-from flankload.bodies.ring import build_ring
-from flankload.compliance import BodyCompliance, flank_compliance
-from flankload.elasticity import degrees_of, stiffness
-from flankload.growth import Growth
-from flankload.near_field import mode_loads
-from flankload.root_fillet import root_fillets
+from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.root_fillet import root_fillets
+from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.elasticity.finite_elements import degrees_of, stiffness
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.whole_body import whole_response
+from flankload.pairing.expansion import Growth
 from flankload.scene import Gear, Ring
-from flankload.sector_closure import close_ring, condense
-from flankload.whole_body import whole_response
 
 #: Wanted of the ring closure: identical to the meshed ring but for rounding.
 CLOSURE = 1e-10

@@ -18,15 +18,15 @@ from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies.body import Material
 from flankload.bodies.flank_elements import gauss_places, mass_matrix
-from flankload.bodies.given import NodalCompliance
+from flankload.bodies.imported.given import NodalCompliance
 from flankload.bodies.sketch import sketched_tooth
 from flankload.cli import main
+from flankload.elasticity.imported_compliance import given_compliance
+from flankload.elasticity.near_field import mode_norms, mode_values, projected_logarithm
 from flankload.errors import ComplianceFileError, SceneError
-from flankload.given_compliance import given_compliance
-from flankload.near_field import mode_norms, mode_values, projected_logarithm
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 
 FROM_FILE_1 = {"kind": "compliance", "file": "body_1.npz"}
 FROM_FILE_2 = {"kind": "compliance", "file": "body_2.npz"}
@@ -706,7 +706,7 @@ def test_array_of_an_unknown_name_is_not_unpacked(folder: Path, tmp_path: Path) 
 def test_archive_that_would_fill_the_memory_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flankload.array_archive.MOST_BYTES", 2**20)
+    monkeypatch.setattr("flankload.base.array_archive.MOST_BYTES", 2**20)
     archive_with(tmp_path / "bad.npz", "points", {"shape": (2**18,)}, 2**21)
     line = "bad.npz: body_1.file: expected a .npz file of plain arrays, found arrays of 0.00195 GiB"
     assert refusal_of(tmp_path, "bad.npz").startswith(line)

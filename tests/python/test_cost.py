@@ -14,11 +14,12 @@ from gear_scenes import changed
 from msgspec import structs
 
 import flankload as fl
-from flankload import elasticity, prediction
-from flankload import sweep as sweep_room
 from flankload.cli import main
+from flankload.contact import sweep as sweep_room
+from flankload.contact.pair_table import PackedPairs
 from flankload.cost import COUNTERS, Account, held_bytes, totals
-from flankload.packed_pairs import PackedPairs
+from flankload.elasticity import finite_elements as elasticity
+from flankload.mechanisms.flank_pair import prediction
 
 #: Of every solution with a factor it is known what for.
 SOLUTIONS = (

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from gear_scenes import SCENE, changed
 
-from flankload.effects import EFFECTS, Effects, effects_of, switches_of
 from flankload.scene import Scene
 from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects import EFFECTS, Effects, effects_of, switches_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}

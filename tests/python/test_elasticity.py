@@ -8,10 +8,10 @@ from plane_sectors import STEEL, ring_sector
 from scipy.sparse.linalg import spsolve
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload import elasticity
 from flankload.cost import Account
-from flankload.elasticity import condensed, degrees_of, stiffness
-from flankload.plane_mesh import boundary_edges
+from flankload.elasticity import finite_elements as elasticity
+from flankload.elasticity.finite_elements import condensed, degrees_of, stiffness
+from flankload.meshes.plane_mesh import boundary_edges
 
 SECTOR, _ = ring_sector(7)
 

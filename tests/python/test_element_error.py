@@ -11,9 +11,9 @@ from scipy.sparse.linalg import spsolve
 from tolerances import ROUND_OFF
 
 from flankload.bodies.body import Material
-from flankload.elasticity import stiffness
-from flankload.element_error import missed_compliance
-from flankload.plane_mesh import raise_to_quadratic
+from flankload.elasticity.fe_error import missed_compliance
+from flankload.elasticity.finite_elements import stiffness
+from flankload.meshes.plane_mesh import raise_to_quadratic
 
 STEEL = Material(206000.0, 0.3)
 KINDS = ["quad9", "triangle6"]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flankload.files import write_atomically
-from flankload.mesh_io import write_mesh
+from flankload.base.files import write_atomically
+from flankload.meshes.io import write_mesh
 
 TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload.flank_curve import (
+from flankload.flank import (
     CurvePiece,
     FlankCurve,
     curve_through_nodes,

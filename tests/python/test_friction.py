@@ -17,16 +17,16 @@ from test_whole_body import sector, whole
 from tolerances import ROUND_OFF
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.bodies.body import Material
 from flankload.cli import main
-from flankload.compliance import flank_compliance
-from flankload.elasticity import degrees_of, factored, stiffness
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
+from flankload.elasticity.near_field import jump_strength, mode_loads, mode_norms, projected_sign
+from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.whole_body import unit_loads
 from flankload.errors import ComplianceFileError, SceneError
-from flankload.mesh_io import read_mesh, write_mesh
-from flankload.near_field import jump_strength, mode_loads, mode_norms, projected_sign
-from flankload.sector_closure import close_ring, condense
-from flankload.whole_body import unit_loads
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.meshes.io import read_mesh, write_mesh
 
 RUBS = {"friction_coefficient": 0.1}
 

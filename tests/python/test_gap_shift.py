@@ -13,13 +13,13 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload import _core
-from flankload.assembly import BodyPair, build_bodies
+from flankload.analysis.runner import compliance_of
 from flankload.bodies import Body
 from flankload.bodies.profile_deviation import deviation_at
-from flankload.compliance import BodyCompliance
-from flankload.near_field import mode_norms, mode_values
-from flankload.solve import compliance_of
-from flankload.sweep import Sweep, sweep
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 
 #: A modified profile against its projection on the modes, of what it changes (measured 0.8 % of
 #: the rotation, of a force and of the peak pressure).

@@ -11,9 +11,9 @@ from gear_scenes import usable_contact_ratio
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.errors import SceneError
-from flankload.gear_mesh import describe_mesh
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.pairing.gear_pair import describe_mesh
 
 PINION = {
     "kind": "gear",

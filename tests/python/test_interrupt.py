@@ -26,7 +26,7 @@ sys.exit(command())
 #: … or when its sweep does.
 SWEEP = """
 import sys
-import flankload.sweep as room
+import flankload.contact.sweep as room
 original = room.call_and_watch
 def told(*arguments, **options):
     print("begun", flush=True)

@@ -9,7 +9,7 @@ from cam_scenes import cam_scene
 from gear_scenes import changed
 
 import flankload as fl
-from flankload.result.notes import SMALL_WIND_UP
+from flankload.mechanisms.flank_pair.notes import SMALL_WIND_UP
 
 #: Torque over tangent stiffness tells the wind-up from below: contacts get stiffer as the torque
 #: grows, and more pairs carry.

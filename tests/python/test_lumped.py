@@ -12,7 +12,7 @@ from gear_scenes import EXAMPLES, changed, refusal
 from tolerances import ROUND_OFF
 
 import flankload as fl
-from flankload.estimate import LUMPED
+from flankload.analysis.estimate import LUMPED
 
 LUMP = {"effects__contact": "lumped", "positions__count": 16}
 

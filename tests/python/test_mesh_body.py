@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.bodies.body_file import write_body
+from flankload.bodies.imported.body_file import write_body
 from flankload.errors import MeshError, SceneError
-from flankload.mesh_io import read_mesh
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.meshes.io import read_mesh
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "examples" / "scenes"

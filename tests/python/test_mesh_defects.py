@@ -424,12 +424,12 @@ def test_cuts_of_unlike_meshes_are_refused(
 def test_material_in_the_file_that_differs_is_noted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from flankload.bodies.body_file import write_body
-    from flankload.mesh_io import read_mesh
+    from flankload.bodies.imported.body_file import write_body
+    from flankload.meshes.io import read_mesh
 
     assert read_mesh(PINION).elastic is None
     import flankload as fl
-    from flankload.assembly import build_bodies
+    from flankload.mechanisms.flank_pair.assembly import build_bodies
 
     body = build_bodies(fl.read_scene(scene_with(pinion(unchanged, tmp_path)))).body_1
     path = tmp_path / "soft.inp"
@@ -445,9 +445,9 @@ def test_material_in_the_file_that_differs_is_noted(
 def test_flank_set_that_takes_in_the_fillet_is_cut_to_the_profile(tmp_path: Path) -> None:
     """With the profile given, modes live between fillet and tip, whatever the set holds beyond."""
     import flankload as fl
-    from flankload.assembly import build_bodies
-    from flankload.mesh_io import read_mesh
-    from flankload.plane_mesh import boundary_edges
+    from flankload.mechanisms.flank_pair.assembly import build_bodies
+    from flankload.meshes.io import read_mesh
+    from flankload.meshes.plane_mesh import boundary_edges
 
     profile = "[body_1.profile]\nmodule_mm = 4.5\nprofile_shift = 0.182\ntip_diameter_mm = 82.46\n"
 

@@ -10,7 +10,7 @@ import pytest
 from mesh_files import ROOT
 
 from flankload.errors import MeshError
-from flankload.mesh_io import RawMesh, read_mesh
+from flankload.meshes.io import RawMesh, read_mesh
 
 RING = ROOT / "tests" / "meshes"
 

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.linalg import toeplitz
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload.near_field import (
+from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_loads,
     mode_norms,

@@ -10,8 +10,8 @@ from gear_scenes import usable_contact_ratio
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 
 FZG_1 = {
     "kind": "gear",

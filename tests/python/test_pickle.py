@@ -17,7 +17,7 @@ from test_cli import SCENE
 
 import flankload as fl
 from flankload import errors
-from flankload.accuracy import accuracy
+from flankload.studies.accuracy import accuracy
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 WAYS: dict[str, Callable[[Any], Any]] = {

@@ -17,11 +17,11 @@ from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.cli import main
-from flankload.effects import EFFECTS
 from flankload.plan import Plan, choose_effects
 from flankload.plan.quarter import QUARTER, against_quarter, quarter_text
 from flankload.plan.sizes import States, size_of
 from flankload.plan.variants import other_way
+from flankload.scene.effects import EFFECTS
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Sizes are predicted on coarse meshes, with few modes and wide cells: a factor, and the points of

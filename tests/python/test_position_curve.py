@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tolerances import ROUND_OFF
 
-from flankload.position_curve import curve_through, loaded_pair_changes
+from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 PERIOD = 0.4
 

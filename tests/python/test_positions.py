@@ -13,8 +13,8 @@ import pytest
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.period import period_of
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.period import period_of
 from flankload.result.harmonics import over_positions
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"

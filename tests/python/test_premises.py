@@ -17,16 +17,16 @@ from cam_scenes import cam_scene
 from gear_scenes import EXAMPLES, changed
 
 import flankload as fl
-from flankload import premises
-from flankload.accuracy.notes import limit_notes
-from flankload.accuracy.runs import Runs
-from flankload.accuracy.study import Row
-from flankload.assembly import build_bodies
 from flankload.cli import main
-from flankload.compliance import no_compliance
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance import no_compliance
+from flankload.mechanisms.flank_pair import premises
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.geometry import pair_geometry
 from flankload.setting import Setting
-from flankload.sweep import sweep
+from flankload.studies.accuracy.notes import limit_notes
+from flankload.studies.accuracy.runs import Runs
+from flankload.studies.accuracy.study import Row
 
 COARSE = {"flank_element_mm": 2.0, "estimate": False}
 ALLOWED = {"beyond_limits": True}

@@ -14,7 +14,7 @@ from made_up_result import made_up_result
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.result import Result, results_to_csv, stiffness_table
 from flankload.result.flank_contact import loaded_length
 
@@ -261,7 +261,7 @@ def test_without_profile_the_coast_flanks_are_not_known(external: Result) -> Non
     pair = build_pair(EXTERNAL)
     pair = replace(pair, position_rad=external.position_rad)
     unknown = replace(pair, body_2=replace(pair.body_2, involute=None))
-    from flankload.compliance import no_compliance
+    from flankload.elasticity.compliance import no_compliance
     from flankload.result.geometry import pair_geometry
 
     rigid = (no_compliance(unknown.body_1), no_compliance(unknown.body_2))

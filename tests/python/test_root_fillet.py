@@ -15,20 +15,20 @@ from test_result_contacts import RING_PAIR, SPLINE
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.bodies import Body
-from flankload.bodies.gear import build_gear
-from flankload.bodies.ring import build_ring
-from flankload.compliance import flank_compliance
-from flankload.elasticity import stiffness
+from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.root_fillet import root_fillets
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.errors import SceneError
-from flankload.mesh_io import read_mesh, write_mesh
-from flankload.near_field import mode_loads
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.meshes.io import read_mesh, write_mesh
 from flankload.result import Result
 from flankload.result.root_stress import _peak
-from flankload.root_fillet import root_fillets
 from flankload.scene import Gear, Ring
-from flankload.sector_closure import close_ring, condense
 
 PROFILE = {"module_mm": 4.5, "profile_shift": 0.182, "tip_diameter_mm": 82.46}
 GEAR = {"kind": "gear", "teeth": 16, "bore_diameter_mm": 30.0, **PROFILE}

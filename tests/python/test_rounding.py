@@ -19,8 +19,8 @@ from test_result_contacts import RING_PAIR, SPLINE
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.bodies.blocks import even_breaks, growing_breaks
-from flankload.rounding import round_down, round_up
+from flankload.base.rounding import round_down, round_up
+from flankload.meshes.blocks import even_breaks, growing_breaks
 
 #: Peaks of pressure stand on the inverse of influence numbers, which makes 1e-10 of rounding.
 PEAK = 1e-7

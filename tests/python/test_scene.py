@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from gear_scenes import ABSENT, EXAMPLES, MESH, PROFILE, RING, SCENE, changed
 
-from flankload.effects import effects_of
 from flankload.scene import Scene, read_scene, scene_schema
+from flankload.scene.effects import effects_of
 
 
 def test_defaults_and_units_are_those_of_the_scene_format() -> None:

@@ -10,16 +10,16 @@ from skfem import Basis, ElementQuad2, MeshQuad2
 from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies import build_body
-from flankload.bodies.blocks import growing_breaks, symmetric_breaks
 from flankload.bodies.body import Body, SectorMesh
-from flankload.bodies.gear import build_gear
-from flankload.bodies.gear_profile import gear_profile
-from flankload.bodies.ring import build_ring
-from flankload.bodies.sector_mesh import sector_mesh
-from flankload.compliance import flank_compliance
+from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.gear_profile import gear_profile
+from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.sector_mesh import sector_mesh
+from flankload.elasticity.compliance import flank_compliance
 from flankload.errors import SceneError
-from flankload.mesh_report import quality_rows, verdict
-from flankload.plane_mesh import scaled_jacobians
+from flankload.meshes.blocks import growing_breaks, symmetric_breaks
+from flankload.meshes.plane_mesh import scaled_jacobians
+from flankload.meshes.report import quality_rows, verdict
 from flankload.scene import Gear, Ring
 
 

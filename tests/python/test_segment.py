@@ -17,19 +17,19 @@ from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import build_bodies
+from flankload.analysis.runner import compliance_of
 from flankload.bodies.body import SectorMesh
-from flankload.compliance import flank_compliance
-from flankload.elasticity import degrees_of, stiffness
-from flankload.near_field import mode_loads
-from flankload.sector_closure import (
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.finite_elements import degrees_of, stiffness
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.sector_closure import (
     close_ring,
     condense,
     open_row,
     segment_response,
     tooth_response,
 )
-from flankload.solve import compliance_of
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Sizes measured before with another program: held ends change the rotation by so many percent.

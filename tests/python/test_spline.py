@@ -11,10 +11,10 @@ import pytest
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.pairing.spline_fit import describe_fit
 from flankload.plot import plot_all, plot_flank_pressure, plot_load_per_tooth, plot_loaded_pair
-from flankload.spline_fit import describe_fit
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "spline.toml"
 SHAFT = {

@@ -13,11 +13,11 @@ from test_cli import SCENE
 from tolerances import ROUND_OFF
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.cli import main
-from flankload.resolution import elements_for_modes
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.notes import FEWER_DO
 from flankload.result.accuracy_lines import accuracy_lines, percent
-from flankload.result.notes import FEWER_DO
+from flankload.scene.resolution import elements_for_modes
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.bought import bought

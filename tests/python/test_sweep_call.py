@@ -15,15 +15,15 @@ from test_sweep import ONE, TWO
 
 import flankload as fl
 from flankload import _core
-from flankload import sweep as sweep_room
-from flankload.assembly import BodyPair, build_bodies
-from flankload.compliance import BodyCompliance
-from flankload.core_thread import call_and_watch
-from flankload.packed_pairs import COLUMNS
-from flankload.pairing import Pairing
-from flankload.stages import compliance_of
-from flankload.sweep import Sweep, sweep
-from flankload.sweep_failure import raise_first_failure
+from flankload.contact import sweep as sweep_room
+from flankload.contact.interruptible import call_and_watch
+from flankload.contact.pair_table import COLUMNS
+from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep_failure import raise_first_failure
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.pairing.pairing import Pairing
 
 TORQUES = [40e3, 302e3, 0.0, 900e3]
 GEARS = {

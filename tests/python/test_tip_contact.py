@@ -9,8 +9,8 @@ from test_result_contacts import EXTERNAL, RING_PAIR, SPLINE, solved
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.errors import NoContactState, SceneError
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result import Result
 
 WITHOUT = {"effects": {"tip_contact": False}}

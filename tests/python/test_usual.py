@@ -11,8 +11,8 @@ from gear_scenes import EXAMPLES, MESH, changed
 from msgspec import Struct, inspect
 
 import flankload as fl
-from flankload.assembly import build_bodies
 from flankload.cli import main
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import read_scene, scene_schema
 from flankload.scene.form import fields_of
 from flankload.scene.table import Table

@@ -14,18 +14,18 @@ import pytest
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import Material
 from flankload.cli import main
 from flankload.errors import OtherProgramError, SceneError
-from flankload.friction import friction_of
-from flankload.plane_mesh import jacobians, scaled_jacobians
-from flankload.verify.calculix import read_answer, run_deck, version_of
-from flankload.verify.contact_places import Place, contact_places
-from flankload.verify.deck import Deck, Part, Rubbing, deck_text
-from flankload.verify.model import friction_of_deck, model_of
-from flankload.verify.refine import refined
-from flankload.verify.triangles import Triangles, quadratic, sides, whole_body
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.meshes.plane_mesh import jacobians, scaled_jacobians
+from flankload.pairing.friction import friction_of
+from flankload.studies.verification.calculix import read_answer, run_deck, version_of
+from flankload.studies.verification.contact_places import Place, contact_places
+from flankload.studies.verification.deck import Deck, Part, Rubbing, deck_text
+from flankload.studies.verification.model import friction_of_deck, model_of
+from flankload.studies.verification.refine import refined
+from flankload.studies.verification.triangles import Triangles, quadratic, sides, whole_body
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 OUTPUT = Path(__file__).parent / "calculix_output"
@@ -57,7 +57,7 @@ def _tables(name: str) -> dict:
 @pytest.fixture(scope="module", autouse=True)
 def _coarse_bodies() -> Iterator[None]:
     """Coarse elements away from the contacts: the tests ask for no more."""
-    model = importlib.import_module("flankload.verify.model")
+    model = importlib.import_module("flankload.studies.verification.model")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(model, "COARSE_PART", 0.7)
         patch.setattr(model, "GROWTH", 0.5)

@@ -22,19 +22,19 @@ from mesh_files import (
 from tolerances import SOLVER
 
 import flankload as fl
-from flankload.array_archive import archive_of
-from flankload.assembly import build_bodies
+from flankload.base.array_archive import archive_of
 from flankload.bodies import WholeMesh
-from flankload.bodies.body_file import write_body
-from flankload.bodies.modal_file import modal_arrays
+from flankload.bodies.imported.body_file import write_body
+from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cli import main
 from flankload.errors import ComplianceFileError, SceneError
-from flankload.mesh_io import read_mesh, write_mesh
-from flankload.plane_mesh import boundary_edges
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.meshes.io import read_mesh, write_mesh
+from flankload.meshes.plane_mesh import boundary_edges
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
 from flankload.scene.tables import Accuracy
-from flankload.stages import compliance_of
 
 #: Another mesher's nodes, a curve through them: wanted of the rotation.
 OTHER_MESHER = 3e-3
@@ -212,7 +212,7 @@ def test_flank_beside_its_share_is_a_pitch_deviation(tmp_path: Path) -> None:
 
 
 def test_whole_body_obeys_betti_and_stands_as_written(folder: Path) -> None:
-    from flankload.compliance import flank_compliance
+    from flankload.elasticity.compliance import flank_compliance
 
     pair = build_bodies(
         scene_of(whole("body_1", folder / "pinion_whole.msh"), sector("body_2", COARSE_WHEEL))

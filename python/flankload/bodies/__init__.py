@@ -72,20 +72,20 @@ def build_body(
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
     if isinstance(spec, ComplianceBody):
-        from flankload.bodies.compliance_body import build_compliance_body
+        from flankload.bodies.imported.compliance_body import build_compliance_body
 
         return build_compliance_body(spec, key, folder=folder)
     if isinstance(spec, MeshBody):
-        from flankload.bodies.mesh_body import build_mesh_body
+        from flankload.bodies.imported.mesh_body import build_mesh_body
 
         return build_mesh_body(spec, key, folder=folder)
     if isinstance(spec, Cam | Follower):
         fineness = DEFAULT_PARTS / flank_element_parts
         if isinstance(spec, Follower):
-            from flankload.bodies.follower import build_follower
+            from flankload.bodies.cam.follower import build_follower
 
             return build_follower(spec, key, flank_element_mm=flank_element_mm, fineness=fineness)
-        from flankload.bodies.cam import build_cam
+        from flankload.bodies.cam.cam import build_cam
 
         return build_cam(
             spec, key, folder=folder, flank_element_mm=flank_element_mm, fineness=fineness
@@ -99,14 +99,14 @@ def build_body(
         "flank_nodes_mm": flank_nodes_mm,
     }
     if isinstance(spec, Gear):
-        from flankload.bodies.gear import build_gear
+        from flankload.bodies.involute.gear import build_gear
 
         return build_gear(spec, key, **lengths)
     if isinstance(spec, Ring):
-        from flankload.bodies.ring import build_ring
+        from flankload.bodies.involute.ring import build_ring
 
         return build_ring(spec, key, **lengths)
-    from flankload.bodies.spline import build_spline_hub, build_spline_shaft
+    from flankload.bodies.involute.spline import build_spline_hub, build_spline_shaft
 
     if isinstance(spec, SplineShaft):
         return build_spline_shaft(spec, key, **lengths)

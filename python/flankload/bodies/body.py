@@ -10,9 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.given import GivenCompliance
-    from flankload.bodies.involute import Involute
-    from flankload.flank_curve import FlankCurve
+    from flankload.bodies.imported.given import GivenCompliance
+    from flankload.bodies.involute.involute import Involute
+    from flankload.flank import FlankCurve
 
 
 @dataclass(frozen=True)

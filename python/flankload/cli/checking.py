@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flankload.bodies.body import Body
-    from flankload.effects import Switch
     from flankload.scene import Scene
+    from flankload.scene.effects import Switch
 
 
 def check(arguments: Namespace) -> None:
     """Print what was understood; raise where something is wrong."""
-    from flankload.mesh_io import is_mesh_name
+    from flankload.meshes.io import is_mesh_name
 
     (_check_mesh if is_mesh_name(arguments.file) else _check_scene)(arguments.file)
 
@@ -30,12 +30,12 @@ def _check_scene(path: Path) -> None:
     if scene.body_2.kind in ("chain", "belt"):
         _check_drive(scene)
         return
-    from flankload.assembly import build_bodies
-    from flankload.effects import EFFECTS, switches_of
-    from flankload.gear_mesh import describe_mesh
-    from flankload.premises import broken_by_geometry, held
-    from flankload.spline_fit import describe_fit
-    from flankload.stages import compliance_of
+    from flankload.mechanisms.flank_pair.assembly import build_bodies
+    from flankload.mechanisms.flank_pair.premises import broken_by_geometry, held
+    from flankload.mechanisms.flank_pair.stages import compliance_of
+    from flankload.pairing.gear_pair import describe_mesh
+    from flankload.pairing.spline_fit import describe_fit
+    from flankload.scene.effects import EFFECTS, switches_of
     from flankload.steering import first_pick, first_scene
 
     picked = first_pick(scene).setting.tables() if scene.steers else {}
@@ -73,8 +73,8 @@ def _check_scene(path: Path) -> None:
 
 
 def _check_drive(scene: Scene) -> None:
-    from flankload.belt_drive import describe_belt
-    from flankload.chain_drive import describe_drive
+    from flankload.mechanisms.belt.drive import describe_belt
+    from flankload.mechanisms.chain.drive import describe_drive
     from flankload.scene.usual import question_notes
 
     rows = describe_drive(scene) if scene.body_2.kind == "chain" else describe_belt(scene)
@@ -123,7 +123,7 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
 
 def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
     from flankload.bodies import WholeMesh
-    from flankload.mesh_report import quality_rows
+    from flankload.meshes.report import quality_rows
 
     mesh = body.mesh
     assert mesh is not None
@@ -148,9 +148,9 @@ def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
 
 def _check_mesh(path: Path) -> None:
     from flankload.errors import MeshError
-    from flankload.mesh_defects import find_defects
-    from flankload.mesh_io import read_mesh
-    from flankload.mesh_report import hints, mesh_rows, set_rows
+    from flankload.meshes.defects import find_defects
+    from flankload.meshes.io import read_mesh
+    from flankload.meshes.report import hints, mesh_rows, set_rows
 
     mesh = read_mesh(path)
     defects = list(find_defects(mesh))

@@ -36,11 +36,11 @@ def compliance(arguments: Namespace) -> None:
             expected="'analytic': the files hold pressure modes",
             found="'nodes'",
         )
-    from flankload.array_archive import archive_of
-    from flankload.assembly import build_bodies
-    from flankload.bodies.modal_file import modal_arrays
-    from flankload.files import write_atomically
-    from flankload.stages import compliance_of
+    from flankload.base.array_archive import archive_of
+    from flankload.base.files import write_atomically
+    from flankload.bodies.imported.modal_file import modal_arrays
+    from flankload.mechanisms.flank_pair.assembly import build_bodies
+    from flankload.mechanisms.flank_pair.stages import compliance_of
 
     pair = build_bodies(scene)
     files: dict[str, bytes] = {}

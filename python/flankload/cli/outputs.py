@@ -6,8 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.base.files import is_stream
 from flankload.errors import SceneError
-from flankload.files import is_stream
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -35,7 +35,7 @@ def run(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart(_places(arguments), scene)
-    from flankload.solve import solve
+    from flankload.analysis.runner import solve
 
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
@@ -191,9 +191,9 @@ def mesh(arguments: Namespace) -> None:
     if scene.body_1.kind == "pulley" and not scene.body_1.rigid:
         _write_pulley(scene, folder, arguments.format)
         return
-    from flankload.assembly import build_bodies
     from flankload.bodies import WholeMesh
-    from flankload.bodies.body_file import write_body
+    from flankload.bodies.imported.body_file import write_body
+    from flankload.mechanisms.flank_pair.assembly import build_bodies
     from flankload.steering import first_scene
 
     pair = build_bodies(first_scene(scene))
@@ -217,8 +217,8 @@ def mesh(arguments: Namespace) -> None:
 
 def _write_pulley(scene: Scene, folder: Path, suffix: str) -> None:
     """Write the sector of a pulley, as its first tooth stands; the belt is no body of sectors."""
-    from flankload.belt_drive import pulley_mesh
-    from flankload.bodies.body_file import write_body
+    from flankload.bodies.imported.body_file import write_body
+    from flankload.mechanisms.belt.drive import pulley_mesh
 
     sector = pulley_mesh(scene).sector
     folder.mkdir(parents=True, exist_ok=True)

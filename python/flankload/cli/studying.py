@@ -33,7 +33,7 @@ def accuracy(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart(places.items(), scene)
-    from flankload.accuracy import accuracy as study_of
+    from flankload.studies.accuracy import accuracy as study_of
 
     with Progress(wanted=sys.stderr.isatty()) as progress:
         study = study_of(

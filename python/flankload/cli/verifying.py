@@ -31,8 +31,8 @@ def verify(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    from flankload.verify import files_of_deck
-    from flankload.verify import verify as compared
+    from flankload.studies.verification import files_of_deck
+    from flankload.studies.verification import verify as compared
 
     if arguments.folder is not None:
         check_apart((("-o", path) for path in files_of_deck(arguments.folder)), scene)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly
 
 Vector = NDArray[np.float64]
 

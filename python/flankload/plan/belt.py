@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.belt_drive import (
+from flankload.base.rounding import round_down
+from flankload.cost import Account
+from flankload.errors import FlankloadError, SceneError
+from flankload.mechanisms.belt.drive import (
     asked_of,
     flank_elements,
     positions_of,
@@ -20,13 +23,11 @@ from flankload.belt_drive import (
     solved_pulley,
     strip_of,
 )
-from flankload.belt_pulley import rest_on
-from flankload.belt_row import BeltRow
-from flankload.belt_states import state_under
-from flankload.belt_work import Asked
-from flankload.cost import Account
-from flankload.effects import switches_of
-from flankload.errors import FlankloadError, SceneError
+from flankload.mechanisms.belt.pulley_compliance import rest_on
+from flankload.mechanisms.belt.row import BeltRow
+from flankload.mechanisms.belt.states import state_under
+from flankload.mechanisms.belt.work import Asked
+from flankload.mechanisms.flank_pair.premises import Torque, broken_by_turn, held
 from flankload.plan.belt_price import (
     price_belt,
     price_pulley,
@@ -40,15 +41,14 @@ from flankload.plan.measuring import Measured
 from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, size_of
 from flankload.plan.variants import Variant, other_way, with_keys, without_keys
-from flankload.premises import Torque, broken_by_turn, held
-from flankload.rounding import round_down
+from flankload.scene.effects import switches_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from flankload.bodies.belt import Strip
+    from flankload.mechanisms.belt.belt import Strip
     from flankload.plan.planned import Plan
     from flankload.scene import Scene
 

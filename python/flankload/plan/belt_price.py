@@ -10,16 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flankload.belt_drive import (
+from flankload.cost import Account
+from flankload.mechanisms.belt.belt_mesh import STRAND, coarser, mesh_strip
+from flankload.mechanisms.belt.drive import (
     asked_of,
     flank_elements,
     predicted_work,
     pulley_mesh,
     tried_positions,
 )
-from flankload.belt_work import Asked, PieceWork, pieces_of, work_of_pulley
-from flankload.bodies.belt_mesh import STRAND, coarser, mesh_strip
-from flankload.cost import Account
+from flankload.mechanisms.belt.work import Asked, PieceWork, pieces_of, work_of_pulley
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from flankload.bodies.belt import Strip
+    from flankload.mechanisms.belt.belt import Strip
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import structs
 
-from flankload.chain_drive import build_drive, solve_chain
 from flankload.cost import Account
 from flankload.errors import FlankloadError
+from flankload.mechanisms.chain.drive import build_drive, solve_chain
+from flankload.mechanisms.flank_pair.premises import broken_by_drive, held
 from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
 from flankload.plan.measuring import Measured
 from flankload.plan.sizes import Size, States, size_of
-from flankload.premises import broken_by_drive, held
 from flankload.scene.pair_tables import Positions
 
 if TYPE_CHECKING:

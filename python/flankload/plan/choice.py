@@ -10,18 +10,18 @@ from __future__ import annotations
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
-from flankload.effects import Effect, switches_of
 from flankload.errors import SceneError
 from flankload.plan.coarse import Coarse
 from flankload.plan.measuring import Sizes, rows
 from flankload.plan.planned import Chosen
 from flankload.plan.quarter import against_quarter, matters, quarter_text
 from flankload.plan.variants import LEVELS, QUANTITIES, with_keys, with_rigid, without_keys
+from flankload.scene.effects import Effect, switches_of
 
 if TYPE_CHECKING:
-    from flankload.effects import Switch
     from flankload.plan.measuring import Measured
     from flankload.scene import Scene
+    from flankload.scene.effects import Switch
 
 
 def asks_for_choice(scene: Scene) -> bool:

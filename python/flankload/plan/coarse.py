@@ -14,19 +14,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from msgspec import structs
 
-from flankload.assembly import BodyPair, bodies_of, build_bodies
 from flankload.bodies.body import Material
-from flankload.compliance import BodyCompliance, no_compliance
 from flankload.cost import Account
-from flankload.elasticity import condensed, stiffness
+from flankload.elasticity.compliance import BodyCompliance, no_compliance
+from flankload.elasticity.finite_elements import condensed, stiffness
 from flankload.errors import ContactError
+from flankload.mechanisms.flank_pair.assembly import BodyPair, bodies_of, build_bodies
+from flankload.mechanisms.flank_pair.premises import (
+    blame_load,
+    broken_by_geometry,
+    broken_by_load,
+    held,
+)
+from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, sweep_of
 from flankload.plan.sizes import States
-from flankload.premises import blame_load, broken_by_geometry, broken_by_load, held
-from flankload.resolution import Grid, Resolution, choose_resolution
 from flankload.result.geometry import pair_geometry
 from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.pair_tables import Positions
-from flankload.stages import compliance_of, grown_pair, sweep_of
+from flankload.scene.resolution import Grid, Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,9 +40,9 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
     from flankload.bodies import Body
-    from flankload.growth import Growth
+    from flankload.contact.sweep import Sweep
+    from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
-    from flankload.sweep import Sweep
 
 #: Rotation of the FZG type C pair within 0.2 % of the converged one, a position in 0.15 ms.
 COARSE = Resolution(flank_element_parts=0.5, modes=4, grid=Grid(4.0, 12.0))

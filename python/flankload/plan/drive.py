@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import totals
-from flankload.effects import EFFECTS, switches_of
 from flankload.plan.planned import Plan, PlannedEffect
 from flankload.plan.quarter import QUARTER
 from flankload.plan.remarks import remarked
+from flankload.scene.effects import EFFECTS, switches_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,13 +13,13 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unknowns_of
-from flankload.prediction import predicted_work
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.assembly import BodyPair
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.scene import Scene
 
     Counted = Mapping[str, Mapping[str, int]]
@@ -169,7 +169,7 @@ def duration_of_belt(scene: Scene) -> Duration:
     -------
     Duration
     """
-    from flankload.belt_drive import positions_of, strip_of
+    from flankload.mechanisms.belt.drive import positions_of, strip_of
     from flankload.plan.belt_price import price_belt
 
     strip = strip_of(scene)

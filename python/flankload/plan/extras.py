@@ -10,19 +10,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.bodies import WholeMesh
-from flankload.effects import effects_of
 from flankload.errors import FlankloadError
-from flankload.growth import growth_of
+from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.pairing.expansion import growth_of
 from flankload.plan.price import SOLUTION_S, price_compliances, unknowns_of
 from flankload.plan.variants import other_way
-from flankload.prediction import predicted_work
+from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
-    from flankload.assembly import BodyPair
     from flankload.cost import Account
-    from flankload.effects import Effect
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
+    from flankload.scene.effects import Effect
 
 #: Of the time of a sweep what goes with influence columns, and with contact problems.
 COLUMNS_PART, SOLVES_PART = 0.35, 0.55

@@ -6,7 +6,6 @@ from dataclasses import replace
 from time import process_time
 from typing import TYPE_CHECKING
 
-from flankload.effects import switches_of
 from flankload.plan.choice import asks_for_choice, chosen_scene, without_choice
 from flankload.plan.coarse import Coarse
 from flankload.plan.drive import predicted_of
@@ -17,12 +16,13 @@ from flankload.plan.price import price_run
 from flankload.plan.quarter import QUARTER
 from flankload.plan.remarks import remarked
 from flankload.scene import Belt, Chain
+from flankload.scene.effects import switches_of
 from flankload.steering import first_pick, first_scene
 
 if TYPE_CHECKING:
     from flankload.cost import Account
-    from flankload.effects import Effect, Switch
     from flankload.scene import Scene
+    from flankload.scene.effects import Effect, Switch
 
 
 def plan(scene: Scene) -> Plan:

@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flankload.effects import EFFECTS, Effect
 from flankload.errors import FlankloadError, SceneError
 from flankload.plan.nodes import nodal_size, part_of_wind_up
 from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, scaled, size_of
 from flankload.plan.variants import is_readable, other_way
-from flankload.resolution import Grid, choose_resolution
 from flankload.scene import Cam
+from flankload.scene.effects import EFFECTS, Effect
+from flankload.scene.resolution import Grid, choose_resolution
 
 if TYPE_CHECKING:
-    from flankload.effects import Switch
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
+    from flankload.scene.effects import Switch
 
 #: Cells on which finite forces are looked at: what they change goes with the width of a cell, and
 #: what they cost with the square of the number of cells.

@@ -32,8 +32,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.nodal_loads import nodes_of
-from flankload.node_spacing import half_widths_apart
+from flankload.elasticity.nodal_loads import nodes_of
+from flankload.pairing.node_spacing import half_widths_apart
 from flankload.plan.sizes import Size
 
 if TYPE_CHECKING:

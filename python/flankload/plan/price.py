@@ -13,24 +13,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.tangent import with_tangents
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account, held_bytes
-from flankload.estimate import estimate_errors
-from flankload.prediction import elements_estimated, predicted_work
-from flankload.stages import grown_pair, sweep_of
-from flankload.tangent import with_tangents
+from flankload.mechanisms.flank_pair.prediction import elements_estimated, predicted_work
+from flankload.mechanisms.flank_pair.stages import grown_pair, sweep_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
-    from flankload.assembly import BodyPair
     from flankload.bodies import Body
-    from flankload.compliance import BodyCompliance
-    from flankload.root_fillet import RootFillets
+    from flankload.bodies.root_fillet import RootFillets
+    from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.scene import Scene
-    from flankload.sweep import Sweep
 
     Floats = NDArray[np.float64]
     Compliances = tuple[BodyCompliance, BodyCompliance]

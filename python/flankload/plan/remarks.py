@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flankload.effects import Effect
     from flankload.plan.planned import PlannedEffect
+    from flankload.scene.effects import Effect
 
 #: Less of the load share is not worth a word.
 LEAST_SHARE = 1e-4

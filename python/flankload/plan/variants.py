@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.effects import MODIFICATIONS, Effect
 from flankload.scene import MeshBody, Scene
 from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects import MODIFICATIONS, Effect
 
 if TYPE_CHECKING:
     from collections.abc import Callable

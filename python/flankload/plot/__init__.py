@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.plot.belt import (
     plot_belt_on_pulley,
     plot_force_through_wrap,

@@ -11,17 +11,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from flankload.accuracy.observed import MEANINGS
-from flankload.accuracy.study_text import GROUPS, KNOBS, NAMED
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short
+from flankload.studies.accuracy.observed import MEANINGS
+from flankload.studies.accuracy.study_text import GROUPS, KNOBS, NAMED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from flankload.accuracy import Row, Study
+    from flankload.studies.accuracy import Row, Study
 
     Points = list[tuple[float, float]]
 

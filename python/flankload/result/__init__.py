@@ -1,6 +1,6 @@
 """What was found: frozen results, their tables and their files."""
 
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.result.export import results_to_csv, results_to_json
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable

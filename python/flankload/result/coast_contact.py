@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly
 from flankload.result.pairs import PairTable
 
 if TYPE_CHECKING:

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.coast_sites import coast_sites
+from flankload.contact.sweep import sweep
 from flankload.errors import ContactError
-from flankload.sweep import sweep
+from flankload.pairing.coast_sites import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.assembly import BodyPair
     from flankload.bodies.body import Body
-    from flankload.compliance import BodyCompliance
-    from flankload.pairing import Pairing
-    from flankload.resolution import Grid
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.pairing import Pairing
+    from flankload.scene.resolution import Grid
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly
+from flankload.base.rounding import round_down, round_up
 from flankload.result.flank_contact import FlankContacts, flank_contacts
-from flankload.rounding import round_down, round_up
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,9 +9,9 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flankload.assembly import BodyPair
     from flankload.bodies import Body
-    from flankload.sweep import Sweep
+    from flankload.contact.sweep import Sweep
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
 
 #: Kinds of bodies whose profile the keys of a scene make.
 PARAMETRIC = ("gear", "ring", "spline_shaft", "spline_hub")

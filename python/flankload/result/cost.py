@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.contact.sweep import CORE_COUNTERS
 from flankload.cost import totals
-from flankload.sweep import CORE_COUNTERS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.compliance import BodyCompliance
+    from flankload.contact.sweep import Sweep
     from flankload.cost import Account
-    from flankload.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
 
 
 def cost_of(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
 from flankload.result.friction import ALONG_POSITIONS as FRICTION

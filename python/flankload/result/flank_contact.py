@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

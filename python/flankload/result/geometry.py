@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from flankload.assembly import BodyPair
-    from flankload.compliance import BodyCompliance
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.position_curve import curve_through, loaded_pair_changes
-from flankload.rounding import round_down
+from flankload.base.rounding import round_down
+from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 if TYPE_CHECKING:
-    from flankload.position_curve import Flags, Floats, Integers, PositionCurve
+    from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
     from flankload.result.result import Result
 
 #: Harmonics of the transmission error that the summary names.

@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.near_field import mode_norms, mode_values
-from flankload.nodal_loads import hat_values
-from flankload.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly
+from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.elasticity.nodal_loads import hat_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flankload.assembly import BodyPair
-    from flankload.compliance import BodyCompliance
+    from flankload.bodies.root_fillet import RootPoints
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.result.pairs import PairTable
-    from flankload.root_fillet import RootPoints
 
 Floats = NDArray[np.float64]
 

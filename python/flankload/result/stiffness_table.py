@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.files import write_atomically
+from flankload.base.files import write_atomically
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:

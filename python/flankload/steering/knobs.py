@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
-from flankload.assembly import bodies_of
 from flankload.bodies import SPLINE_PART
-from flankload.bodies.given import ModalCompliance
-from flankload.resolution import DEFAULT, elements_for_modes
+from flankload.bodies.imported.given import ModalCompliance
+from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene import Belt, Chain, ComplianceBody, MeshBody
+from flankload.scene.resolution import DEFAULT, elements_for_modes
 
 if TYPE_CHECKING:
     from flankload.bodies import Body
@@ -200,7 +200,7 @@ def _elements(scene: Scene, kind: str) -> tuple[float | None, int]:
     if kind == "chains":
         return None, 0
     if kind == "belts":
-        from flankload.belt_drive import default_element_mm
+        from flankload.mechanisms.belt.drive import default_element_mm
 
         return default_element_mm(scene), 0
     lengths, modes = [], [MOST_MODES]

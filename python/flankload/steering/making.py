@@ -16,7 +16,7 @@ from flankload.steering.told import told, told_by_source
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, MutableMapping, Sequence
 
-    from flankload.compliance import BodyCompliance
+    from flankload.elasticity.compliance import BodyCompliance
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.steering.knobs import Knobs

@@ -1,0 +1,1 @@
+"""One run: states at all positions, tangent stiffness and error estimates."""

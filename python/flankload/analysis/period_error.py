@@ -1,0 +1,281 @@
+"""Teeth that yield differently: after how many a compliance repeats, and what one pitch misses.
+
+A body that is meshed as a whole may have holes, a keyway or spokes, so that its compliance repeats
+after some teeth, or after a turn, and not with each tooth. Positions over one pitch then know one
+tooth after the other only where they stand. What other teeth in their places do is told by the
+forces that were found: the work of forces F is F'KF/2, and a stiffness K that is a little another
+one turns body 1 under the same torque M by F'(change of K)F/M more, to the first order. On wheels
+with three and four windows, whose own compliance varies by a quarter, that is within 4 % of what
+solving all pitches gives.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import lcm
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
+from flankload.analysis.error_rules import Left
+from flankload.elasticity.near_field import mode_values, projected_logarithm
+from flankload.elasticity.nodal_loads import hat_values, hat_widths
+
+if TYPE_CHECKING:
+    from flankload.analysis.adaptive_positions import Window
+    from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.result.interpolant import Floats, Integers
+
+#: The quantity that there is where positions close.
+HARMONICS_KEY = "transmission_error_harmonics"
+#: Positions this part of a pitch before the next pitch are in that.
+SAME = 1e-6
+#: Teeth whose compliances differ by less than this part of the tolerance are alike; meshes that are
+#: not the same at all teeth differ by less.
+ALIKE = 0.25
+#: What the first order may be off, over the change that it tells of a quantity, and over the mean
+#: size of the changes at all positions (of the peak to peak: the largest).
+DOUBT, DOUBT_SIZE = 0.2, 0.05
+
+
+def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> int:
+    """Teeth after which a compliance repeats around a body.
+
+    Teeth are alike where an even pressure on one of them moves it and the others as it does at the
+    other one.
+
+    Parameters
+    ----------
+    compliance : BodyCompliance
+    teeth : int
+        Of the body.
+    part : float
+        Teeth whose compliances differ by less than this part of the largest are alike.
+
+    Returns
+    -------
+    int
+        1 where all teeth are alike, else a divisor of their number; teeth without a flank are like
+        any other.
+    """
+    f = len(compliance.flanks)
+    if f < 2:
+        return 1
+    evenly = _of_even_pressure(compliance).reshape(f, f)
+    moved = np.full((teeth, teeth), np.nan)
+    moved[np.ix_(compliance.flanks, compliance.flanks)] = evenly
+    allowed = part * float(np.abs(np.diag(evenly)).max())
+
+    def repeats(group: int) -> bool:
+        apart = np.abs(np.roll(moved, (group, group), axis=(0, 1)) - moved)
+        return bool(np.nanmax(apart, initial=0.0) <= allowed)
+
+    return next(g for g in range(1, teeth + 1) if teeth % g == 0 and repeats(g))
+
+
+def _of_even_pressure(compliance: BodyCompliance) -> Floats:
+    """Mean displacement (f * f,) of flanks under a unit force spread evenly over flanks."""
+    low, high = compliance.mode_range_mm
+    length, f = high - low, len(compliance.flanks)
+    if compliance.nodes is not None:
+        evenly = hat_widths(compliance.nodes) / length
+        return np.asarray(evenly @ compliance.smooth @ evenly)
+    moved = compliance.smooth[:, 0, 0].copy()
+    near = compliance.kernel * projected_logarithm(1, length)[0, 0] / length**2
+    moved[np.arange(f) * (f + 1)] -= near
+    return moved
+
+
+@dataclass(frozen=True, eq=False)
+class OtherTeeth:
+    """Bodies whose teeth need not be alike, and the positions that see some of them.
+
+    Attributes
+    ----------
+    compliances : two BodyCompliance
+    teeth : (int, int)
+    site_teeth : two (S,) arrays
+        Tooth of each body at each site.
+    steps : (int, int)
+        By how many teeth each body moves on at a site in a pitch.
+    face_width_mm : float
+    window : Window
+        What the positions run over.
+    position_rad : (P,) array
+    """
+
+    compliances: tuple[BodyCompliance, BodyCompliance]
+    teeth: tuple[int, int]
+    site_teeth: tuple[Integers, Integers]
+    steps: tuple[int, int]
+    face_width_mm: float
+    window: Window
+    position_rad: Floats
+
+    @classmethod
+    def of(
+        cls,
+        pair: BodyPair,
+        compliances: tuple[BodyCompliance, BodyCompliance],
+        face_width_mm: float,
+        window: Window,
+    ) -> OtherTeeth | None:
+        """Of a pair; None where teeth are alike by their kind, or the positions see all of them."""
+        one = cls(
+            compliances=compliances,
+            teeth=(pair.body_1.teeth, pair.body_2.teeth),
+            site_teeth=pair.pairing.site_teeth,
+            steps=(-1, pair.body_2.outward),
+            face_width_mm=face_width_mm,
+            window=window,
+            position_rad=pair.position_rad,
+        )
+        return None if window.pitches % one.pitches == 0 else one
+
+    @property
+    def pitches(self) -> int:
+        """Pitches after which the same teeth meet again, of bodies whose teeth may be unlike."""
+        return lcm(*(self.teeth[z] for z in (0, 1) if len(self.compliances[z].flanks) > 1))
+
+    def changes_rad(self, found: Sweep) -> Floats:
+        """(K, P) How much further body 1 turns at each position, k windows later.
+
+        NaN where a tooth would carry that has no flank, and where the teeth come again.
+        """
+        number = np.arange(0, self.pitches, self.window.pitches)
+        total = np.zeros((number.size, self.position_rad.size))
+        for z, compliance in enumerate(self.compliances):
+            if len(compliance.flanks) > 1:
+                by_tooth = self._work(found, z)
+                total += (by_tooth - by_tooth[0])[self.steps[z] * number % self.teeth[z]]
+        pitch = (self.position_rad - self.position_rad[0]) / self.window.pitch_rad
+        total[number[:, None] + np.floor(pitch + SAME) >= self.pitches] = np.nan
+        return total / (self.face_width_mm * found.torque_Nmm)
+
+    def _work(self, found: Sweep, z: int) -> Floats:
+        """(teeth, P) F'KF (N² mm²/N) of the forces on body z, moved on by so many teeth."""
+        compliance, teeth = self.compliances[z], self.teeth[z]
+        tooth, loads = _loads(found, compliance, self.site_teeth[z], z)
+        f, n = len(compliance.flanks), loads.shape[2]
+        place = np.full(teeth, -1)
+        place[list(compliance.flanks)] = np.arange(f)
+        blocks = compliance.smooth.reshape(f, f, n, n)
+        work = np.empty((teeth, len(tooth)))
+        for k in range(teeth):
+            at = place[(tooth + k) % teeth]
+            moved = np.einsum("pijab,pjb->pia", blocks[at[:, :, None], at[:, None, :]], loads)
+            work[k] = np.einsum("pia,pia->p", moved, loads)
+            missing = ((at < 0) & loads.any(axis=2)).any(axis=1)
+            work[k, missing] = np.nan
+        return work
+
+
+def _loads(
+    found: Sweep, compliance: BodyCompliance, site_teeth: Integers, z: int
+) -> tuple[Integers, Floats]:
+    """Teeth (P, L) that carry at each position, and their loads (P, L, n) as modes, N.
+
+    Of positions at which fewer carry the rest are teeth without load.
+    """
+    pairs = found.pairs
+    s = np.clip(pairs.column(f"s_{z + 1}"), *compliance.mode_range_mm)
+    if compliance.nodes is not None:
+        values = hat_values(s, compliance.nodes)
+    else:
+        values = mode_values(
+            s, compliance.mode_range_mm, compliance.smooth.shape[1], closed=compliance.closed
+        )
+    values *= pairs.column("force")[:, None]
+    carries = found.site_force_N > 0
+    column = np.cumsum(carries, axis=1) - 1
+    most = max(1, int(carries.sum(axis=1).max()))
+    tooth = np.zeros((len(carries), most), dtype=np.int64)
+    p, s_loaded = np.nonzero(carries)
+    tooth[p, column[p, s_loaded]] = site_teeth[s_loaded]
+    loads = np.zeros((*tooth.shape, values.shape[1]))
+    here = carries[pairs.position, pairs.sites]
+    position, site = pairs.position[here], pairs.sites[here]
+    np.add.at(loads, (position, column[position, site]), values[here])
+    return tooth, loads
+
+
+def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
+    """What positions miss that do not see all teeth, in what follows from all positions.
+
+    Parameters
+    ----------
+    found : Sweep
+        With its pairs, under a torque.
+    others : OtherTeeth
+
+    Returns
+    -------
+    dict
+        By quantity.
+    """
+    changes, rotation = others.changes_rad(found), found.rotation_rad
+    known = ~np.isnan(changes)
+    alone = _weights(others.position_rad, others.window)
+    weight = np.where(known, alone, 0.0)
+    weight /= weight.sum()
+    changes = np.where(known, changes, 0.0)
+    spread = DOUBT_SIZE * float((weight * np.abs(changes)).sum())
+    most = DOUBT_SIZE * float(np.abs(changes).max())
+    now, whole = float(alone @ rotation), float((weight * (rotation + changes)).sum())
+    span, all_spans = float(np.ptp(rotation)), float(np.ptp((rotation + changes)[known]))
+    told = {
+        "transmission_error_mean": _left(now, whole, spread),
+        "transmission_error_peak_to_peak": _left(span, all_spans, most),
+    }
+    for name, softness in (
+        ("stiffness_secant", found.turned_rad),
+        ("stiffness_tangent", found.tangent_rad_per_Nmm * found.torque_Nmm),
+    ):
+        other = softness + changes
+        if (softness > 0).all() and (other > 0).all():
+            now = float(alone @ (1.0 / softness))
+            part = spread / float(alone @ softness)
+            told[name] = _left(now, float((weight / other).sum()), part * now)
+    if others.window.closed:
+        mean = np.sum(weight * changes, axis=0) / weight.sum(axis=0)
+        told[HARMONICS_KEY] = _of_harmonics(others, rotation, rotation + mean, spread)
+    return told
+
+
+def _left(now: float, whole: float, spread: float) -> Left:
+    """What is left of a number that is another one over the whole period, relative to itself."""
+    scale = abs(now)
+    if not scale > 0:
+        return Left(0.0, 0.0)
+    return Left((now - whole) / scale, float(np.hypot(DOUBT * (now - whole), spread)) / scale)
+
+
+def _weights(position_rad: Floats, window: Window) -> Floats:
+    """Part of the window (P,) that each position stands for."""
+    if position_rad.size == 1:
+        return np.ones(1)
+    if window.closed:
+        length = window.pitches * window.pitch_rad
+        steps = np.diff(position_rad, append=position_rad[0] + length)
+        both = steps + np.roll(steps, 1)
+    else:
+        steps = np.diff(position_rad)
+        both = np.append(steps, 0.0) + np.append(0.0, steps)
+    return np.asarray(both / both.sum())
+
+
+def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float) -> Left:
+    """Of the worst of the harmonics of a pitch: those of all pitches are those of their mean."""
+    weight = _weights(others.position_rad, others.window)
+    turn = 2 * np.pi * others.position_rad / others.window.pitch_rad
+    waves = 2.0 * weight * np.exp(-1j * np.outer(HARMONICS, turn))
+    one, all_of = np.abs(waves @ now), np.abs(waves @ whole)
+    scale = np.maximum(one, LEAST_HARMONIC * one.max())
+    parts = [
+        _left(float(s), float(s + b - a), spread)
+        for s, a, b in zip(scale, one, all_of, strict=True)
+    ]
+    return max(parts, key=lambda part: part.size)

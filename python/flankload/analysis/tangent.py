@@ -1,0 +1,100 @@
+"""Stiffness as what the rotation itself does: when the torque grows, and from no torque on.
+
+With the pairs in contact held, the derivative of the rotation lacks what the edges of the contacts
+add when their cells grow along: 0.1 to 0.3 % on gears with ten cells to the half-width. As cells
+are laid anew for each torque, in the same number for each half-width, the rotation is smooth in
+the torque, and differences over 2e-3 of it agree with those over 1e-4 to 2e-8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import ContactError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flankload.contact.sweep import Sweep
+
+#: Step of the torque, relative: the third derivative stays below 1e-7, rounding below 1e-8.
+STEP = 1e-3
+#: Torques beside each torque.
+SIDES = (-1, 1)
+#: Where both sides differ by more than this a flank comes into contact or leaves within the step:
+#: there the derivative with the pairs in contact held is the better one.
+LARGEST_KINK = 5e-3
+
+
+def with_tangents(
+    found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
+) -> tuple[Sweep, ...]:
+    """Replace the derivatives of rotation and forces by differences.
+
+    Parameters
+    ----------
+    found : tuple of Sweep
+        One for each torque.
+    run : callable
+        run(torques_Nmm=…) sweeps the same positions under other torques.
+
+    Returns
+    -------
+    tuple of Sweep
+        As they were where there is no torque, or no state under one a little greater.
+    """
+    loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
+    if not loaded:
+        return found
+    torques = [found[t].torque_Nmm * (1.0 + side * STEP) for t in loaded for side in SIDES]
+    try:
+        beside = run(torques_Nmm=torques)
+    except ContactError:
+        return found
+    parts = list(found)
+    for k, t in enumerate(loaded):
+        parts[t] = _differenced(found[t], beside[2 * k], beside[2 * k + 1])
+    return tuple(parts)
+
+
+def with_unloaded(
+    found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
+) -> tuple[Sweep, ...]:
+    """Add the rotation without torque, from which the deflection by a torque counts.
+
+    Deviations of pitch and profile, an offset of the axes, growth and preload turn body 1 before
+    there is any torque.
+
+    Parameters
+    ----------
+    found : tuple of Sweep
+        One for each torque.
+    run : callable
+        run(torques_Nmm=…) sweeps the same positions under other torques.
+
+    Returns
+    -------
+    tuple of Sweep
+        As they were where there is no state without torque.
+    """
+    none = next((part for part in found if part.torque_Nmm == 0.0), None)
+    if none is None:
+        try:
+            (none,) = run(torques_Nmm=[0.0])
+        except ContactError:
+            return found
+    return tuple(replace(part, unloaded_rad=none.rotation_rad) for part in found)
+
+
+def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:
+    """One torque."""
+    step = STEP * part.torque_Nmm
+    before = (part.rotation_rad - less.rotation_rad) / step
+    behind = (more.rotation_rad - part.rotation_rad) / step
+    smooth = np.abs(behind - before) <= LARGEST_KINK * np.abs(part.tangent_rad_per_Nmm)
+    tangent = np.where(smooth, 0.5 * (before + behind), part.tangent_rad_per_Nmm)
+    forces = 0.5 * (more.site_force_N - less.site_force_N) / step
+    return replace(part, tangent_rad_per_Nmm=tangent, site_force_per_torque=forces)

@@ -1,0 +1,1 @@
+"""Cams and followers."""

@@ -1,0 +1,151 @@
+"""Bodies of kind "cam": a disc within a closed profile, held at its bore."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.rounding import round_up
+from flankload.bodies.body import Body, Material, MeshedFlank, WholeMesh
+from flankload.bodies.cam.cam_profile import cam_profile
+from flankload.meshes.blocks import (
+    MOST_NODES,
+    MOST_PARTS,
+    BlockMesh,
+    check_count,
+    growing_breaks,
+    with_middles,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.cam.cam_profile import CamProfile
+    from flankload.scene import Cam
+
+#: Elements around the profile at the default resolution: at least so many, so many on a length as
+#: long as the wall is thick, on a radian of the sharpest nose, and at most so many.
+LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
+#: Pressure modes, over those of a gear's flank, for each element: a harmonic lies on five.
+MODES_PER_ELEMENT = 8.2 / 96
+#: The first layer is thinner than its elements are long, since short waves of pressure die out in a
+#: third of it (one as thick: 0.5 % of the wind-up of a thin cam); layers grow to the bore by this.
+FIRST_LAYER, GROWTH = 0.3, 1.4
+LEAST_LAYERS = 3
+
+
+def build_cam(
+    spec: Cam, key: str, *, folder: Path, flank_element_mm: float | None, fineness: float
+) -> Body:
+    """Build a cam.
+
+    Parameters
+    ----------
+    spec : Cam
+        Keys of the cam.
+    key : str
+        Key of the body in the scene, for messages.
+    folder : Path
+        Folder that the table's file is relative to.
+    flank_element_mm : float or None
+        Largest length of a finite element along the profile.
+    fineness : float
+        Where that is None: elements along the profile, over those at the default resolution.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    SceneError
+        If there is no such cam; names the key.
+    """
+    profile = cam_profile(spec, key, folder=folder)
+    bore_radius = 0.5 * spec.bore_diameter_mm
+    length = profile.curve.length_mm
+    elements = _elements(profile, bore_radius)
+    mesh = None
+    if not spec.rigid:
+        element_mm = flank_element_mm or length / (elements * fineness)
+        mesh = cam_mesh(profile, bore_radius_mm=bore_radius, flank_element_mm=element_mm)
+    turn = np.linspace(0.0, length, 721)
+    return Body(
+        kind=spec.kind,
+        curve=profile.curve,
+        teeth=1,
+        material=Material(spec.young_modulus_MPa, spec.poisson_ratio),
+        rigid=spec.rigid,
+        mesh=mesh,
+        mode_range_mm=(0.0, length),
+        reference_radius_mm=profile.least_radius_mm,
+        involute=None,
+        flank_angle_known=True,
+        pitch_errors_um=(),
+        outline=profile.curve.point(turn)[::-1],
+        bore_radius_mm=bore_radius,
+        modes_part=MODES_PER_ELEMENT * elements,
+        turns_clockwise=spec.sense == "clockwise",
+    )
+
+
+def _elements(profile: CamProfile, bore_radius: float) -> float:
+    """Elements around the profile at the default resolution."""
+    curve, wall = profile.curve, profile.least_radius_mm - bore_radius
+    sharpest = float(curve.curvature(curve.breaks).max())
+    wanted = curve.length_mm * max(ELEMENTS_PER_WALL / wall, ELEMENTS_PER_RADIAN * sharpest)
+    return min(max(wanted, LEAST_ELEMENTS), MOST_ELEMENTS)
+
+
+def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: float) -> WholeMesh:
+    """Mesh a cam: rays from the bore to the profile, layers that grow inwards.
+
+    Parameters
+    ----------
+    profile : CamProfile
+    bore_radius_mm : float
+    flank_element_mm : float
+        Largest length of an element along the profile.
+
+    Returns
+    -------
+    WholeMesh
+        With one closed flank, that of tooth 0.
+    """
+    length = profile.curve.length_mm
+    parts = 0.5 * length / flank_element_mm
+    check_count(parts, MOST_PARTS, "elements along a line")
+    half = max(8, round_up(parts))
+    wall = profile.least_radius_mm - bore_radius_mm
+    first = min(FIRST_LAYER * length / (2 * half), wall / LEAST_LAYERS)
+    depth = growing_breaks(wall, first, GROWTH, None)
+    up = 1.0 - with_middles(depth)[::-1]
+    check_count(2.0 * half * up.size, MOST_NODES, "nodes")
+    blocks = BlockMesh()
+    ends: dict[str, NDArray[np.int64]] = {}
+    outside = []
+    for part in (0, 1):
+        s = with_middles(np.linspace(part, part + 1, half + 1)) * 0.5 * length
+        top = profile.curve.point(s)
+        bottom = bore_radius_mm * top / np.hypot(*top.T)[:, None]
+        grid = bottom + up[:, None, None] * (top - bottom)
+        numbers = blocks.add(grid, ends)
+        ends = {"left": numbers[:, -1], "right": numbers[:, 0]}
+        outside.append((numbers, s))
+    nodes = np.concatenate(blocks.places)
+    arc_length = np.full(len(nodes), np.nan)
+    edges, fixed = [], []
+    for numbers, s in outside:
+        arc_length[numbers[-1, :-1]] = s[:-1]
+        row = numbers[-1]
+        edges.append(np.stack([row[:-2:2], row[2::2], row[1::2]], axis=1))
+        fixed.append(numbers[0])
+    return WholeMesh(
+        nodes=nodes,
+        cells=(("quad9", np.concatenate(blocks.cells)),),
+        fixed_nodes=np.unique(np.concatenate(fixed)),
+        flanks=(MeshedFlank(0, nodes, np.concatenate(edges), arc_length),),
+    )

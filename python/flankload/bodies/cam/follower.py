@@ -1,0 +1,233 @@
+"""Bodies of kind "follower": a lever with a hub, held at its bore, and a roller or a flat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, hypot, pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import Body, Flat, Material, Roller
+from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
+from flankload.errors import SceneError
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import Follower
+
+    Floats = NDArray[np.float64]
+
+#: Hub over bore where the scene names no hub; hub over what of the arm it holds.
+HUB_PART, HOLDING_PART = 1.6, 1.25
+#: Arm over roller radius: narrower than what the roller's block can take, wider than the roller.
+LEAST_ARM, LARGEST_ARM = 0.2, 1.6
+DEFAULT_FLAT_ARM = 0.2
+#: A roller ends, as a flank, where it lies along circles about O1: less than this part of the
+#: distance from O1 is left as lever there.
+LEAST_RISE = 0.03
+#: Elements along a roller at the default resolution, and pressure modes over those of a gear.
+ROLLER_ELEMENTS = 24
+ROLLER_MODES_PART = 2.0
+#: The same along a flat, on each arm width.
+FLAT_ELEMENTS_PER_WIDTH = 5.0
+FLAT_MODES_PART = 1.6
+FLAT_MODES_PER_WIDTH = 0.5
+
+
+@dataclass(frozen=True)
+class Lever:
+    """Shape of a follower in its own frame: the arm along x, the cam beyond greater y; mm.
+
+    Attributes
+    ----------
+    bore_radius_mm, hub_radius_mm : float
+    arm_mm : (float, float)
+        Between these y the arm lies.
+    head : Roller or Flat
+    """
+
+    bore_radius_mm: float
+    hub_radius_mm: float
+    arm_mm: tuple[float, float]
+    head: Roller | Flat
+
+    @property
+    def hub_angles_rad(self) -> tuple[float, float]:
+        """Polar angles between which the arm leaves the hub."""
+        low, high = (asin(y / self.hub_radius_mm) for y in self.arm_mm)
+        return low, high
+
+
+def build_follower(
+    spec: Follower, key: str, *, flank_element_mm: float | None, fineness: float
+) -> Body:
+    """Build a follower.
+
+    Parameters
+    ----------
+    spec : Follower
+        Keys of the follower.
+    key : str
+        Key of the body in the scene, for messages.
+    flank_element_mm : float or None
+        Largest length of a finite element along roller or flat.
+    fineness : float
+        Where that is None: elements along the flank, over those at the default resolution.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    SceneError
+        If there is no such lever; names the key.
+    """
+    lever = lever_of(spec, key)
+    head = lever.head
+    if isinstance(head, Roller):
+        curve, radius = roller_curve(head), head.arm_mm
+        length = head.radius_mm * head.angles_rad[1]
+        default_mm = length / ROLLER_ELEMENTS
+        modes_part = ROLLER_MODES_PART
+    else:
+        curve, radius = flat_curve(head), hypot(head.offset_mm, 0.5 * sum(head.ends_mm))
+        length = curve.length_mm
+        width = lever.arm_mm[1] - lever.arm_mm[0]
+        default_mm = width / FLAT_ELEMENTS_PER_WIDTH
+        modes_part = FLAT_MODES_PART + FLAT_MODES_PER_WIDTH * length / width
+    mesh = None
+    if not spec.rigid:
+        make = roller_mesh if isinstance(head, Roller) else flat_mesh
+        element_mm = flank_element_mm or default_mm / fineness
+        mesh = make(lever, flank_element_mm=element_mm, finer=max(1.0, default_mm / element_mm))
+    return Body(
+        kind=spec.kind,
+        curve=curve,
+        teeth=1,
+        material=Material(spec.young_modulus_MPa, spec.poisson_ratio),
+        rigid=spec.rigid,
+        mesh=mesh,
+        mode_range_mm=(0.0, length),
+        reference_radius_mm=radius,
+        involute=None,
+        flank_angle_known=True,
+        pitch_errors_um=(),
+        outline=outline_of(lever),
+        bore_radius_mm=lever.bore_radius_mm,
+        modes_part=modes_part,
+        touches=head,
+    )
+
+
+def lever_of(spec: Follower, key: str) -> Lever:
+    """Shape of a follower; what the scene leaves open is chosen.
+
+    Raises
+    ------
+    SceneError
+        If arm, hub and head do not go together; names the key.
+    """
+
+    def refuse(name: str, expected: str, found: float) -> None:
+        raise SceneError(key=f"{key}.{name}", expected=expected, found=f"{found:g}")
+
+    if spec.has_roller:
+        assert spec.roller_radius_mm is not None
+        radius = spec.roller_radius_mm
+        width = spec.arm_width_mm or radius
+        if not LEAST_ARM * radius <= width <= LARGEST_ARM * radius:
+            refuse(
+                "arm_width_mm",
+                f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
+                f"({LEAST_ARM * radius:g} to {LARGEST_ARM * radius:g})",
+                width,
+            )
+        arm = (-0.5 * width, 0.5 * width)
+    else:
+        assert spec.flat_to_mm is not None
+        assert spec.flat_offset_mm is not None
+        width = spec.arm_width_mm or DEFAULT_FLAT_ARM * spec.flat_to_mm
+        arm = (spec.flat_offset_mm - width, spec.flat_offset_mm)
+    bore, held = 0.5 * spec.bore_diameter_mm, HOLDING_PART * max(map(abs, arm))
+    hub = 0.5 * (spec.hub_diameter_mm or 0.0) or max(HUB_PART * bore, held)
+    if hub < held:
+        refuse(
+            "hub_diameter_mm",
+            f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
+            f"{arm[1]:g} mm)",
+            2 * hub,
+        )
+    head = _roller(spec, key, hub, arm[1]) if spec.has_roller else _flat(spec, key, hub)
+    return Lever(bore, hub, arm, head)
+
+
+def _roller(spec: Follower, key: str, hub: float, half_width: float) -> Roller:
+    arm, radius = spec.arm_mm, spec.roller_radius_mm
+    assert arm is not None
+    assert radius is not None
+    if arm < hub + radius:
+        raise SceneError(
+            key=f"{key}.arm_mm",
+            expected=f"more than the radii of hub and roller together, {hub + radius:g}",
+            found=f"{arm:g}",
+        )
+    # |P x n| = arm sin(angle) against the distance from O1
+    end = asin(LEAST_RISE * (arm + radius) / arm)
+    return Roller(arm, radius, (end, pi - asin(half_width / radius)))
+
+
+def _flat(spec: Follower, key: str, hub: float) -> Flat:
+    low, high, offset = spec.flat_from_mm, spec.flat_to_mm, spec.flat_offset_mm
+    assert low is not None
+    assert high is not None
+    assert offset is not None
+    beside = sqrt(max(0.0, hub**2 - offset**2))
+    if low < beside:
+        raise SceneError(
+            key=f"{key}.flat_from_mm",
+            expected=f"at least {beside:.4f}, where the arm leaves the hub of radius {hub:g}",
+            found=f"{low:g}",
+        )
+    return Flat(offset, (low, high))
+
+
+def roller_curve(roller: Roller) -> FlankCurve:
+    """The free half of a roller that faces the cam, from the arm outwards."""
+    arm, radius = roller.arm_mm, roller.radius_mm
+    low, high = roller.angles_rad
+
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        out = np.stack([np.cos(u), np.sin(u)], axis=1)
+        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
+        return np.array([arm, 0.0]) + radius * out, radius * along, -radius * out
+
+    return fit_flank_curve([CurvePiece("flank", place, high, low)])
+
+
+def flat_curve(flat: Flat) -> FlankCurve:
+    """The flat, outwards; it ends in a corner."""
+
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        still = np.zeros((u.size, 2))
+        return np.stack([u, 0 * u + flat.offset_mm], axis=1), still + np.array([1.0, 0.0]), still
+
+    return fit_flank_curve([CurvePiece("flank", place, *flat.ends_mm)], corner_at_end=True)
+
+
+def outline_of(lever: Lever, points: int = 121) -> Floats:
+    """Contour of a lever, counter-clockwise, with so many points on each arc."""
+    (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
+    turn = np.linspace(high, low + 2 * pi, points)
+    parts = [hub * np.stack([np.cos(turn), np.sin(turn)], axis=1)]
+    if isinstance(head, Roller):
+        turn = np.linspace(-head.angles_rad[1], head.angles_rad[1], points)
+        circle = head.radius_mm * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        parts.append(circle + np.array([head.arm_mm, 0.0]))
+    else:
+        end = head.ends_mm[1]
+        parts.append(np.array([[end, lever.arm_mm[0]], [end, lever.arm_mm[1]]]))
+    return np.concatenate(parts)

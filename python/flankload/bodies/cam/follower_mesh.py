@@ -1,0 +1,238 @@
+"""Structured mesh of a follower: hub, arm, and a roller bonded to it or a flat along it.
+
+All blocks are quadrilaterals that share their edges: the hub is a ring in two parts, one of them as
+wide as the arm; a roller is a core with four blocks around it, one of them behind the arm's end.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.rounding import round_up
+from flankload.bodies.body import MeshedFlank, WholeMesh
+from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.cam.follower import Lever
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Half of the roller's outer end, and its core over its radius.
+OUTER_ANGLE = 0.9
+CORE_PART = 0.5
+#: Largest elements inside over those along the flank; across the arm there are at least so many.
+INNER_PART = 1.6
+LEAST_ACROSS = 8
+#: Where the arm meets hub and roller, in sharp corners, elements begin as this part of its width
+#: and grow by that: even ones leave 1 % in the wind-up of a flat follower. With finer elements both
+#: shrink, or what these corners leave would stay.
+CORNER_PART, CORNER_GROWTH = 0.01, 1.6
+#: The first layer under the flank over the length of its elements, and how layers grow inwards.
+FIRST_LAYER, GROWTH = 0.4, 1.4
+
+
+def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
+    """Mesh a lever with a roller.
+
+    Parameters
+    ----------
+    lever : Lever
+        With a Roller.
+    flank_element_mm : float
+        Largest length of an element along the roller.
+    finer : float
+        By what elements at sharp corners of the arm shrink.
+
+    Returns
+    -------
+    WholeMesh
+        Its flank goes from the arm to the outermost place of the roller.
+    """
+    head = lever.head
+    radius, (_, upper) = head.radius_mm, head.angles_rad  # type: ignore[union-attr]
+    centre = np.array([head.arm_mm, 0.0])  # type: ignore[union-attr]
+    width = lever.arm_mm[1] - lever.arm_mm[0]
+    inner = INNER_PART * flank_element_mm
+    # as many elements lie on the outer end of the roller
+    most = width * min(1 / LEAST_ACROSS, flank_element_mm / (2 * OUTER_ANGLE * radius))
+    part = _between_corners(width, width, most, finer)
+    over = max(LEAST_ACROSS, round_up((upper - OUTER_ANGLE) * radius / flank_element_mm))
+    blocks = BlockMesh()
+    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm, finer)
+    # clockwise around the roller, from behind the arm's end
+    angles = (2 * pi - upper, upper, OUTER_ANGLE, -OUTER_ANGLE, -upper)
+    even = np.linspace(0.0, 1.0, 2 * over + 1)
+    turns = [
+        start + steps * (end - start)
+        for start, end, steps in zip(angles[:-1], angles[1:], (part, even) * 2, strict=True)
+    ]
+    behind = centre + radius * _around(turns[0])
+    length = float(behind[0, 0]) - hub[1]
+    steps = _between_corners(length, width, inner, finer)
+    ends = _add_bar(blocks, hub[3], behind, steps, hub[0])[:, -1]
+    core = _roller_core(turns, radius)
+    rings: list[Numbers] = []
+    depth = _layers((1 - CORE_PART) * radius, flank_element_mm)
+    up = (1.0 - depth[::-1])[:, None, None]
+    known: dict[str, Numbers] = {"top": ends}
+    for k, turn in enumerate(turns):
+        outer, within = centre + radius * _around(turn), centre + core[k]
+        if k == 3:
+            known["right"] = rings[0][:, 0]
+        numbers = blocks.add(within + up * (outer - within), known)
+        rings.append(numbers)
+        known = {"left": numbers[:, -1]}
+    _add_core(blocks, [centre + edge for edge in core], [ring[0] for ring in rings])
+    half = turns[2].size // 2 + 1
+    flank = np.concatenate([rings[1][-1], rings[2][-1][1:half]])
+    turn = np.concatenate([turns[1], turns[2][1:half]])
+    return _whole(blocks, fixed, flank, radius * (turn[0] - turn))
+
+
+def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
+    """Mesh a lever with a flat.
+
+    Parameters
+    ----------
+    lever : Lever
+        With a Flat.
+    flank_element_mm : float
+        Largest length of an element along the flat.
+    finer : float
+        By what elements at sharp corners of the arm shrink.
+
+    Returns
+    -------
+    WholeMesh
+        Its flank is the flat.
+    """
+    low, high = lever.arm_mm
+    start, end = lever.head.ends_mm  # type: ignore[union-attr]
+    width, inner = high - low, INNER_PART * flank_element_mm
+    part = _between_corners(width, width, min(inner, width / LEAST_ACROSS), finer)
+    blocks = BlockMesh()
+    hub, fixed = _add_hub(blocks, lever, part, flank_element_mm, finer)
+    up = low + part * (high - low)
+    ends = hub[0]
+    if start - hub[2] > 1e-6 * start:
+        border = np.stack([np.full(up.size, start), up], axis=1)
+        steps = _from_corner(start - hub[2], width, flank_element_mm, finer)
+        ends = _add_bar(blocks, hub[3], border, steps, ends)[:, -1]
+        left = border
+    else:
+        left = hub[3]
+    steps = _from_corner(end - start, width, flank_element_mm, finer)
+    right = np.stack([np.full(up.size, end), up], axis=1)
+    numbers = _add_bar(blocks, left, right, steps, ends)
+    return _whole(blocks, fixed, numbers[-1], steps * (end - start))
+
+
+def _around(turn: Floats) -> Floats:
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
+def _layers(thickness: float, flank_element_mm: float) -> Floats:
+    """Parts of the way in from a flank, with middles: thin layers first."""
+    caps = np.array([[0.0], [INNER_PART * flank_element_mm]])
+    first = min(FIRST_LAYER * flank_element_mm, thickness / LEAST_ACROSS)
+    return with_middles(growing_breaks(thickness, first, GROWTH, caps))
+
+
+def _from_corner(length: float, width: float, largest: float, finer: float) -> Floats:
+    """Parts of a length, with middles, that grow from a corner."""
+    caps = np.array([[0.0], [largest]])
+    first, growth = _steps(width, finer)
+    return with_middles(growing_breaks(length, first, growth, caps))
+
+
+def _between_corners(length: float, width: float, largest: float, finer: float) -> Floats:
+    """The same, from corners at both ends."""
+    first, growth = _steps(width, finer)
+    return with_middles(symmetric_breaks(length, first, growth, largest))
+
+
+def _steps(width: float, finer: float) -> tuple[float, float]:
+    """The first element at a corner of the arm, mm, and how the next ones grow."""
+    return CORNER_PART * width / finer, 1.0 + (CORNER_GROWTH - 1.0) / finer
+
+
+def _add_hub(
+    blocks: BlockMesh, lever: Lever, part: Floats, element_mm: float, finer: float
+) -> tuple[tuple[Numbers, float, float, Floats], Numbers]:
+    """Two parts of a ring; the arm leaves one of them, whose nodes stand at `part` of its height.
+
+    Returns
+    -------
+    hub : tuple
+        Nodes at which the arm leaves, upwards; x of the lowest and of the highest; their places.
+    fixed : array
+        Nodes on the bore.
+    """
+    (y_low, y_high), radius = lever.arm_mm, lever.hub_radius_mm
+    leaving = np.arcsin((y_low + part * (y_high - y_low)) / radius)
+    low, high = leaving[[0, -1]]
+    width, wall = y_high - y_low, radius - lever.bore_radius_mm
+    largest = min(2 * INNER_PART * element_mm, wall)
+    rest = _between_corners((2 * pi - high + low) * radius, width, largest, finer)
+    radii = radius - wall * _from_corner(wall, width, min(largest, wall / 3), finer)[::-1]
+    known: dict[str, Numbers] = {}
+    parts = []
+    # clockwise, so that rows go outwards
+    for turn in (leaving[::-1], low + 2 * pi + rest * (high - low - 2 * pi)):
+        parts.append(blocks.add(radii[:, None, None] * _around(turn), known))
+        known = {"left": parts[0][:, -1], "right": parts[0][:, 0]}
+    places = radius * _around(leaving)
+    fixed = np.unique(np.concatenate([part[0] for part in parts]))
+    return (parts[0][-1][::-1], float(places[0, 0]), float(places[-1, 0]), places), fixed
+
+
+def _add_bar(blocks: BlockMesh, left: Floats, right: Floats, x: Floats, known: Numbers) -> Numbers:
+    """A bar between two borders (places, upwards), straight above and below; x: parts of it."""
+    y = np.stack([(edge[:, 1] - edge[0, 1]) / np.ptp(edge[:, 1]) for edge in (left, right)])
+    bottom, top = (
+        a + x[:, None] * (b - a) for a, b in ((left[0], right[0]), (left[-1], right[-1]))
+    )
+    return blocks.add(coons(bottom, top, left, right, np.stack([x, x]), y), {"left": known})
+
+
+def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
+    """Edges of the core, clockwise from the one behind the arm, about the roller's centre."""
+    edges = []
+    for turn in turns:
+        start, end = CORE_PART * radius * _around(turn[[0, -1]])
+        edges.append(start + np.linspace(0.0, 1.0, turn.size)[:, None] * (end - start))
+    return edges
+
+
+def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) -> None:
+    """Fill the core; its edges go clockwise from the lower left."""
+    left, top, right, bottom = edges
+    x, y = (np.linspace(0.0, 1.0, len(edge)) for edge in (top, left))
+    grid = coons(bottom[::-1], top, left, right[::-1], np.stack([x, x]), np.stack([y, y]))
+    known = {
+        "left": numbers[0],
+        "top": numbers[1],
+        "right": numbers[2][::-1],
+        "bottom": numbers[3][::-1],
+    }
+    blocks.add(grid, known)
+
+
+def _whole(blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
+    """Mesh with one flank, given by its nodes and their arc lengths."""
+    nodes = np.concatenate(blocks.places)
+    arc_length = np.full(len(nodes), np.nan)
+    arc_length[flank] = s
+    edges = np.stack([flank[:-2:2], flank[2::2], flank[1::2]], axis=1)
+    return WholeMesh(
+        nodes=nodes,
+        cells=(("quad9", np.concatenate(blocks.cells)),),
+        fixed_nodes=fixed,
+        flanks=(MeshedFlank(0, nodes, edges, arc_length),),
+    )

@@ -1,0 +1,66 @@
+"""The mesh of a body as a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.meshes.io import write_mesh
+from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    Numbers = NDArray[np.int64]
+
+
+def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: float = 0.0) -> None:
+    """Write the mesh of a body with named sets.
+
+    A sector has the sets FLANK, BORE, CUT_LEFT and CUT_RIGHT; a whole body has BORE and FLANK_0,
+    FLANK_1, … by tooth.
+
+    Parameters
+    ----------
+    path : path
+        Its suffix decides the format: .msh, .vtu or .inp.
+    mesh : SectorMesh or WholeMesh
+    turn_rad : float
+        The nodes are turned by this angle about the axis first: the file then stands as the body
+        stands at position zero.
+
+    Raises
+    ------
+    MeshError
+        If the suffix is not known.
+    """
+    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+    turned = mesh.nodes @ np.array([[cosine, sine], [-sine, cosine]])
+    write_mesh(path, turned, mesh.cells, _named_edges(mesh))
+
+
+def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:
+    """Edges (m, 3) of every named set on the boundary."""
+    _, cells = raise_to_quadratic(mesh.nodes, mesh.cells)
+    boundary = boundary_edges(cells)
+
+    def among(members: Numbers, touching: Numbers | None = None) -> Numbers:
+        chosen = np.isin(boundary, members).all(axis=1)
+        if touching is not None:
+            chosen &= np.isin(boundary[:, 2], touching)
+        return boundary[chosen]
+
+    bore = {"BORE": among(mesh.fixed_nodes)}
+    if isinstance(mesh, WholeMesh):
+        return {**{f"FLANK_{flank.tooth}": flank.flank_edges for flank in mesh.flanks}, **bore}
+    left, right = mesh.left_nodes, mesh.right_nodes
+    return {
+        "FLANK": mesh.flank_edges,
+        **bore,
+        "CUT_LEFT": among(np.union1d(left, mesh.fixed_nodes), left),
+        "CUT_RIGHT": among(np.union1d(right, mesh.fixed_nodes), right),
+    }

@@ -1,0 +1,71 @@
+"""kind = "compliance": a body whose compliance was computed before, here or elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.bodies.imported import modal_file, nodal_file
+from flankload.bodies.involute.gear import checked_pitch_errors
+from flankload.errors import SceneError
+from flankload.meshes.io.named_arrays import read_arrays
+from flankload.scene.gear_rules import LARGEST_PITCH_ERROR
+
+if TYPE_CHECKING:
+    from flankload.bodies.body import Body
+    from flankload.scene import ComplianceBody
+
+#: Format of a file: its latest version, and who reads it.
+READERS = {
+    modal_file.FORMAT: (modal_file.VERSION, modal_file.read_modal),
+    nodal_file.FORMAT: (nodal_file.VERSION, nodal_file.read_nodal),
+}
+
+
+def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Body:
+    """Body from a compliance file.
+
+    Parameters
+    ----------
+    spec : ComplianceBody
+        Keys of the scene.
+    key : str
+        "body_1" or "body_2".
+    folder : Path
+        Folder that the file's name is relative to.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    ComplianceFileError
+        If the file is missing, unreadable, of an unknown version, or does not make a body.
+    SceneError
+        If the scene's pitch errors do not fit the number of teeth.
+    """
+    found = read_arrays(folder / spec.file, f"{key}.file")
+    latest, read = READERS[found.text("format", *READERS)]
+    version = int(found.integers("version"))
+    if not 1 <= version <= latest:
+        found.refuse("version", f"at most {latest}, which this flankload knows", version)
+    body = read(found)
+    named = checked_pitch_errors(spec.pitch_errors_um, body.teeth, key)
+    errors = named or body.pitch_errors_um
+    largest = LARGEST_PITCH_ERROR * 2000 * pi * body.reference_radius_mm / body.teeth
+    if any(abs(error) > largest for error in errors):
+        expected = f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {largest:.0f} um"
+        worst = f"{max(errors, key=abs):g}"
+        if not named:
+            found.refuse("pitch_errors_um", expected, worst)
+        raise SceneError(key=f"{key}.pitch_errors_um", expected=expected, found=worst)
+    return replace(
+        body,
+        kind="compliance",
+        rigid=spec.rigid,
+        pitch_errors_um=errors,
+        given=None if spec.rigid else body.given,
+    )

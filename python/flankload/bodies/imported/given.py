@@ -1,0 +1,132 @@
+"""Compliance that comes with a body instead of being computed from its elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.bodies.body import Material
+from flankload.scene.table import LARGEST_MODULUS
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flankload.meshes.io.named_arrays import NamedArrays
+
+
+@dataclass(frozen=True)
+class ModalCompliance:
+    """As flankload itself computes it, per mm of face width.
+
+    Attributes
+    ----------
+    file : Path
+        Where it comes from.
+    plane : str
+        "strain" or "stress".
+    smooth : (z, p, p) array, or (f * f, p, p) array where `flanks` names f teeth
+        As in `BodyCompliance`, mm²/N.
+    kernel : float
+        Strength of the logarithm, mm²/N.
+    asymmetry : float
+        What was found, relative, before both directions were averaged.
+    flanks : tuple of int
+        Empty where smooth depends on the distance of teeth alone.
+    tangential : array or None
+        Like smooth, by modes of load along the flank; None where the file has no such part.
+    jump : float
+        Strength of the jump, mm²/N.
+    """
+
+    file: Path
+    plane: str
+    smooth: NDArray[np.float64]
+    kernel: float
+    asymmetry: float
+    flanks: tuple[int, ...] = ()
+    tangential: NDArray[np.float64] | None = None
+    jump: float = 0.0
+
+    @property
+    def description(self) -> str:
+        """One line for a report."""
+        return f"{self.smooth.shape[1]} pressure modes from {self.file.name}, plane {self.plane}"
+
+
+@dataclass(frozen=True)
+class NodalCompliance:
+    """Between the nodes of a flank, from another program, per mm of face width.
+
+    Attributes
+    ----------
+    file : Path
+    plane : str
+        "strain" or "stress": that of the other program.
+    arc_length_mm : (n,) array
+        Of the nodes on the flank's curve.
+    quadratic : bool
+        Every second node is the middle of an element; else each stands between two elements.
+    of_pressures : bool
+        The matrix is of nodal pressures, else of nodal forces.
+    offsets : (k,) array
+        Teeth that are displaced, counted from the loaded one.
+    matrix : (k, n, n) array
+        Twice the work of loads on tooth 0 on the displacements of tooth offsets[k]: of consistent
+        nodal forces along the normal, mm²/N, or of nodal pressures, mm⁴/N.
+    asymmetry : float
+    """
+
+    file: Path
+    plane: str
+    arc_length_mm: NDArray[np.float64]
+    quadratic: bool
+    of_pressures: bool
+    offsets: NDArray[np.int64]
+    matrix: NDArray[np.float64]
+    asymmetry: float
+
+    @property
+    def tangential(self) -> None:
+        """No response to loads along the flank."""
+
+    @property
+    def flank_elements(self) -> int:
+        """Elements along the flank."""
+        return (self.arc_length_mm.size - 1) // (2 if self.quadratic else 1)
+
+    @property
+    def description(self) -> str:
+        """One line for a report."""
+        shape = "quadratic" if self.quadratic else "linear"
+        return (
+            f"{self.arc_length_mm.size} nodes of {shape} elements from {self.file.name}, "
+            f"plane {self.plane}"
+        )
+
+
+GivenCompliance = ModalCompliance | NodalCompliance
+
+
+def read_material(found: NamedArrays) -> Material:
+    """Material of a compliance file.
+
+    Parameters
+    ----------
+    found : NamedArrays
+
+    Returns
+    -------
+    Material
+
+    Raises
+    ------
+    ComplianceFileError
+        If a number is missing or out of range.
+    """
+    modulus = found.number("young_modulus_MPa", above=0.0, most=LARGEST_MODULUS)
+    ratio = found.number("poisson_ratio", least=0.0)
+    if ratio >= 0.5:
+        found.refuse("poisson_ratio", "a number < 0.5", f"{ratio:g}")
+    return Material(modulus, ratio)

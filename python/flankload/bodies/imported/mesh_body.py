@@ -1,0 +1,188 @@
+"""kind = "mesh": a body from a mesh file with named sets, one sector of it or the whole.
+
+The file stands as the body stands at position zero, its axis at the origin. Linear elements are
+raised to quadratic ones, flanks are put in order (material on their right, from root to tip). With
+the exact profile given, that is the flank's curve, turned so that it fits the nodes; else a smooth
+curve goes through the nodes and its deviation is reported.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
+from flankload.bodies.imported.mesh_curve import fit_flank
+from flankload.bodies.imported.mesh_flank import faces_clockwise, flank_edges, in_order
+from flankload.bodies.imported.mesh_sector import sector_of
+from flankload.bodies.imported.mesh_source import MeshSource, check_axis, read_source
+from flankload.bodies.imported.mesh_whole import whole_of
+from flankload.bodies.sketch import sketched_tooth
+from flankload.errors import SceneError
+from flankload.meshes.plane_mesh import REVERSED
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import MeshBody
+
+#: Elastic constants of the file and of the scene agree to this relative difference.
+SAME_MATERIAL = 1e-3
+
+
+def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
+    """Body from a mesh file.
+
+    Parameters
+    ----------
+    spec : MeshBody
+        Keys of the scene.
+    key : str
+        "body_1" or "body_2".
+    folder : Path
+        Folder that the file's name is relative to.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    MeshError
+        If the file is missing or unreadable, its mesh has a defect, a set is missing, a flank is
+        not one line, the cut faces do not match, or the flanks are not of one shape.
+    SceneError
+        If the profile does not fit the mesh.
+    """
+    source = read_source(spec, key, folder=folder)
+    nodes, cells = source.body.nodes, source.body.cells
+    names = [("flank_set", spec.flank_set)]
+    if spec.flank_sets is not None:
+        names = [(f"flank_sets[{k}]", name) for k, name in enumerate(spec.flank_sets)]
+    flanks = [flank_edges(source, where, name) for where, name in names]
+    notes = list(source.body.notes)
+    bare = _is_bare(source, spec)
+    radii = np.hypot(*nodes.T)
+    inwards = _is_ring(source, spec, radii, radii[flanks[0][:, 0]], bare=bare)
+    mirrored = faces_clockwise(nodes, flanks[0], inwards=inwards)
+    if mirrored:
+        nodes = nodes * np.array([1.0, -1.0])
+        cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells)
+        flanks = [flank[::-1][:, [1, 0, 2]] for flank in flanks]
+        notes.append("the flank faces clockwise: the body is taken in its mirror image")
+    fixed = np.empty(0, dtype=np.int64)
+    if not bare:
+        fixed = _fixed_nodes(
+            source, spec, dict(zip((name for _, name in names), flanks, strict=True))
+        )
+    fit = fit_flank(source, spec, names[0][0], nodes, flanks[0])
+    turns: tuple[float, ...] = ()
+    named: tuple[int, ...] = ()
+    mesh: SectorMesh | WholeMesh | None = None
+    if bare:
+        outline = sketched_tooth(nodes[in_order(fit.edges)], spec.number_of_teeth)
+    elif spec.flank_sets is None:
+        mesh, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
+    else:
+        mesh, outline, turns, more = whole_of(source, spec, nodes, cells, flanks, fixed, fit)
+        notes += more
+        if len(mesh.flanks) < spec.number_of_teeth:
+            named = tuple(flank.tooth for flank in mesh.flanks)
+    notes += _material_notes(source, spec)
+    reference = spec.reference_radius_mm
+    if reference is None and fit.involute is not None:
+        reference = fit.involute.base_radius_mm
+    if reference is None:
+        raise SceneError(
+            key=f"{key}.reference_radius_mm",
+            expected="a radius in mm, since without a profile there is no base circle",
+            found="nothing",
+        )
+    return Body(
+        kind="mesh",
+        curve=fit.curve,
+        teeth=spec.number_of_teeth,
+        material=Material(spec.young_modulus_MPa, spec.poisson_ratio),
+        rigid=spec.rigid,
+        mesh=None if spec.rigid else mesh,
+        mode_range_mm=fit.mode_range_mm,
+        reference_radius_mm=reference,
+        involute=fit.involute,
+        flank_angle_known=fit.involute is not None,
+        pitch_errors_um=tuple(spec.pitch_errors_um),
+        outline=outline,
+        bore_radius_mm=float(_rim(radii, inwards) if bare else radii[fixed].mean()),
+        notes=(*notes, *fit.notes),
+        flank_turns_rad=turns,
+        named_teeth=named,
+        flank_nodes=fit.nodes,
+        mirrored=mirrored,
+    )
+
+
+def _is_bare(source: MeshSource, spec: MeshBody) -> bool:
+    """A rigid body needs a flank and nothing else: sets of rim and cuts may be missing."""
+    others = (spec.fixed_set, *spec.cut_sets)
+    missing = any(source.raw.set_name(name) is None for name in others)
+    return spec.rigid and spec.flank_sets is None and missing
+
+
+def _is_ring(
+    source: MeshSource,
+    spec: MeshBody,
+    radii: NDArray[np.float64],
+    flank: NDArray[np.float64],
+    *,
+    bare: bool,
+) -> bool:
+    """Held outside its flank; where it is not said what is held, most of it lies outside."""
+    if bare:
+        return bool(radii.max() - flank.max() > flank.min() - radii.min())
+    held = radii[source.nodes_of("fixed_set", spec.fixed_set)]
+    return bool(held.size and held.min() > flank.max())
+
+
+def _rim(radii: NDArray[np.float64], inwards: bool) -> float:
+    return float(radii.max() if inwards else radii.min())
+
+
+def _fixed_nodes(
+    source: MeshSource, spec: MeshBody, flanks: dict[str, NDArray[np.int64]]
+) -> NDArray[np.int64]:
+    """Nodes that are held: enough of them, clear of the flanks, about the axis."""
+    fixed = source.nodes_of("fixed_set", spec.fixed_set)
+    if fixed.size < 2:
+        source.refuse(
+            "fixed_set", "at least 2 nodes, to hold the body", f"{fixed.size} in {spec.fixed_set!r}"
+        )
+    for name, flank in flanks.items():
+        held = np.isin(flank, fixed)
+        if held.any():
+            source.refuse(
+                "fixed_set",
+                f"nodes that are held to stay clear of the flank ({name!r})",
+                f"{np.unique(flank[held]).size} nodes of {spec.fixed_set!r} on it",
+            )
+    check_axis(source, fixed)
+    return fixed
+
+
+def _material_notes(source: MeshSource, spec: MeshBody) -> list[str]:
+    """What the file says of the material where the scene says something else."""
+    if source.raw.elastic is None:
+        return []
+    modulus, ratio = source.raw.elastic
+    same = (
+        abs(modulus - spec.young_modulus_MPa) <= SAME_MATERIAL * spec.young_modulus_MPa
+        and abs(ratio - spec.poisson_ratio) <= SAME_MATERIAL
+    )
+    if same:
+        return []
+    note = (
+        f"the file's own material (E = {modulus:g}, nu = {ratio:g}) is not used: "
+        f"{source.key}.young_modulus_MPa = {spec.young_modulus_MPa:g} and poisson_ratio = "
+        f"{spec.poisson_ratio:g} are"
+    )
+    return [note]

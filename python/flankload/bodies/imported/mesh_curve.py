@@ -1,0 +1,277 @@
+"""The curve of a flank from a mesh: smooth through its nodes, or the given profile turned to them.
+
+Middle nodes that lie on the chords of their edges (linear elements, straight-sided quadratic ones)
+say nothing of the profile: the curve then goes through the corner nodes alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import FlankNodes
+from flankload.bodies.imported.mesh_flank import in_order, middles_are_straight
+from flankload.bodies.involute.gear_profile import gear_profile
+from flankload.errors import SceneError
+from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.imported.mesh_source import MeshSource
+    from flankload.bodies.involute.involute import Involute
+    from flankload.scene import MeshBody
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: A flank's nodes must lie on the given profile to this part of its module, and the tip circle must
+#: be that of the mesh to the second one.
+PROFILE_TOLERANCE, TIP_TOLERANCE = 0.005, 0.02
+#: Ends of the flank's nodes nearer than this to an end of the profile's flank, in parts of its
+#: length, are that end.
+SNAP_PART = 1e-7
+#: Edges may reach beyond the profile's flank by this part of its length.
+END_PART = 1e-4
+
+
+@dataclass(frozen=True)
+class FlankFit:
+    """The curve of a flank and where its nodes lie on it.
+
+    Attributes
+    ----------
+    curve : FlankCurve
+    involute : Involute or None
+    edges : (m, 3) array
+        Edges of the flank that carry pressure modes; with a profile given those between its fillet
+        and its tip rounding.
+    s : (2 m + 1,) array
+        Arc lengths of their nodes in order.
+    mode_range_mm : (float, float)
+    misfit_mm : float
+        Largest distance of the nodes from a profile that is given.
+    nodes : FlankNodes or None
+        None where the profile is given.
+    notes : tuple of str
+    """
+
+    curve: FlankCurve
+    involute: Involute | None
+    edges: Numbers
+    s: Floats
+    mode_range_mm: tuple[float, float]
+    misfit_mm: float
+    nodes: FlankNodes | None
+    notes: tuple[str, ...]
+
+
+def fit_flank(
+    source: MeshSource, spec: MeshBody, key: str, nodes: Floats, edges: Numbers
+) -> FlankFit:
+    """Find the curve of a flank.
+
+    Parameters
+    ----------
+    source : MeshSource
+    spec : MeshBody
+    key : str
+        Key that names the flank's set, without the body's.
+    nodes : (N, 2) array
+        Of the body, mirrored where need be.
+    edges : (m, 3) array
+        The flank in order.
+
+    Returns
+    -------
+    FlankFit
+
+    Raises
+    ------
+    MeshError
+        If the nodes are too few or double back.
+    SceneError
+        If the given profile does not fit.
+    """
+    straight = middles_are_straight(nodes, edges)
+    points = nodes[in_order(edges)]
+    on_profile = points[::2] if straight else points
+    fit = (
+        _through_nodes(source, key, on_profile)
+        if spec.profile is None
+        else _on_profile(source, spec, on_profile)
+    )
+    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, nodes, edges)
+    low, high = fit.mode_range_mm
+    snap = SNAP_PART * (high - low)
+    low = low if abs(s[0] - low) < snap else float(s[0])
+    high = high if abs(s[-1] - high) < snap else float(s[-1])
+    notes = fit.notes
+    if straight and not source.body.linear:
+        note = (
+            "the middle nodes of the flank lie on straight edges: the curve goes through its "
+            "corner nodes alone"
+        )
+        notes = (note, *notes)
+    return replace(fit, edges=edges, s=s, mode_range_mm=(low, high), notes=notes)
+
+
+def carrying_edges(
+    source: MeshSource,
+    key: str,
+    curve: FlankCurve,
+    span: tuple[float, float],
+    nodes: Floats,
+    edges: Numbers,
+) -> tuple[Numbers, Floats]:
+    """Edges of a flank that lie between two arc lengths, and the arc lengths of their nodes.
+
+    Parameters
+    ----------
+    source : MeshSource
+    key : str
+        Key that names the flank's set, without the body's.
+    curve : FlankCurve
+        Where this flank stands.
+    span : (float, float)
+    nodes : (N, 2) array
+    edges : (m, 3) array
+        The whole flank in order.
+
+    Returns
+    -------
+    edges : (k, 3) array
+    s : (2 k + 1,) array
+
+    Raises
+    ------
+    MeshError
+        If the nodes double back, or fewer than 2 edges are left.
+    """
+    points = nodes[in_order(edges)]
+    s, _ = curve.arc_length_of(points)
+    if not (np.diff(s) > 0).all():
+        x, y = points[int(np.argmin(np.diff(s)))]
+        source.refuse(
+            key,
+            "flank nodes that follow each other along the flank",
+            f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm",
+        )
+    spare = END_PART * (span[1] - span[0])
+    inside = np.flatnonzero((s[:-2:2] >= span[0] - spare) & (s[2::2] <= span[1] + spare))
+    if inside.size < 2:
+        source.refuse(
+            key,
+            "at least 2 edges between root fillet and tip rounding of the profile",
+            f"{inside.size}",
+        )
+    first, last = int(inside[0]), int(inside[-1])
+    return edges[first : last + 1], s[2 * first : 2 * last + 3]
+
+
+def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
+    """A smooth curve through the nodes."""
+    if len(points) < 4:
+        source.refuse(
+            key,
+            "at least 4 nodes on the profile for a curve through them",
+            f"{len(points)} nodes",
+        )
+    curve = curve_through_nodes(points)
+    spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max())
+    found = FlankNodes(len(points), spacing, nodes_deviation(points))
+    deviation = (
+        f"estimated deviation from the true profile {1000 * found.deviation_mm:.2g} um"
+        if np.isfinite(found.deviation_mm)
+        else "too few to tell how far it deviates from the true profile"
+    )
+    note = f"the flank is a smooth curve through {found.count} nodes, {deviation}"
+    return FlankFit(
+        curve=curve,
+        involute=None,
+        edges=np.empty((0, 3), dtype=np.int64),
+        s=np.empty(0),
+        mode_range_mm=(0.0, curve.length_mm),
+        misfit_mm=0.0,
+        nodes=found,
+        notes=(note,),
+    )
+
+
+def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
+    """The exact profile, turned so that it fits the flank's nodes (least squares)."""
+    given = spec.profile
+    assert given is not None
+    profile = gear_profile(given, f"{source.key}.profile", teeth=spec.number_of_teeth)
+    tip = float(np.hypot(*source.body.nodes.T).max())
+    if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * given.module_mm:
+        raise SceneError(
+            key=f"{source.key}.profile.tip_diameter_mm",
+            expected=f"the tip circle of the mesh, {2 * tip:.4f} mm",
+            found=f"{given.tip_diameter_mm:g}",
+        )
+    radii = np.hypot(points[:, 0], points[:, 1])
+    inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
+    angles = np.arctan2(points[:, 1], points[:, 0])
+    start = np.array([profile.involute.polar_angle_at(radius) for radius in inside])
+    apart = np.angle(np.exp(1j * (angles - start)).sum())
+    turn, s, worst = fitted_turn(profile.curve, points, float(apart))
+    if worst > PROFILE_TOLERANCE * given.module_mm:
+        raise SceneError(
+            key=f"{source.key}.profile",
+            expected=f"a profile on which the nodes of the flank lie to "
+            f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm",
+            found=f"nodes up to {worst:.3g} mm beside it",
+        )
+    involute = replace(profile.involute, turn_rad=profile.involute.turn_rad + turn)
+    note = (
+        f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "
+        f"which lie within {1000 * worst:.2g} um of it"
+    )
+    return FlankFit(
+        curve=profile.curve.rotated(turn),
+        involute=involute,
+        edges=np.empty((0, 3), dtype=np.int64),
+        s=np.empty(0),
+        mode_range_mm=profile.mode_range_mm,
+        misfit_mm=worst,
+        nodes=None,
+        notes=(note,),
+    )
+
+
+def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float, Floats, float]:
+    """Turn about the origin that brings a curve nearest to points (least squares).
+
+    Parameters
+    ----------
+    curve : FlankCurve
+    points : (m, 2) array
+    start : float
+        A turn to begin with, rad.
+
+    Returns
+    -------
+    turn : float
+        rad.
+    s : (m,) array
+        Arc lengths of the points.
+    worst : float
+        Largest distance that is left, mm.
+    """
+    turn = start
+    for _ in range(12):
+        turned = curve.rotated(turn)
+        s, _ = turned.arc_length_of(points)
+        # a curve turned by d moves by d (P . t) along its normal: Gauss-Newton
+        place = turned.point(s)
+        lever = np.sum(place * turned.tangent(s), axis=1)
+        distance = np.sum((points - place) * turned.normal(s), axis=1)
+        step = float(lever @ distance / (lever @ lever))
+        turn += step
+        if abs(step) < 1e-15:
+            break
+    s, away = curve.rotated(turn).arc_length_of(points)
+    return turn, s, float(away.max())

@@ -1,0 +1,121 @@
+"""A body from the mesh of one of its sectors: the two cut faces, matched node by node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh
+from flankload.bodies.imported.mesh_flank import in_order
+from flankload.meshes.plane_mesh import boundary_edges, chain
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.imported.mesh_curve import FlankFit
+    from flankload.bodies.imported.mesh_source import MeshSource
+    from flankload.meshes.plane_mesh import Cells
+    from flankload.scene import MeshBody
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Nodes of both cuts must match to this part of the body's size.
+CUT_TOLERANCE = 1e-6
+
+
+def sector_of(
+    source: MeshSource,
+    spec: MeshBody,
+    nodes: Floats,
+    cells: Cells,
+    flank: Numbers,
+    fixed: Numbers,
+    fit: FlankFit,
+) -> tuple[SectorMesh, Floats]:
+    """Sector mesh and its outer contour from cut to cut.
+
+    Parameters
+    ----------
+    source : MeshSource
+    spec : MeshBody
+    nodes, cells
+        Of the body, mirrored where need be.
+    flank : (m, 3) array
+        Edges of the flank in order.
+    fixed : array
+        Nodes that are held.
+    fit : FlankFit
+
+    Returns
+    -------
+    mesh : SectorMesh
+    outline : (k, 2) array
+
+    Raises
+    ------
+    MeshError
+        If the cut faces do not match or reach the flank.
+    """
+    teeth = spec.number_of_teeth
+    cuts = [np.setdiff1d(source.nodes_of("cut_sets", name), fixed) for name in spec.cut_sets]
+    left, right = _match_cuts(source, nodes, cuts, teeth)
+    for side in (left, right):
+        if np.isin(flank, side).any():
+            source.refuse(
+                "flank_set",
+                "a flank that stays clear of the cut faces",
+                "nodes that belong to both",
+            )
+    arc_length = np.full(len(nodes), np.nan)
+    arc_length[in_order(fit.edges)] = fit.s
+    mesh = SectorMesh(
+        nodes=nodes,
+        cells=cells,
+        flank_edges=fit.edges,
+        flank_arc_length=arc_length,
+        fixed_nodes=fixed,
+        left_nodes=left,
+        right_nodes=right,
+        teeth=teeth,
+    )
+    return mesh, _outline(nodes, cells, left, right, fixed)
+
+
+def _outline(nodes: Floats, cells: Cells, left: Numbers, right: Numbers, fixed: Numbers) -> Floats:
+    edges = boundary_edges(cells)
+    inner = [np.union1d(side, fixed) for side in (left, right)] + [fixed]
+    outer = ~np.any([np.isin(edges, members).all(axis=1) for members in inner], axis=0)
+    if not outer.any():
+        return nodes[in_order(edges)]
+    return np.asarray(nodes[in_order(max(chain(edges[outer]), key=len))])
+
+
+def _match_cuts(
+    source: MeshSource, nodes: Floats, cuts: list[Numbers], teeth: int
+) -> tuple[Numbers, Numbers]:
+    """Left and right cut in matching order: the right one is the left one turned by one pitch."""
+    first, second = cuts
+    size = float(np.abs(nodes).max())
+    if first.size != second.size or not first.size:
+        source.refuse(
+            "cut_sets",
+            "cut faces with the same number of nodes",
+            f"{first.size} and {second.size}",
+        )
+    pitch = 2 * np.pi / teeth
+    turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
+    best = np.inf
+    for left, right in ((first, second), (second, first)):
+        distance = np.linalg.norm((nodes[left] @ turn)[:, None] - nodes[right][None], axis=2)
+        nearest = distance.argmin(axis=1)
+        worst = float(distance.min(axis=1).max())
+        best = min(best, worst)
+        if worst <= CUT_TOLERANCE * size and np.unique(nearest).size == left.size:
+            return left, right[nearest]
+    return source.refuse(
+        "cut_sets",
+        f"cut faces that match when turned by 360/{teeth} deg (to {CUT_TOLERANCE * size:.1g} mm)",
+        f"nodes up to {best:.3g} mm apart",
+    )

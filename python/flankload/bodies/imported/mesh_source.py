@@ -1,0 +1,160 @@
+"""A mesh file on its way to a body: its sets, and errors that name file and key."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+
+from flankload.errors import MeshError
+from flankload.meshes.defects import PlaneBody, sound_body
+from flankload.meshes.io import RawMesh, read_mesh
+from flankload.meshes.plane_mesh import circle_through
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.scene import MeshBody
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Units that meshes come in by mistake, in mm.
+UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}
+#: A body may be this much larger or smaller than its reference radius says; with a profile given
+#: the two tip radii may differ by the second factor.
+LARGEST_RATIO, LARGEST_TIP_RATIO = 20.0, 3.0
+#: The centre of a bore may lie off the axis by this part of its radius.
+OFF_AXIS = 1e-3
+
+
+@dataclass(frozen=True)
+class MeshSource:
+    """The mesh of a body, in order, and where it comes from.
+
+    Attributes
+    ----------
+    raw : RawMesh
+    body : PlaneBody
+    key : str
+        "body_1" or "body_2".
+    """
+
+    raw: RawMesh
+    body: PlaneBody
+    key: str
+
+    def refuse(self, name: str, expected: str, found: str) -> NoReturn:
+        """Raise the error of one of the body's keys."""
+        raise MeshError(
+            file=self.raw.file, key=f"{self.key}.{name}", expected=expected, found=found
+        )
+
+    def nodes_of(self, name: str, wanted: str) -> Numbers:
+        """Nodes of the set that a key names, middle nodes of the boundary included.
+
+        A set that names only corners would otherwise leave out the middle nodes; one that names
+        edges of the boundary is not changed.
+        """
+        spelt = self.raw.set_name(wanted)
+        if spelt is None or not self.raw.sets[spelt].size:
+            self.refuse(
+                name,
+                f"a set named {wanted!r} in the mesh",
+                "the sets " + (", ".join(sorted(self.raw.sets)) or "none at all"),
+            )
+        members = self.raw.sets[spelt]
+        edges = self.body.edges
+        whole = np.isin(edges[:, :2], members).all(axis=1)
+        return np.union1d(members, edges[whole, 2])
+
+
+def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
+    """Read the mesh of a body and put it in order.
+
+    Parameters
+    ----------
+    spec : MeshBody
+    key : str
+        "body_1" or "body_2".
+    folder : Path
+        Folder that the file's name is relative to.
+
+    Returns
+    -------
+    MeshSource
+
+    Raises
+    ------
+    MeshError
+        If the file is missing, unreadable, has a defect, or is not in millimetres.
+    """
+    raw = read_mesh(folder / spec.file, f"{key}.file")
+    body = sound_body(raw, f"{key}.file", one_material=spec.one_material)
+    source = MeshSource(raw, body, key)
+    _check_size(source, spec)
+    return source
+
+
+def unit_of(ratio: float) -> str | None:
+    """Unit whose number of millimetres is nearest to a ratio of wanted and found size.
+
+    Parameters
+    ----------
+    ratio : float
+        Wanted size in mm over the size that the file has.
+
+    Returns
+    -------
+    str or None
+        None where no unit comes near.
+    """
+    name, factor = min(UNITS.items(), key=lambda unit: abs(np.log(unit[1] / ratio)))
+    return name if 0.2 < factor / ratio < 5.0 else None
+
+
+def _check_size(source: MeshSource, spec: MeshBody) -> None:
+    """A body a thousand times too small is one in metres."""
+    largest = float(np.hypot(*source.raw.nodes.T).max())
+    if spec.profile is not None:
+        wanted, bound, name = 0.5 * spec.profile.tip_diameter_mm, LARGEST_TIP_RATIO, "tip radius"
+    else:
+        wanted, bound, name = spec.reference_radius_mm or largest, LARGEST_RATIO, "reference radius"
+    ratio = wanted / largest if largest > 0 else np.inf
+    if 1 / bound < ratio < bound:
+        return
+    unit = unit_of(ratio) if np.isfinite(ratio) else None
+    hint = f"; in {unit}? (1 = {UNITS[unit]:g} mm)" if unit else ""
+    source.refuse(
+        "file",
+        f"a mesh in millimetres about the origin, to the {name} of {wanted:g} mm",
+        f"nodes up to radius {largest:.4g}{hint}",
+    )
+
+
+def check_axis(source: MeshSource, fixed: Numbers) -> None:
+    """Refuse a body whose bore is a circle about another place than the origin.
+
+    Parameters
+    ----------
+    source : MeshSource
+    fixed : array
+        Nodes that are held.
+
+    Raises
+    ------
+    MeshError
+    """
+    circle = circle_through(source.raw.nodes[fixed[fixed < len(source.raw.nodes)]])
+    if circle is None:
+        return
+    (x, y), radius = circle
+    if np.hypot(x, y) > OFF_AXIS * radius:
+        source.refuse(
+            "file",
+            "a body whose axis is the origin",
+            f"a bore about x = {x:.4f}, y = {y:.4f} mm",
+        )

@@ -1,0 +1,173 @@
+"""A body from its whole mesh: many flanks of one shape, each where the mesh has it.
+
+The first set is the flank of tooth 0; the others are told by where they stand, a whole number of
+pitches from it. A flank beside its equal share keeps its place: that is a pitch deviation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import MeshedFlank, WholeMesh
+from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
+from flankload.bodies.imported.mesh_flank import faces_clockwise, in_order, middles_are_straight
+from flankload.meshes.plane_mesh import boundary_edges, chain
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.imported.mesh_curve import FlankFit
+    from flankload.bodies.imported.mesh_source import MeshSource
+    from flankload.meshes.plane_mesh import Cells
+    from flankload.scene import MeshBody
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Flanks are of one shape to this part of the body's radius, and five times what the curve
+#: through the nodes, or the profile from them, deviates.
+SHAPE_TOLERANCE = 2e-5
+#: They end at the same places to this part of their length.
+END_TOLERANCE = 1e-4
+#: A flank may stand beside its equal share by this part of a pitch.
+LARGEST_PITCH_DEVIATION = 0.1
+#: Flanks nearer to their equal share than this, rad, stand there: nodes written with few digits.
+EQUAL_SHARE = 2e-7
+
+
+def whole_of(
+    source: MeshSource,
+    spec: MeshBody,
+    nodes: Floats,
+    cells: Cells,
+    flanks: list[Numbers],
+    fixed: Numbers,
+    fit: FlankFit,
+) -> tuple[WholeMesh, Floats, tuple[float, ...], tuple[str, ...]]:
+    """Whole mesh, the outer contour of one tooth, and where the flanks stand.
+
+    Parameters
+    ----------
+    source : MeshSource
+    spec : MeshBody
+    nodes, cells
+        Of the body, mirrored where need be.
+    flanks : list of (m, 3) arrays
+        Edges of the flanks in order, that of tooth 0 first.
+    fixed : array
+        Nodes that are held.
+    fit : FlankFit
+        Of the flank of tooth 0.
+
+    Returns
+    -------
+    mesh : WholeMesh
+    outline : (k, 2) array
+    turns : tuple of float
+        Empty, or by how much each tooth's flank stands beside its equal share, rad.
+    notes : tuple of str
+
+    Raises
+    ------
+    MeshError
+        If the flanks are not of one shape or not whole pitches apart.
+    """
+    teeth = spec.number_of_teeth
+    names = spec.flank_sets or ()
+    pitch = 2 * np.pi / teeth
+    turns = np.zeros(teeth)
+    meshed: dict[int, MeshedFlank] = {}
+    first = nodes[in_order(flanks[0])]
+    for k, (name, flank) in enumerate(zip(names, flanks, strict=True)):
+        turn, edges, s = 0.0, fit.edges, fit.s
+        if k > 0:
+            turn, edges, s = _stand(source, nodes, flank, first, fit, k, name)
+        tooth = round(turn / pitch) % teeth
+        beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
+        if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
+            source.refuse(
+                f"flank_sets[{k}]",
+                f"flanks that stand whole pitches (360/{teeth} deg) from {names[0]!r}",
+                f"{name!r} at {turn / pitch:.3f} pitches",
+            )
+        if tooth in meshed:
+            source.refuse(f"flank_sets[{k}]", "one flank to a tooth", f"{name!r} on another one")
+        arc_length = np.full(len(nodes), np.nan)
+        arc_length[in_order(edges)] = s
+        meshed[tooth] = MeshedFlank(tooth, nodes, edges, arc_length)
+        turns[tooth] = beside if abs(beside) > EQUAL_SHARE else 0.0
+    mesh = WholeMesh(
+        nodes=nodes,
+        cells=cells,
+        fixed_nodes=fixed,
+        flanks=tuple(meshed[tooth] for tooth in sorted(meshed)),
+    )
+    notes = []
+    if turns.any():
+        notes.append(
+            f"the flanks stand up to {np.degrees(np.abs(turns).max()):.2g} deg beside equal shares "
+            "of the body: taken as pitch deviations"
+        )
+    if len(meshed) < teeth:
+        notes.append(
+            f"{len(meshed)} of {teeth} teeth have a flank in the file: the others cannot carry"
+        )
+    outline = _outline(nodes, cells, flanks[0], pitch)
+    return mesh, outline, tuple(turns.tolist()) if turns.any() else (), tuple(notes)
+
+
+def _stand(
+    source: MeshSource,
+    nodes: Floats,
+    edges: Numbers,
+    first: Floats,
+    fit: FlankFit,
+    k: int,
+    name: str,
+) -> tuple[float, Numbers, Floats]:
+    """Turn of a flank from that of tooth 0, its edges that carry, the arc lengths of their nodes.
+
+    `first` holds the nodes of tooth 0's flank.
+    """
+    key = f"flank_sets[{k}]"
+    inwards = bool(np.hypot(*first[0]) > np.hypot(*first[-1]))
+    if faces_clockwise(nodes, edges, inwards=inwards):
+        source.refuse(key, "flanks that all face the same way", f"{name!r} facing the other way")
+    points = nodes[in_order(edges)]
+    there, here = points[[0, -1]].sum(axis=0), first[[0, -1]].sum(axis=0)
+    start = float(np.arctan2(there[1], there[0]) - np.arctan2(here[1], here[0]))
+    straight = middles_are_straight(nodes, edges)
+    turn, _, worst = fitted_turn(fit.curve, points[::2] if straight else points, start)
+    deviation = fit.nodes.deviation_mm if fit.nodes is not None else fit.misfit_mm
+    radius = float(np.hypot(*nodes.T).max())
+    allowed = SHAPE_TOLERANCE * radius + 5 * (deviation if np.isfinite(deviation) else 0.0)
+    if worst > allowed:
+        source.refuse(
+            key,
+            f"flanks of one shape (to {allowed:.2g} mm)",
+            f"{name!r}, up to {worst:.3g} mm beside the first one turned onto it",
+        )
+    span = (float(fit.s[0]), float(fit.s[-1]))
+    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, nodes, edges)
+    beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
+    if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
+        source.refuse(
+            key,
+            "flanks that end at the same places",
+            f"{name!r}, which ends {beside:.3g} mm beside the first one",
+        )
+    return turn % (2 * np.pi), edges, s
+
+
+def _outline(nodes: Floats, cells: Cells, flank: Numbers, pitch: float) -> Floats:
+    """Outer contour from the root of tooth 0's flank to the same place of the next tooth."""
+    edges = boundary_edges(cells)
+    root = flank[0, 0]
+    run = next(run for run in chain(edges) if (run[:, :2] == root).any())
+    path = run[:, [0, 2]].ravel()
+    places = nodes[np.roll(path, -int(np.flatnonzero(path == root)[0]))]
+    turned = places[0] @ np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
+    end = int(np.argmin(np.linalg.norm(places - turned, axis=1)))
+    return np.asarray(places[: end + 1] if end else places)

@@ -1,0 +1,227 @@
+"""Compliance files of other programs: nodes of a flank and a matrix between them.
+
+`docs/compliance_files.md` says what the matrix must mean.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import Body
+from flankload.bodies.flank_elements import mass_matrix
+from flankload.bodies.imported.given import NodalCompliance, read_material
+from flankload.bodies.sketch import sketched_tooth
+from flankload.flank import curve_through_nodes, nodes_deviation
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.meshes.io.named_arrays import NamedArrays
+
+    Floats = NDArray[np.float64]
+
+FORMAT = "flankload nodal compliance"
+VERSION = 1
+
+NAMES = (
+    "format",
+    "version",
+    "teeth",
+    "points",
+    "compliance",
+    "offsets",
+    "columns",
+    "elements",
+    "young_modulus_MPa",
+    "poisson_ratio",
+    "plane",
+    "reference_radius_mm",
+    "teeth_stand",
+)
+
+#: A curve needs that many nodes.
+LEAST_POINTS = 6
+#: Neighbouring nodes in order do not turn by more than this (cosine): 60 degrees.
+LEAST_COSINE = 0.5
+#: Largest difference of the responses and those the other way round, relative (Frobenius norm).
+LARGEST_ASYMMETRY = 0.01
+
+
+def read_nodal(found: NamedArrays) -> Body:
+    """Body of a file, checked.
+
+    Parameters
+    ----------
+    found : NamedArrays
+
+    Returns
+    -------
+    Body
+        Stands as its points stand.
+
+    Raises
+    ------
+    ComplianceFileError
+        If something is missing, has another shape, is not finite, stands out of order, or if the
+        matrix is no compliance: not symmetric, or it would give out work.
+    """
+    found.check_names(*NAMES)
+    teeth = found.integer("teeth", least=3, most=MOST_TEETH)
+    quadratic = found.text("elements", "linear", "quadratic") == "quadratic"
+    inwards = False
+    if "teeth_stand" in found:
+        inwards = found.text("teeth_stand", "outwards", "inwards") == "inwards"
+    points = _read_points(found, quadratic, inwards=inwards)
+    offsets = _read_offsets(found, teeth)
+    shape = (len(offsets), len(points), len(points))
+    single = found.dimensions("compliance") == 2 and len(offsets) == 1
+    matrix = found.numbers("compliance", *(shape[1:] if single else shape)).reshape(shape)
+    curve = curve_through_nodes(points)
+    s, _ = curve.arc_length_of(points)
+    of_pressures = found.text("columns", "nodal_forces", "nodal_pressures") == "nodal_pressures"
+    if of_pressures:
+        matrix = mass_matrix(s, quadratic=quadratic) @ matrix
+    matrix, asymmetry = _symmetric(found, matrix, offsets, teeth)
+    given = NodalCompliance(
+        file=found.file,
+        plane=found.text("plane", "strain", "stress"),
+        arc_length_mm=s,
+        quadratic=quadratic,
+        of_pressures=of_pressures,
+        offsets=offsets,
+        matrix=matrix,
+        asymmetry=asymmetry,
+    )
+    _check_work(found, given, teeth)
+    deviation = nodes_deviation(points)
+    told = f"{1000 * deviation:.2g} um" if np.isfinite(deviation) else "unknown"
+    note = (
+        "the flank is a smooth curve through these nodes, estimated deviation from the true "
+        f"profile {told}"
+    )
+    return Body(
+        kind="compliance",
+        curve=curve,
+        teeth=teeth,
+        material=read_material(found),
+        rigid=False,
+        mesh=None,
+        mode_range_mm=(0.0, curve.length_mm),
+        reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
+        involute=None,
+        flank_angle_known=False,
+        pitch_errors_um=(),
+        outline=sketched_tooth(points, teeth),
+        bore_radius_mm=1.2 * float(np.hypot(*points[0])) if inwards else 0.0,
+        notes=(_note_of(given, len(points), teeth), note),
+        given=given,
+    )
+
+
+def _note_of(given: NodalCompliance, points: int, teeth: int) -> str:
+    """What came in, and what was left out."""
+    note = (
+        f"compliance of {points} nodes on {given.offsets.size} of {teeth} teeth from "
+        f"{given.file.name}, asymmetry {given.asymmetry:.2g}"
+    )
+    if given.offsets.size == 1:
+        note += "; other teeth do not move with the loaded one: pairs side by side seem too stiff"
+    return note
+
+
+def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Floats:
+    """Nodes of the flank in order from root to tip."""
+    points = found.numbers("points", None, 2)
+    if len(points) < LEAST_POINTS:
+        found.refuse("points", f"at least {LEAST_POINTS}", f"{len(points)}")
+    if quadratic and len(points) % 2 == 0:
+        found.refuse(
+            "points",
+            "an odd number: quadratic elements have a middle between two ends",
+            f"{len(points)}",
+        )
+    steps = np.diff(points, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    if not lengths.min() > 1e-9 * lengths.max():
+        k = int(lengths.argmin())
+        found.refuse(f"points[{k + 1}]", "another place than the one before", "the same place")
+    cosine = np.sum(steps[1:] * steps[:-1], axis=1) / (lengths[1:] * lengths[:-1])
+    if (cosine < LEAST_COSINE).any():
+        k = int(np.argmax(cosine < LEAST_COSINE))
+        found.refuse(
+            f"points[{k + 1}]",
+            "places in order along a smooth flank",
+            f"a turn by {np.degrees(np.arccos(np.clip(cosine[k], -1, 1))):.0f} degrees",
+        )
+    root, tip = np.linalg.norm(points[[0, -1]], axis=1)
+    if (tip >= root) if inwards else (tip <= root):
+        found.refuse(
+            "points",
+            "places from root to tip, the axis at the origin, of teeth that stand "
+            + ("inwards" if inwards else "outwards"),
+            f"a first radius of {root:g} and a last one of {tip:g} mm",
+        )
+    return points
+
+
+def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
+    """Displaced teeth, the loaded one among them, each once."""
+    if "offsets" not in found:
+        return np.zeros(1, dtype=np.int64)
+    offsets = found.integers("offsets", None)
+    reduced = offsets % teeth
+    if 0 not in reduced or np.unique(reduced).size != offsets.size:
+        found.refuse(
+            "offsets",
+            f"teeth counted from the loaded one, 0 among them and each of the {teeth} once",
+            ", ".join(f"{offset}" for offset in offsets[:8]),
+        )
+    return reduced
+
+
+def _symmetric(
+    found: NamedArrays, matrix: Floats, offsets: NDArray[np.int64], teeth: int
+) -> tuple[Floats, float]:
+    """Mean of each response and the one the other way round (Betti), and how far they differ."""
+    row = {int(offset): k for k, offset in enumerate(offsets)}
+    mirrored = np.stack(
+        [
+            matrix[row[back]].T if (back := -int(offset) % teeth) in row else matrix[k]
+            for k, offset in enumerate(offsets)
+        ]
+    )
+    differences = np.abs(matrix - mirrored)
+    if not matrix.any():
+        found.refuse("compliance", "a matrix that is not 0", "0")
+    # of all entries together: loads that spread over many nodes are what is taken from the matrix
+    asymmetry = float(np.linalg.norm(differences) / np.linalg.norm(matrix))
+    if asymmetry > LARGEST_ASYMMETRY:
+        k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
+        found.refuse(
+            "compliance",
+            "a symmetric matrix (what a moves at b, b moves at a), to "
+            f"{LARGEST_ASYMMETRY:g} of its norm",
+            f"{asymmetry:.3g}, most at [{k}, {i}, {j}]",
+        )
+    return 0.5 * (matrix + mirrored), asymmetry
+
+
+def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
+    """Whatever loads its teeth, a body takes up work."""
+    whole = np.zeros((teeth, *given.matrix.shape[1:]))
+    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
+        whole[offset] = block
+        if -offset % teeth not in given.offsets:
+            whole[-offset % teeth] = block.T
+    # equal teeth: a Fourier transform over them takes the matrix of the whole body apart
+    waves = np.fft.fft(whole, axis=0)
+    least = np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min(axis=1)
+    if not least.min() > 0.0:
+        found.refuse(
+            "compliance",
+            "a positive definite matrix, since any load takes up work",
+            f"an eigenvalue of {least.min():.3g}",
+        )

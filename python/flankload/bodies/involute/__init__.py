@@ -1,0 +1,1 @@
+"""Bodies with involute flanks: gears, rings, splines and their sector meshes."""

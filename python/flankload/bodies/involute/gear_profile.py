@@ -1,0 +1,236 @@
+"""The profile of a gear: generated root fillet, involute with its modifications, tip.
+
+The tooth's centre line is the body's +x axis; the working flank stands at positive polar angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, pi, radians, sqrt, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.bisection import sign_change
+from flankload.bodies.involute.basic_rack import BasicRack, basic_rack
+from flankload.bodies.involute.gear_tip import (
+    FormPoint,
+    flank_and_tip,
+    following_fillet,
+    modifications_of,
+)
+from flankload.bodies.involute.involute import (
+    Involute,
+    InvoluteFlank,
+    Modifications,
+    involute_function,
+    roll_of_involute_angle,
+)
+from flankload.errors import SceneError
+from flankload.flank import CurvePiece, FlankCurve, Place, fit_flank_curve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.involute.gear_tip import GearGeometry
+
+    Floats = NDArray[np.float64]
+
+#: An involute begins at this roll at the least: on the base circle its curvature is infinite.
+#: The piece left out is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
+LEAST_ROLL = 3e-6
+
+
+@dataclass(frozen=True)
+class GearProfile:
+    """Profile of a gear's tooth.
+
+    Attributes
+    ----------
+    curve : FlankCurve
+        The working flank: fillet from the root circle, flank, tip.
+    involute : Involute
+        Radii and angles.
+    teeth : int
+    mode_range_mm : (float, float)
+        Arc lengths of the active flank, where pressure modes live; neither fillet nor tip rounding,
+        where the normal turns away and few modes would not follow it.
+    root_half_angle_rad : float
+        Polar angle at which the fillet leaves the root circle.
+    """
+
+    curve: FlankCurve
+    involute: Involute
+    teeth: int
+    mode_range_mm: tuple[float, float]
+    root_half_angle_rad: float
+
+    @property
+    def root_radius_mm(self) -> float:
+        """Radius of the root circle."""
+        return self.involute.root_radius_mm
+
+    @property
+    def tip_radius_mm(self) -> float:
+        """Radius of the tip circle."""
+        return self.involute.tip_radius_mm
+
+    def rotated(self, angle: float) -> GearProfile:
+        """Return the same profile turned counter-clockwise about the axis by an angle in rad."""
+        turn = self.involute.turn_rad + angle
+        return replace(
+            self, curve=self.curve.rotated(angle), involute=replace(self.involute, turn_rad=turn)
+        )
+
+    def outline(self) -> Floats:
+        """Outer contour (k, 2) of one sector from cut to cut, counter-clockwise, mm."""
+        s = np.concatenate(
+            [
+                start + (end - start) * np.arange(4) / 4
+                for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
+            ]
+        )
+        flank = self.curve.rotated(-self.involute.turn_rad).point(
+            np.append(s, self.curve.breaks[-1])
+        )
+        radius, tip_radius = self.involute.root_radius_mm, self.involute.tip_radius_mm
+        tip = _arc(tip_radius, 0.0, atan2(flank[-1, 1], flank[-1, 0]), 5)[:-1]
+        root = _arc(radius, self.root_half_angle_rad, pi / self.teeth, 5)[1:]
+        half = np.concatenate([tip, flank[::-1], root])
+        whole = np.concatenate([half[:0:-1] * [1.0, -1.0], half])
+        c, s_ = np.cos(self.involute.turn_rad), np.sin(self.involute.turn_rad)
+        return whole @ np.array([[c, s_], [-s_, c]])
+
+
+def _arc(radius: float, start: float, end: float, n: int) -> Floats:
+    angle = np.linspace(start, end, n)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> GearProfile:
+    """Profile of a gear.
+
+    Parameters
+    ----------
+    spec : GearGeometry
+        Keys of a gear, or of the profile of a mesh.
+    key : str
+        Dotted path of these keys in the scene, for messages.
+    teeth : int, optional
+        Number of teeth; absent: `spec.teeth`.
+
+    Returns
+    -------
+    GearProfile
+
+    Raises
+    ------
+    SceneError
+        If there is no such gear; names the key.
+    """
+    z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
+    if z < 3:
+        raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
+    pressure_angle = radians(spec.pressure_angle_deg)
+    rack = basic_rack(
+        teeth=z,
+        module_mm=spec.module_mm,
+        pressure_angle_rad=pressure_angle,
+        profile_shift=spec.profile_shift,
+        dedendum_factor=spec.dedendum_factor,
+        fillet_radius_factor=spec.fillet_radius_factor,
+        key=key,
+    )
+    base_radius = rack.reference_radius_mm * cos(pressure_angle)
+    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(pressure_angle)) / z
+    base_half_angle += involute_function(pressure_angle)
+    plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
+    start = _form_point(rack, plain)
+    involute = Involute(
+        base_radius_mm=base_radius,
+        reference_radius_mm=rack.reference_radius_mm,
+        root_radius_mm=rack.root_radius_mm,
+        form_radius_mm=base_radius * hypot(1.0, start.roll),
+        tip_radius_mm=0.5 * spec.tip_diameter_mm,
+        base_half_angle_rad=base_half_angle,
+    )
+    _check_tooth(involute, rack, start, spec, key)
+    modifications = modifications_of(spec, involute, start.roll, key)
+    flank = replace(plain, modifications=modifications)
+    curve = fit_flank_curve(
+        [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
+        corner_at_end=spec.tip_radius_mm is None,
+    )
+    return GearProfile(
+        curve=curve,
+        involute=involute,
+        teeth=z,
+        mode_range_mm=curve.range_of("flank", "relief"),
+        root_half_angle_rad=rack.root_half_angle_rad,
+    )
+
+
+def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
+    """Where the fillet ends: it touches the involute there, or cuts it (undercut)."""
+    angle = rack.pressure_angle_rad
+    roll = rack.roll_of_form_point(flank.base_half_angle_rad)
+    if roll > -LEAST_ROLL:
+        return FormPoint(max(roll, LEAST_ROLL), angle, False)
+
+    def place(beta: float) -> tuple[float, float]:
+        x, y = rack.fillet(np.array([beta]))[0][0]
+        return hypot(x, y), atan2(y, x)
+
+    def metal_left(beta: float) -> float:
+        radius, polar = place(beta)
+        return polar - flank.polar_angle_at(radius)
+
+    # the radius grows as beta falls; below the base circle there is no involute
+    low = 0.5 * pi
+    if place(low)[0] < flank.base_radius_mm:
+        low = sign_change(lambda beta: place(beta)[0] - flank.base_radius_mm, angle, low)
+    beta = sign_change(metal_left, angle, low)
+    return FormPoint(max(flank.roll_at(place(beta)[0]), LEAST_ROLL), beta, True)
+
+
+def _fillet_piece(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
+    """The fillet, from the root circle to the flank."""
+    place: Place = rack.fillet
+    if flank.modifications.crowning_mm:
+        moved = flank.point(start.roll) - rack.fillet(np.array([start.beta]))[0][0]
+        place = following_fillet(rack.fillet, 0.5 * pi, start.beta, moved)
+    return CurvePiece("fillet", place, 0.5 * pi, start.beta)
+
+
+def _check_tooth(
+    involute: Involute, rack: BasicRack, start: FormPoint, spec: GearGeometry, key: str
+) -> None:
+    """The tooth has a flank, is not pointed, and the fillet leaves it a foot."""
+    if involute.base_half_angle_rad <= 0.0:
+        raise SceneError(
+            key=f"{key}.profile_shift",
+            expected="a profile shift that leaves the tooth some thickness at its base circle",
+            found=f"{spec.profile_shift:g}",
+        )
+    foot = rack.fillet(np.linspace(0.5 * pi, start.beta, 200))[0]
+    if foot[:, 1].min() <= 0.0:
+        raise SceneError(
+            key=f"{key}.profile_shift",
+            expected="a profile shift at which the rack does not cut the tooth off its foot",
+            found=f"{spec.profile_shift:g}",
+        )
+    if involute.tip_radius_mm <= involute.form_radius_mm:
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "
+            "involute begins",
+            found=f"{spec.tip_diameter_mm:g}",
+        )
+    if involute.half_angle_at(involute.tip_radius_mm) <= 0.0:
+        roll = roll_of_involute_angle(involute.base_half_angle_rad)
+        largest = 2 * involute.base_radius_mm * sqrt(1.0 + roll**2)
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"less than {largest:.4f}, where the teeth are pointed",
+            found=f"{spec.tip_diameter_mm:g}",
+        )

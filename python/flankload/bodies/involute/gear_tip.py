@@ -1,0 +1,283 @@
+"""A flank from the form circle to the tip: modifications, tip rounding or chamfer.
+
+The same for the teeth of gears and of rings: `Involute.outward` says on which side the tip lies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import atan2, cos, pi, sin, sqrt
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from flankload.bodies.bisection import sign_change
+from flankload.bodies.involute.involute import Involute, InvoluteFlank, Modifications
+from flankload.errors import SceneError
+from flankload.flank import CurvePiece, Place
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+class FlankGeometry(Protocol):
+    """Keys of an involute profile that do not speak of its root, as in the scene."""
+
+    @property
+    def module_mm(self) -> float: ...
+    @property
+    def pressure_angle_deg(self) -> float: ...
+    @property
+    def profile_shift(self) -> float: ...
+    @property
+    def tip_diameter_mm(self) -> float: ...
+    @property
+    def tip_relief_um(self) -> float | None: ...
+    @property
+    def tip_relief_start_diameter_mm(self) -> float | None: ...
+    @property
+    def tip_relief_shape(self) -> str: ...
+    @property
+    def tip_radius_mm(self) -> float | None: ...
+    @property
+    def tip_chamfer_mm(self) -> float | None: ...
+    @property
+    def profile_crowning_um(self) -> float | None: ...
+
+
+class GearGeometry(FlankGeometry, Protocol):
+    """Keys of an external gear's profile, as in the scene."""
+
+    @property
+    def dedendum_factor(self) -> float: ...
+    @property
+    def fillet_radius_factor(self) -> float: ...
+
+
+class FormPoint(NamedTuple):
+    """Where fillet and involute meet.
+
+    Attributes
+    ----------
+    roll : float
+        Roll of the involute.
+    beta : float
+        Where the fillet ends: angle of the rack's tip rounding, or of the arc in a ring.
+    undercut : bool
+        They cross in a corner instead of touching.
+    """
+
+    roll: float
+    beta: float
+    undercut: bool
+
+
+def modifications_of(
+    spec: FlankGeometry, involute: Involute, form_roll: float, key: str
+) -> Modifications:
+    """Modifications that a profile asks for, checked.
+
+    Raises
+    ------
+    SceneError
+        If the relief begins outside the flank, or more metal is taken off than there is involute.
+    """
+    tip_roll = involute.roll_at(involute.tip_radius_mm)
+    relief = (spec.tip_relief_um or 0.0) / 1000.0
+    start = tip_roll
+    if relief:
+        diameter = spec.tip_relief_start_diameter_mm or 0.0
+        low, high = sorted((involute.form_radius_mm, involute.tip_radius_mm))
+        if not low < 0.5 * diameter < high:
+            raise SceneError(
+                key=f"{key}.tip_relief_start_diameter_mm",
+                expected=f"between the form diameter {2 * involute.form_radius_mm:.4f} and the tip "
+                f"diameter {2 * involute.tip_radius_mm:g}",
+                found=f"{diameter:g}",
+            )
+        start = involute.roll_at(0.5 * diameter)
+    modifications = Modifications(
+        tip_relief_mm=involute.outward * relief,
+        relief_start=start,
+        relief_power=2 if spec.tip_relief_shape == "parabolic" else 1,
+        crowning_mm=involute.outward * (spec.profile_crowning_um or 0.0) / 1000.0,
+        roll_form=form_roll,
+        roll_tip=tip_roll,
+    )
+    roll = np.linspace(form_roll, tip_roll, 200)
+    off, first, _ = modifications.at(roll)
+    base = involute.base_radius_mm
+    enough, onward = bool((base * roll - off > 0).all()), bool((first < base).all())
+    if not (enough and onward):
+        name, value = (
+            ("tip_relief_um", spec.tip_relief_um)
+            if abs(modifications.tip_relief_mm) > abs(modifications.crowning_mm)
+            else ("profile_crowning_um", spec.profile_crowning_um)
+        )
+        raise SceneError(
+            key=f"{key}.{name}",
+            expected="less metal taken off than the involute has above its base circle, "
+            f"{1000 * base * form_roll:.3f} um at the form circle"
+            if not enough
+            else "a modification less steep than the flank is high, so that the flank goes on "
+            "towards the tip",
+            found=f"{value:g}",
+        )
+    return modifications
+
+
+def flank_and_tip(
+    flank: InvoluteFlank, involute: Involute, start: FormPoint, spec: FlankGeometry, key: str
+) -> list[CurvePiece]:
+    """Pieces from the form point to the tip circle.
+
+    Raises
+    ------
+    SceneError
+        If tip rounding or chamfer do not fit on the tooth.
+    """
+    tip: list[CurvePiece] = []
+    if spec.tip_radius_mm is not None:
+        end, piece = _tip_rounding(flank, involute, start, spec.tip_radius_mm, key)
+        tip = [piece]
+    elif spec.tip_chamfer_mm is not None:
+        end, piece = _tip_chamfer(flank, involute, spec.tip_chamfer_mm, key)
+        tip = [piece]
+    else:
+        end = flank.roll_at(involute.tip_radius_mm)
+        if not _inside_tooth(flank.point(end), involute):
+            raise SceneError(
+                key=f"{key}.tip_diameter_mm",
+                expected="less, so that the modified flanks leave a tip",
+                found=f"{2 * involute.tip_radius_mm:g}",
+            )
+    kink = flank.modifications.relief_start
+    relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
+    first_end = kink if relieved else end
+    # at the kink itself the flank has its own slope, not yet that of the relief
+    plain = replace(flank, modifications=replace(flank.modifications, tip_relief_mm=0.0))
+    pieces = [CurvePiece("flank", plain.place, start.roll, first_end, start.undercut)]
+    if relieved:
+        kinked = flank.modifications.relief_power == 1
+        pieces.append(CurvePiece("relief", flank.place, kink, end, kinked))
+    return [*pieces, *tip]
+
+
+def following_fillet(place: Place, start: float, end: float, moved: Floats) -> Place:
+    """The fillet where crowning has moved the start of the flank: it goes along smoothly.
+
+    Parameters
+    ----------
+    place : callable
+        The fillet that the plain involute has.
+    start, end : float
+        Its parameter on the root circle and at the flank.
+    moved : (2,) array
+        By how much the flank's start has moved, mm.
+
+    Returns
+    -------
+    callable
+        The fillet with the same start and tangents at both ends.
+    """
+    span = end - start
+
+    def moved_place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        point, first, second = place(u)
+        x = ((u - start) / span)[:, None]
+        return (
+            point + x**3 * (10 - 15 * x + 6 * x**2) * moved,
+            first + 30 * x**2 * (1 - x) ** 2 / span * moved,
+            second + 60 * x * (1 - x) * (1 - 2 * x) / span**2 * moved,
+        )
+
+    return moved_place
+
+
+def _inside_tooth(place: Floats, involute: Involute) -> bool:
+    """Whether a place on the working side has not passed the centre line of its tooth."""
+    angle = atan2(place[1], place[0]) - involute.tooth_center_rad
+    return involute.outward * angle > 0.0
+
+
+def _tip_rounding(
+    flank: InvoluteFlank, involute: Involute, start: FormPoint, radius: float, key: str
+) -> tuple[float, CurvePiece]:
+    """The arc that touches flank and tip circle: roll at which it leaves the flank, and the arc."""
+    tip_radius, outward = involute.tip_radius_mm, involute.outward
+
+    def center(roll: float, rounding: float) -> Floats:
+        return flank.point(roll) - outward * rounding * flank.normal(roll)
+
+    def touching(rounding: float) -> float:
+        """Roll at which an arc of that radius touches both; NaN where there is none."""
+
+        def beyond(roll: float) -> float:
+            distance = float(np.linalg.norm(center(roll, rounding)))
+            return outward * (distance - tip_radius) + rounding
+
+        end = flank.roll_at(tip_radius)
+        if outward * rounding >= tip_radius or beyond(start.roll) >= 0.0:
+            return float("nan")
+        return sign_change(beyond, start.roll, end)
+
+    roll = touching(radius)
+    if not (roll == roll and _inside_tooth(center(roll, radius), involute)):
+        low, high = 0.0, radius
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            at = touching(middle)
+            fits = at == at and _inside_tooth(center(at, middle), involute)
+            low, high = (middle, high) if fits else (low, middle)
+        raise SceneError(
+            key=f"{key}.tip_radius_mm",
+            expected=f"less than {low:.4f}, the largest rounding that fits on the tooth",
+            found=f"{radius:g}",
+        )
+    place, signed = center(roll, radius), outward * radius
+    normal = flank.normal(roll)
+
+    def arc(angle: Floats) -> tuple[Floats, Floats, Floats]:
+        out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
+        return place + signed * out, signed * along, -signed * out
+
+    first, last = atan2(normal[1], normal[0]), atan2(place[1], place[0])
+    return roll, CurvePiece("tip_radius", arc, first, last)
+
+
+def _tip_chamfer(
+    flank: InvoluteFlank, involute: Involute, height: float, key: str
+) -> tuple[float, CurvePiece]:
+    """The chamfer: from the flank, that height below the tip circle, straight to the tip circle.
+
+    Its direction halves the angle between flank and tip circle (45 degrees where that is right).
+    """
+    tip_radius, outward = involute.tip_radius_mm, involute.outward
+    low = tip_radius - outward * height
+    on_flank = outward * (low - involute.form_radius_mm) > 0.0
+    end = flank.roll_at(low if on_flank else involute.form_radius_mm)
+    place = flank.point(end)
+    normal = flank.normal(end)
+    halved = 0.5 * (atan2(normal[1], normal[0]) + atan2(place[1], place[0])) - outward * 0.5 * pi
+    direction = np.array([cos(halved), sin(halved)])
+    along = float(place @ direction)
+    reach = along**2 + tip_radius**2 - float(place @ place)
+    length = -along + outward * sqrt(max(0.0, reach))
+    if not (on_flank and reach > 0.0 and _inside_tooth(place + length * direction, involute)):
+        largest = outward * (tip_radius - involute.form_radius_mm)
+        width = tip_radius * involute.tooth_half_angle_at(tip_radius)
+        raise SceneError(
+            key=f"{key}.tip_chamfer_mm",
+            expected=f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
+            f"({width:.4f})",
+            found=f"{height:g}",
+        )
+
+    def line(u: Floats) -> tuple[Floats, Floats, Floats]:
+        ones = np.ones((u.size, 1))
+        return place + u[:, None] * direction, ones * direction, 0.0 * ones * direction
+
+    return end, CurvePiece("tip_chamfer", line, 0.0, length, corner_before=True)

@@ -1,0 +1,165 @@
+"""Structured sector mesh of a ring: the image of a gear's.
+
+In complex numbers w = R²/z turns a ring inside out: circles about the axis stay circles, angles
+stay angles, a tooth that stands inwards stands outwards. The mesh is made there, from the flank's
+image by the flank's own arc length, and its nodes are taken back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh
+from flankload.bodies.involute.sector_mesh import tooth_mesh, worst_element
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from flankload.bodies.involute.ring_profile import RingProfile
+    from flankload.flank import FlankCurve
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class InvertedCurve:
+    """Image of a flank under w = R²/z, over the arc length of the flank itself.
+
+    Attributes
+    ----------
+    original : FlankCurve
+        With its tooth centred on the +x axis.
+    radius_mm : float
+        R.
+    """
+
+    original: FlankCurve
+    radius_mm: float
+
+    @property
+    def length_mm(self) -> float:
+        """Arc length of the flank."""
+        return self.original.length_mm
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What each interval is."""
+        return self.original.labels
+
+    def range_of(self, *labels: str) -> tuple[float, float]:
+        """Arc lengths between which all intervals with one of the labels lie."""
+        return self.original.range_of(*labels)
+
+    def point(self, s: ArrayLike) -> Floats:
+        """Places (m, 2) at arc lengths s (m,), mm."""
+        return inverted(self.original.point(s), self.radius_mm)
+
+    def tangent(self, s: ArrayLike) -> Floats:
+        """Unit tangents (m, 2) towards the tip at arc lengths s (m,)."""
+        place, along = (_complex(v) for v in (self.original.point(s), self.original.tangent(s)))
+        image = -along / place**2
+        return _plane(image / np.abs(image))
+
+
+@dataclass(frozen=True)
+class InvertedTooth:
+    """A ring's tooth turned inside out, as `tooth_mesh` asks for; lengths in mm.
+
+    Attributes
+    ----------
+    curve : InvertedCurve
+    teeth : int
+    mode_range_mm : (float, float)
+    root_half_angle_rad : float
+        Polar angle, from the centre of the tooth, at which the fillet leaves the root circle.
+    root_radius_mm, tip_radius_mm : float
+    """
+
+    curve: InvertedCurve
+    teeth: int
+    mode_range_mm: tuple[float, float]
+    root_half_angle_rad: float
+    root_radius_mm: float
+    tip_radius_mm: float
+
+
+def inverted(places: Floats, radius: float) -> Floats:
+    """R²/z of places (m, 2) as complex numbers; its own inverse."""
+    return _plane(radius**2 / _complex(places))
+
+
+def _complex(places: Floats) -> NDArray[np.complex128]:
+    return np.asarray(places[:, 0] + 1j * places[:, 1])
+
+
+def _plane(numbers: NDArray[np.complex128]) -> Floats:
+    return np.stack([numbers.real, numbers.imag], axis=1)
+
+
+def ring_mesh(
+    profile: RingProfile,
+    *,
+    outer_radius_mm: float,
+    flank_element_mm: float,
+    key: str,
+    flank_nodes_mm: float | None = None,
+) -> SectorMesh:
+    """Mesh one tooth of a ring and its share of the rim.
+
+    Parameters
+    ----------
+    profile : RingProfile
+    outer_radius_mm : float
+        Outside of the rim, larger than the root circle.
+    flank_element_mm : float
+        Largest length of an element along the flank.
+    key : str
+        Key of the body in the scene, for messages.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
+
+    Returns
+    -------
+    SectorMesh
+
+    Raises
+    ------
+    SceneError
+        If no valid mesh can be made.
+    """
+    half_pitch = pi / profile.teeth
+    involute = profile.involute
+    # sizes are true at the middle of the tooth
+    radius = sqrt(involute.root_radius_mm * involute.tip_radius_mm)
+    tooth = InvertedTooth(
+        curve=InvertedCurve(profile.curve.rotated(-half_pitch), radius),
+        teeth=profile.teeth,
+        mode_range_mm=profile.mode_range_mm,
+        root_half_angle_rad=half_pitch - profile.root_half_angle_rad,
+        root_radius_mm=radius**2 / involute.root_radius_mm,
+        tip_radius_mm=radius**2 / involute.tip_radius_mm,
+    )
+    image = tooth_mesh(tooth, radius**2 / outer_radius_mm, flank_element_mm, flank_nodes_mm)
+    c, s = np.cos(half_pitch), np.sin(half_pitch)
+    mesh = replace(
+        image,
+        nodes=inverted(image.nodes, radius) @ np.array([[c, s], [-s, c]]),
+        left_nodes=image.right_nodes,
+        right_nodes=image.left_nodes,
+    )
+    worst, place = worst_element(mesh)
+    if not worst > 0.0:
+        in_rim = place > involute.root_radius_mm
+        raise SceneError(
+            key=f"{key}.{'outer' if in_rim else 'tip'}_diameter_mm",
+            expected="a tooth and rim that can be meshed in blocks",
+            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
+            f"relative to its mean (outside of the rim {2 * outer_radius_mm:g} mm)",
+        )
+    return mesh

@@ -1,0 +1,266 @@
+"""The profile of a ring (internal gear): root fillet, involute of its space, tip.
+
+The centre line of a space is the body's +x axis; the working flank stands at positive polar angle,
+its material beyond it, and belongs to the tooth that is centred half a pitch further on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, pi, radians, sqrt, tan
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from flankload.bodies.bisection import sign_change
+from flankload.bodies.involute.gear_tip import (
+    FlankGeometry,
+    FormPoint,
+    flank_and_tip,
+    following_fillet,
+    modifications_of,
+)
+from flankload.bodies.involute.involute import (
+    Involute,
+    InvoluteFlank,
+    involute_function,
+    roll_of_involute_angle,
+)
+from flankload.errors import SceneError
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: The largest fillet is taken this much smaller, so that rounding leaves it on its side.
+FULL = 1.0 - 1e-12
+
+
+class RingGeometry(FlankGeometry, Protocol):
+    """Keys of a ring's profile, as in the scene."""
+
+    @property
+    def teeth(self) -> int: ...
+    @property
+    def root_diameter_mm(self) -> float: ...
+    @property
+    def root_fillet_radius_mm(self) -> float | None: ...
+
+
+class RootArc(NamedTuple):
+    """An arc that touches flank and root circle from inside the space.
+
+    Attributes
+    ----------
+    radius_mm : float
+    roll : float
+        Roll of the involute where it touches.
+    center_mm : (2,) array
+    center_angle_rad : float
+        Polar angle of its centre, and of its place on the root circle.
+    """
+
+    radius_mm: float
+    roll: float
+    center_mm: Floats
+    center_angle_rad: float
+
+
+@dataclass(frozen=True)
+class RingProfile:
+    """Profile of a ring's tooth.
+
+    Attributes
+    ----------
+    curve : FlankCurve
+        The working flank: fillet from the root circle, flank, tip; its radius falls.
+    involute : Involute
+        Radii and angles.
+    teeth : int
+    mode_range_mm : (float, float)
+        Arc lengths of the active flank, where pressure modes live.
+    root_half_angle_rad : float
+        Polar angle at which the fillet leaves the root circle.
+    """
+
+    curve: FlankCurve
+    involute: Involute
+    teeth: int
+    mode_range_mm: tuple[float, float]
+    root_half_angle_rad: float
+
+    def outline(self) -> Floats:
+        """Inner contour (k, 2) of one sector from space to space, counter-clockwise, mm."""
+        s = np.concatenate(
+            [
+                start + (end - start) * np.arange(4) / 4
+                for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
+            ]
+        )
+        flank = self.curve.point(np.append(s, self.curve.breaks[-1]))
+        pitch = 2 * pi / self.teeth
+        root = _arc(self.involute.root_radius_mm, 0.0, self.root_half_angle_rad)[:-1]
+        tip = _arc(self.involute.tip_radius_mm, atan2(flank[-1, 1], flank[-1, 0]), 0.5 * pitch)[1:]
+        half = np.concatenate([root, flank, tip])
+        c, s_ = np.cos(pitch), np.sin(pitch)
+        mirrored = half[-2::-1] @ np.array([[c, s_], [s_, -c]])
+        return np.concatenate([half, mirrored])
+
+
+def _arc(radius: float, start: float, end: float, n: int = 5) -> Floats:
+    angle = np.linspace(start, end, n)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
+    """Profile of a ring.
+
+    Parameters
+    ----------
+    spec : RingGeometry
+        Keys of a ring.
+    key : str
+        Dotted path of these keys in the scene, for messages.
+
+    Returns
+    -------
+    RingProfile
+
+    Raises
+    ------
+    SceneError
+        If there is no such ring; names the key.
+    """
+    z, pressure_angle = spec.teeth, radians(spec.pressure_angle_deg)
+    reference_radius = 0.5 * z * spec.module_mm
+    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(pressure_angle)) / z
+    involute = Involute(
+        base_radius_mm=reference_radius * cos(pressure_angle),
+        reference_radius_mm=reference_radius,
+        root_radius_mm=0.5 * spec.root_diameter_mm,
+        form_radius_mm=0.5 * spec.root_diameter_mm,
+        tip_radius_mm=0.5 * spec.tip_diameter_mm,
+        base_half_angle_rad=base_half_angle + involute_function(pressure_angle),
+        outward=-1,
+        tooth_center_rad=pi / z,
+    )
+    _check_circles(involute, spec, key)
+    arc = _root_arc(involute, spec, key)
+    form_radius = involute.base_radius_mm * hypot(1.0, arc.roll)
+    involute = replace(involute, form_radius_mm=form_radius)
+    if form_radius <= involute.tip_radius_mm:
+        given = "nothing: the largest arc, " if spec.root_fillet_radius_mm is None else ""
+        raise SceneError(
+            key=f"{key}.root_fillet_radius_mm",
+            expected=f"a fillet that leaves some flank outside the tip diameter "
+            f"{2 * involute.tip_radius_mm:g}",
+            found=f"{given}{arc.radius_mm:.6g}, reaches in to the diameter {2 * form_radius:.4f}",
+        )
+    flank = InvoluteFlank(
+        involute.base_radius_mm,
+        involute.base_half_angle_rad,
+        modifications_of(spec, involute, arc.roll, key),
+    )
+    end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
+    start = FormPoint(arc.roll, end, False)
+    curve = fit_flank_curve(
+        [_fillet_piece(arc, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
+        corner_at_end=spec.tip_radius_mm is None,
+    )
+    return RingProfile(
+        curve=curve,
+        involute=involute,
+        teeth=z,
+        mode_range_mm=curve.range_of("flank", "relief"),
+        root_half_angle_rad=arc.center_angle_rad,
+    )
+
+
+def _check_circles(involute: Involute, spec: RingGeometry, key: str) -> None:
+    """The involute reaches from tip to root circle, and neither space nor tooth is pointed."""
+    base, pitch = involute.base_radius_mm, 2 * pi / spec.teeth
+    if involute.tip_radius_mm <= base:
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"more than the base diameter {2 * base:.4f}, inside which there is no "
+            "involute",
+            found=f"{spec.tip_diameter_mm:g}",
+        )
+    if not involute.base_half_angle_rad > 0.0:
+        raise SceneError(
+            key=f"{key}.profile_shift",
+            expected="a profile shift that leaves the space some width at the base circle",
+            found=f"{spec.profile_shift:g}",
+        )
+    if involute.half_angle_at(involute.root_radius_mm) <= 0.0:
+        largest = _diameter_at(involute, involute.base_half_angle_rad)
+        raise SceneError(
+            key=f"{key}.root_diameter_mm",
+            expected=f"less than {largest:.4f}, where the spaces are pointed",
+            found=f"{spec.root_diameter_mm:g}",
+        )
+    if involute.tooth_half_angle_at(involute.tip_radius_mm) <= 0.0:
+        least = _diameter_at(involute, involute.base_half_angle_rad - 0.5 * pitch)
+        raise SceneError(
+            key=f"{key}.tip_diameter_mm",
+            expected=f"more than {least:.4f}, where the teeth are pointed",
+            found=f"{spec.tip_diameter_mm:g}",
+        )
+
+
+def _diameter_at(involute: Involute, involute_angle: float) -> float:
+    """Diameter at which the polar angle of the involute has fallen by an angle since its base."""
+    return 2 * involute.base_radius_mm * hypot(1.0, roll_of_involute_angle(involute_angle))
+
+
+def _touching_arc(involute: Involute, radius: float) -> RootArc:
+    """The arc of that radius; its centre lies r_b t - radius along the normal of the involute."""
+    base = involute.base_radius_mm
+    along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
+    roll = (along + radius) / base
+    normal = involute.base_half_angle_rad - roll
+    center = base * _direction(normal) + along * _direction(normal + 0.5 * pi)
+    return RootArc(radius, roll, center, atan2(center[1], center[0]))
+
+
+def _direction(angle: float) -> Floats:
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def _root_arc(involute: Involute, spec: RingGeometry, key: str) -> RootArc:
+    """The arc that a ring asks for, or the largest, which stands in the middle of the space."""
+    room = (involute.root_radius_mm - involute.base_radius_mm) * FULL
+    largest = room
+
+    def beside(radius: float) -> float:
+        return _touching_arc(involute, radius).center_angle_rad
+
+    if beside(room) < 0.0:
+        largest = sign_change(beside, 0.0, room) * FULL
+    radius = spec.root_fillet_radius_mm
+    if radius is None:
+        return _touching_arc(involute, largest)
+    if radius > largest:
+        raise SceneError(
+            key=f"{key}.root_fillet_radius_mm",
+            expected=f"at most {largest:.6f}, the largest arc that touches flank and root circle",
+            found=f"{radius:g}",
+        )
+    return _touching_arc(involute, radius)
+
+
+def _fillet_piece(arc: RootArc, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
+    """The fillet, from the root circle to the flank."""
+
+    def place(angle: Floats) -> tuple[Floats, Floats, Floats]:
+        out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
+        return arc.center_mm + arc.radius_mm * out, arc.radius_mm * along, -arc.radius_mm * out
+
+    first, last = arc.center_angle_rad, start.beta
+    if not flank.modifications.crowning_mm:
+        return CurvePiece("fillet", place, first, last)
+    moved = flank.point(start.roll) - place(np.array([last]))[0][0]
+    return CurvePiece("fillet", following_fillet(place, first, last, moved), first, last)

@@ -1,0 +1,126 @@
+"""A tooth with rounded tips in blocks: layers that run along its whole outline, around a core.
+
+A corner of a block on a smooth outline makes an element with an angle of 180 degrees there, whose
+Jacobian vanishes. So no block has a corner on a rounding by itself: the layers below the flank turn
+at the middle of the rounding and go on below the tip, and the corner of the core lies inside.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.meshes.blocks import BlockMesh, coons
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.involute.sector_breaks import ToothCurve
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: The layers are at most this part of the half-width of the tip thick.
+LAYERS_PART = 0.6
+
+
+def rounded_tooth(
+    mesh: BlockMesh,
+    curve: ToothCurve,
+    s_flank: Floats,
+    foot: tuple[Floats, Floats],
+    top: tuple[Floats, Floats],
+    n: int,
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Add the blocks of a tooth with rounded tips.
+
+    Parameters
+    ----------
+    mesh : BlockMesh
+        In which the blocks are put.
+    curve : ToothCurve
+        Ends with the rounding, at the middle of which s_flank ends.
+    s_flank : (r,) array
+        Arc lengths of the nodes along the flank.
+    foot : (m, 2) array, (m,) array
+        Nodes across the foot of the tooth from the working flank to its image, and their parts of
+        the way.
+    top : (m - 2 n, 2) array, (m - 2 n,) array
+        Nodes across the tip from one middle of a rounding to the other, and their parts of the way.
+    n : int
+        Nodes across the layers after the first.
+
+    Returns
+    -------
+    flank, top, foot : (r,), (m - 2 n,), (m,) arrays
+        Node numbers.
+    """
+    mirror = np.array([1.0, -1.0])
+    places, parts = foot
+    flank = curve.point(s_flank)
+    thick = float(np.linalg.norm(places[n] - places[0]))
+    peak = _corner_of_core(curve, flank[-1], thick)
+    up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
+    inner = _inner_line(curve, s_flank, up, places[n], peak)
+    layer = parts[: n + 1] / parts[n]
+    inwards = flank[-1] + layer[:, None] * (peak - flank[-1])
+    half_angle = atan2(peak[1], peak[0]) * (1 - 2 * top[1])
+    below = np.hypot(*peak) * np.stack([np.cos(half_angle), np.sin(half_angle)], axis=1)
+    across = (parts[n:-n] - parts[n]) / (1 - 2 * parts[n])
+    core = mesh.add(
+        coons(
+            places[n:-n],
+            below,
+            inner,
+            inner * mirror,
+            np.stack([across, top[1]]),
+            np.stack([up, up]),
+        ),
+        {},
+    )
+    grid = coons(places[: n + 1], inwards, flank, inner, np.stack([layer] * 2), np.stack([up] * 2))
+    working = mesh.add(grid, {"right": core[:, 0]})
+    other = mesh.add(grid[:, ::-1] * mirror, {"left": core[:, -1]})
+    tip = mesh.add(
+        coons(
+            below,
+            top[0],
+            inwards[::-1],
+            inwards[::-1] * mirror,
+            np.stack([top[1]] * 2),
+            np.stack([1 - layer[::-1]] * 2),
+        ),
+        {"bottom": core[-1], "left": working[-1, ::-1], "right": other[-1]},
+    )
+    bottom = np.concatenate([working[0, :-1], core[0], other[0, 1:]])
+    return working[:, 0], tip[-1], bottom
+
+
+def _corner_of_core(curve: ToothCurve, middle: Floats, thick: float) -> Floats:
+    """Where the layers turn: as deep below the flank as below the tip.
+
+    The rounding turns by 2 b and has the radius r. Lines at depth d below flank and tip meet
+    r + (d - r) / cos b below its middle.
+    """
+    start, end = curve.range_of("tip_radius")
+    (first, last), (begin, stop) = curve.tangent([start, end]), curve.point([start, end])
+    chord = stop - begin
+    turned = 0.5 * abs(atan2(first[0] * last[1] - first[1] * last[0], float(first @ last)))
+    radius = 0.5 * float(np.hypot(*chord)) / np.sin(turned)
+    inward = np.array([chord[1], -chord[0]]) / np.hypot(*chord)
+    deep = min(thick, LAYERS_PART * float(middle[1]))
+    return middle + (radius + (deep - radius) / cos(turned)) * inward
+
+
+def _inner_line(curve: ToothCurve, s: Floats, up: Floats, first: Floats, last: Floats) -> Floats:
+    """Inner edge of the layers (r, 2): the flank without its rounding, moved so that its ends fit.
+
+    The way along the flank changes mostly near the tip, where the lines between layers lean.
+    """
+    start = curve.range_of("tip_radius")[0]
+    straight = curve.point(np.minimum(s, start))
+    straight += np.maximum(s - start, 0.0)[:, None] * curve.tangent([start])
+    part = up[:, None] ** 2
+    return np.asarray(straight + (1 - part) * (first - straight[0]) + part * (last - straight[-1]))

@@ -1,0 +1,277 @@
+"""Structured sector mesh of a gear: quadratic quadrilaterals in four blocks.
+
+The tooth stands on a line that sags between the two fillets; below it a middle block and, under the
+lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet
+three blocks meet at the split point, where the fillet has turned halfway. A tooth with rounded tips
+has blocks of its own (`rounded_tooth`). Both halves are mirror images.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, pi, sin
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from flankload.base.rounding import TIE
+from flankload.bodies.body import SectorMesh
+from flankload.bodies.involute.rounded_tooth import rounded_tooth
+from flankload.bodies.involute.sector_breaks import sector_breaks, slants
+from flankload.errors import SceneError
+from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
+from flankload.meshes.plane_mesh import jacobians
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.involute.gear_profile import GearProfile
+    from flankload.bodies.involute.sector_breaks import ToothCurve, ToothForm
+
+    Floats = NDArray[np.float64]
+    T = TypeVar("T", np.int64, np.float64)
+
+#: The foot of the tooth sags at most by this part of the rim's height.
+SAG_PART = 0.35
+
+
+def sector_mesh(
+    profile: GearProfile,
+    *,
+    bore_radius_mm: float,
+    flank_element_mm: float,
+    key: str,
+    flank_nodes_mm: float | None = None,
+) -> SectorMesh:
+    """Mesh one tooth and its share of the rim.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        With its tooth on the +x axis.
+    bore_radius_mm : float
+        Radius of the bore, smaller than the root circle.
+    flank_element_mm : float
+        Largest length of an element along the flank.
+    key : str
+        Key of the body in the scene, for messages.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
+
+    Returns
+    -------
+    SectorMesh
+
+    Raises
+    ------
+    SceneError
+        If no valid mesh can be made.
+    """
+    if not bore_radius_mm < profile.involute.root_radius_mm:
+        raise SceneError(
+            key=f"{key}.bore_diameter_mm",
+            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
+            found=f"{2 * bore_radius_mm:g}",
+        )
+    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm, flank_nodes_mm)
+    worst, place = worst_element(mesh)
+    if not worst > 0.0:
+        in_rim = place < profile.involute.root_radius_mm
+        raise SceneError(
+            key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
+            expected="a tooth and rim that can be meshed in blocks",
+            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
+            f"relative to its mean (bore {2 * bore_radius_mm:g} mm)",
+        )
+    return mesh
+
+
+def worst_element(mesh: SectorMesh) -> tuple[float, float]:
+    """Least Jacobian of all elements, relative to the element's mean, and its radius in mm."""
+    cells = mesh.cells[0][1]
+    determinants = jacobians(mesh.nodes, "quad9", cells)
+    worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
+    place = mesh.nodes[cells[worst.argmin(), 8]]
+    return float(worst.min()), float(np.linalg.norm(place))
+
+
+def tooth_mesh(
+    profile: ToothForm,
+    bore_radius: float,
+    flank_element_mm: float,
+    flank_nodes_mm: float | None = None,
+) -> SectorMesh:
+    """Mesh of a tooth that stands outwards on the +x axis, its elements not yet checked.
+
+    Parameters
+    ----------
+    profile : ToothForm
+    bore_radius : float
+        mm.
+    flank_element_mm : float
+        Largest length of an element along the flank.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        elsewhere.
+
+    Returns
+    -------
+    SectorMesh
+    """
+    breaks = sector_breaks(profile, bore_radius, flank_element_mm, flank_nodes_mm)
+    curve, teeth = profile.curve, profile.teeth
+    tip_radius = profile.tip_radius_mm
+    mirror = np.array([1.0, -1.0])
+    s_flank = with_middles(breaks.flank)
+    flank = curve.point(s_flank)
+    split = flank[0]
+    up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
+    columns = with_middles(breaks.columns)
+    rows = with_middles(breaks.rows)
+    angle = atan2(split[1], split[0])
+    foot = _sagging_line(curve, s_flank[0], angle, columns, bore_radius)
+    s_tip = with_middles(breaks.tip) if breaks.tip.size > 1 else breaks.tip
+    n = 2 * breaks.layers
+    inside = columns[n : columns.size - n]
+    inside = (inside - inside[0]) / (inside[-1] - inside[0])
+    top, top_parts = _tip_line(curve, s_tip, tip_radius, inside)
+    shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
+
+    # Left to right means from the working flank (positive angle) through the tooth to its mirror
+    # image when looking up the tooth: rows go up, columns go from negative to positive y reversed.
+    mesh = BlockMesh()
+    if n:
+        on_flank, on_top, on_foot = rounded_tooth(
+            mesh, curve, s_flank, (foot, columns), (top, top_parts), n
+        )
+    else:
+        sides = (flank, flank * mirror)
+        parts = (np.stack([columns, top_parts]), np.stack([up, up]))
+        tooth = mesh.add(coons(foot, top, *sides, *parts), {})
+        on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
+    bore = _arc(bore_radius, angle * (1 - 2 * columns))
+    middle = mesh.add(
+        coons(
+            bore,
+            foot,
+            shaft[::-1],
+            shaft[::-1] * mirror,
+            np.stack([columns, columns]),
+            np.stack([1 - rows[::-1]] * 2),
+        ),
+        {"top": on_foot},
+    )
+    side_top, side_parts = _root_line(profile, breaks.low)
+    bore = _arc(bore_radius, angle + (pi / teeth - angle) * (1 - side_parts))
+    ray = np.array([cos(pi / teeth), sin(pi / teeth)])
+    cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
+    cut_line = cut[::-1, None] * ray
+    grid = coons(
+        bore,
+        side_top,
+        cut_line,
+        shaft[::-1],
+        np.stack([side_parts, side_parts]),
+        np.stack([1 - rows[::-1]] * 2),
+    )
+    right = mesh.add(grid, {"right": middle[:, 0]})
+    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+    nodes = np.concatenate(mesh.places)
+    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
+    lengths = np.concatenate([s_flank, s_tip[1:]])
+    low, high = profile.mode_range_mm
+    rounding = TIE * (high - low)
+    carries = (lengths >= low - rounding) & (lengths <= high + rounding)
+    path = numbers[carries]
+    arc_length = np.full(len(nodes), np.nan)
+    arc_length[path] = lengths[carries]
+    beyond = numbers[lengths >= high - rounding]
+    s_beyond = lengths[lengths >= high - rounding]
+    return SectorMesh(
+        nodes=nodes,
+        cells=(("quad9", np.concatenate(mesh.cells)),),
+        flank_edges=_edges(path),
+        flank_arc_length=arc_length,
+        fixed_nodes=np.unique(np.concatenate([right[0], middle[0], left[0]])),
+        left_nodes=left[1:, -1],
+        right_nodes=right[1:, 0],
+        teeth=teeth,
+        tip_edges=_edges(beyond),
+        tip_arc_length=_edges(s_beyond),
+    )
+
+
+def _edges(path: NDArray[T]) -> NDArray[T]:
+    """First, last and middle of each edge of a path through ends and middles."""
+    return np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1)
+
+
+def _arc(radius: float, angles: Floats) -> Floats:
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _sagging_line(
+    curve: ToothCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
+) -> Floats:
+    """Foot of the tooth, from split point to mirror image: a cubic that sags into the rim."""
+    start = curve.point([s_split])[0]
+    slant = float(slants(curve, np.array([s_split]))[0])
+    # tooth and middle block share the angle between the profile and the ray to the bore
+    lean = 0.5 * (slant + pi - angle)
+    width = 2 * start[1]
+    # a thin rim must not be cut through: the middle of the line falls by width * fall / 4
+    radius = float(np.hypot(*start))
+    deepest = start[0] - radius + SAG_PART * (radius - bore_radius)
+    fall = max(min(-cos(lean), 4 * deepest / width), -0.9)
+    reach = width * np.array([-fall, -np.sqrt(1 - fall**2)])
+    x = columns[:, None]
+    h00, h01 = (1 + 2 * x) * (1 - x) ** 2, x**2 * (3 - 2 * x)
+    h10, h11 = x * (1 - x) ** 2, x**2 * (x - 1)
+    mirror = np.array([1.0, -1.0])
+    return h00 * start + h01 * start * mirror + h10 * reach + h11 * reach * np.array([-1.0, 1.0])
+
+
+def _tip_line(
+    curve: ToothCurve, s_tip: Floats, tip_radius: float, columns: Floats
+) -> tuple[Floats, Floats]:
+    """Upper edge of the tooth block from the working side to its mirror image, and its parts."""
+    end = curve.point([curve.length_mm])[0]
+    half_angle = atan2(end[1], end[0])
+    length = curve.length_mm - s_tip[0] + tip_radius * half_angle
+    n_own = s_tip.size - 1
+    own = (s_tip - s_tip[0]) / (2 * length)
+    m = (columns.size - 1) // 2
+    # the nodes of the tip circle keep the spacing of the columns
+    land = columns[n_own : m + 1]
+    if n_own:
+        land = own[-1] + (land - land[0]) / (0.5 - land[0]) * (0.5 - own[-1])
+    half = np.concatenate([own[:-1] if n_own else own[:0], land])
+    half[m] = 0.5
+    along = np.clip(
+        (half[n_own:] * 2 * length - (curve.length_mm - s_tip[0])) / tip_radius, 0, None
+    )
+    places = np.concatenate([curve.point(s_tip[:-1]), _arc(tip_radius, half_angle - along)])
+    places[m] = [tip_radius, 0.0]
+    return (
+        np.concatenate([places, places[-2::-1] * [1.0, -1.0]]),
+        np.concatenate([half, 1 - half[-2::-1]]),
+    )
+
+
+def _root_line(profile: ToothForm, low: Floats) -> tuple[Floats, Floats]:
+    """Upper edge of a side block from the cut along the root arc to the split point; its parts."""
+    radius = profile.root_radius_mm
+    start = profile.root_half_angle_rad
+    root = radius * (pi / profile.teeth - start)
+    size = float(np.diff(low).mean())
+    breaks = low + root
+    if root > 1e-9 * radius:
+        breaks = np.concatenate([even_breaks(0.0, root, size)[:-1], breaks])
+    path = with_middles(breaks)
+    on_root = path < root
+    places = np.where(
+        on_root[:, None],
+        _arc(radius, pi / profile.teeth - path / radius),
+        profile.curve.point(np.maximum(path - root, 0.0)),
+    )
+    return places, (path - path[0]) / (path[-1] - path[0])

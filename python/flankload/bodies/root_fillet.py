@@ -1,0 +1,238 @@
+"""Places on the root fillets where stress is read, and how it follows from nodal displacements.
+
+A fillet is a free surface: its only stress runs along it, and follows from the strain there alone,
+
+    sigma = E/(1 - nu²) t·du/ds   (plane strain; E t·du/ds in plane stress),
+
+t being the unit tangent. The strain of quadratic elements is most exact at both Gauss points of an
+element's edge; these are the places. A force that stands in the fillet itself leaves its own stress
+under it, which is not part of this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import WholeMesh
+from flankload.errors import SceneError
+from flankload.meshes.plane_mesh import boundary_edges
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body, SectorMesh
+    from flankload.flank import FlankCurve
+
+    Floats = NDArray[np.float64]
+
+#: Key of a scene that asks for stress in the root.
+KEY = "effects.root_stress"
+#: Edges of the mesh lie on the fillet to this part of their length: on an arc of 25 degrees, the
+#: most that one element turns, a chord's middle is off by half of it.
+ON_FILLET = 0.06
+#: Edges that are found must cover the fillet to this part of its length.
+LEAST_COVER = 0.98
+#: Gauss points of an edge on [-1, 1].
+GAUSS = (-(3.0**-0.5), 3.0**-0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class RootPoints:
+    """Places on both root fillets of a tooth; q places, those of the working side first.
+
+    Attributes
+    ----------
+    arc_length_mm : (q,) array
+        Along the profile from the root circle, ascending on either side.
+    radius_mm : (q,) array
+    angle_rad : (q,) array
+        Polar angle from the tooth's centre line, positive on the working side of a tooth that
+        stands outwards.
+    slant_rad : (q,) array
+        Angle of the fillet's tangent to the tooth's centre line.
+    working : (q,) array of bool
+        Whether the place is on the side of the working flank.
+    """
+
+    arc_length_mm: Floats
+    radius_mm: Floats
+    angle_rad: Floats
+    slant_rad: Floats
+    working: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class RootFillets:
+    """What reads the stress of a body's fillets.
+
+    Attributes
+    ----------
+    points : RootPoints
+        Of any tooth.
+    degrees, strains : tuples of (m,) and (m, q) arrays
+        By flank of the mesh (one of a sector): degrees of freedom of the fillets' nodes, and what
+        makes tangential strains from their displacements.
+    """
+
+    points: RootPoints
+    degrees: tuple[NDArray[np.int64], ...]
+    strains: tuple[Floats, ...]
+
+    def columns(self, flank: int, size: int) -> Floats:
+        """Strain columns (size, q) of a flank of the mesh over all degrees of freedom."""
+        spread = np.zeros((size, self.strains[flank].shape[1]))
+        spread[self.degrees[flank]] = self.strains[flank]
+        return spread
+
+
+def root_fillets(body: Body, key: str) -> RootFillets:
+    """Find both fillets of every tooth that has a flank in the mesh.
+
+    Parameters
+    ----------
+    body : Body
+        With a mesh.
+    key : str
+        "body_1" or "body_2", for messages.
+
+    Returns
+    -------
+    RootFillets
+
+    Raises
+    ------
+    SceneError
+        If the profile of the body is not known, or its mesh does not hold both fillets of a tooth.
+    """
+    mesh = body.mesh
+    if mesh is None or body.involute is None or "fillet" not in body.curve.labels:
+        found = f"{key}.kind = {body.kind!r}"
+        if body.kind == "mesh":
+            found += " without a profile"
+        raise SceneError(
+            key=KEY,
+            expected="bodies with finite elements and a known root fillet "
+            "(gear, ring, splines, mesh with profile)",
+            found=found,
+        )
+    turns = [0.0]
+    if isinstance(mesh, WholeMesh):
+        own = body.flank_turns_rad or (0.0,) * body.teeth
+        turns = [2 * np.pi * flank.tooth / body.teeth + own[flank.tooth] for flank in mesh.flanks]
+    center = body.involute.turn_rad + body.involute.tooth_center_rad
+    teeth = [_both_sides(mesh, body.curve, turn, center, key) for turn in turns]
+    points, degrees, strains = teeth[0][0], [], []
+    for places, columns in teeth:
+        used = np.flatnonzero(columns.any(axis=1))
+        degrees.append(used)
+        strains.append(_at_places(points, places, columns[used]))
+    return RootFillets(points, tuple(degrees), tuple(strains))
+
+
+def _both_sides(
+    mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
+) -> tuple[RootPoints, Floats]:
+    """Gauss points of both fillets of the tooth that stands turned by `turn`, and their strains."""
+    edges = boundary_edges(mesh.cells)
+    form = curve.range_of("fillet")[1]
+    own = _turned(mesh.nodes, -turn)
+    # the other side of the tooth is the working side of its mirror image
+    images = (own, _turned(_turned(own, -center) * [1.0, -1.0], center))
+    parts = []
+    for image in images:
+        on = _edges_on_fillet(image, edges, curve, form, key)
+        places, strains = edge_strains(mesh.nodes, image, edges[on])
+        s = curve.arc_length_of(places)[0]
+        order = np.argsort(s)
+        parts.append((s[order], strains[:, order]))
+    s = np.concatenate([part[0] for part in parts])
+    working = np.arange(s.size) < parts[0][0].size
+    place = _turned(curve.point(s), -center)
+    along = _turned(curve.tangent(s), -center)
+    angle = np.arctan2(place[:, 1], place[:, 0])
+    points = RootPoints(
+        arc_length_mm=s,
+        radius_mm=np.hypot(*place.T),
+        angle_rad=np.where(working, angle, -angle),
+        slant_rad=np.arctan2(np.abs(along[:, 1]), np.abs(along[:, 0])),
+        working=working,
+    )
+    return points, np.concatenate([part[1] for part in parts], axis=1)
+
+
+def _edges_on_fillet(
+    nodes: Floats, edges: NDArray[np.int64], curve: FlankCurve, form: float, key: str
+) -> NDArray[np.int64]:
+    """Which edges lie on the fillet of a curve."""
+    ends = curve.point([0.0, form])
+    reach = float(np.linalg.norm(ends[1] - ends[0])) + form
+    near = np.linalg.norm(nodes[edges[:, 2]] - ends.mean(axis=0), axis=1) < reach
+    candidates = np.flatnonzero(near)
+    length = np.linalg.norm(nodes[edges[candidates, 1]] - nodes[edges[candidates, 0]], axis=1)
+    s, away = curve.arc_length_of(nodes[edges[candidates]].reshape(-1, 2))
+    s, away = s.reshape(-1, 3), away.reshape(-1, 3)
+    lies = (away < ON_FILLET * length[:, None]).all(axis=1) & (s[:, 2] < form)
+    covered = float(np.ptp(s[lies][:, :2], axis=1).sum())
+    if not abs(covered / form - 1) <= 1 - LEAST_COVER:
+        raise SceneError(
+            key=KEY,
+            expected=f"a mesh of {key} that holds both root fillets of a tooth in one piece",
+            found=f"edges along {100 * covered / form:.0f} % of a fillet",
+        )
+    return candidates[lies]
+
+
+def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Strain along edges at their Gauss points.
+
+    Parameters
+    ----------
+    nodes : (N, 2) array
+        mm.
+    image : (N, 2) array
+        The same nodes, turned or mirrored, where the places are wanted.
+    edges : (m, 3) array
+        First, last, middle node.
+
+    Returns
+    -------
+    places : (2 m, 2) array
+        In the image.
+    strains : (2N, 2 m) array
+        Columns that read t·du/ds from displacements 2*node + component.
+    """
+    places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
+    for g, x in enumerate(GAUSS):
+        shape = np.array([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2])
+        slope = np.array([x - 0.5, x + 0.5, -2 * x])
+        tangent = np.einsum("k,mkd->md", slope, nodes[edges])
+        squared = (tangent**2).sum(axis=1)
+        columns = g + 2 * np.arange(len(edges))
+        for k in range(3):
+            strains[edges[:, k], :, columns] += slope[k] * tangent / squared[:, None]
+        places.append(np.einsum("k,mkd->md", shape, image[edges]))
+    return np.stack(places, axis=1).reshape(-1, 2), strains.reshape(2 * len(nodes), -1)
+
+
+def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
+    """Columns of a tooth at the places of the first one: linear between its own Gauss points."""
+    if np.array_equal(wanted.arc_length_mm, found.arc_length_mm):
+        return rows
+    columns = []
+    for side in (True, False):
+        own = np.flatnonzero(found.working == side)
+        s = found.arc_length_mm[own]
+        for place in wanted.arc_length_mm[wanted.working == side]:
+            k = int(np.clip(np.searchsorted(s, place), 1, s.size - 1))
+            part = float(np.clip((place - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0))
+            columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
+    return np.stack(columns, axis=1)
+
+
+def _turned(places: Floats, angle: float) -> Floats:
+    c, s = cos(angle), sin(angle)
+    return places @ np.array([[c, s], [-s, c]])

@@ -1,0 +1,10 @@
+"""One body's compliance at its flanks, from one finite-element job or from none."""
+
+from flankload.elasticity.compliance.body_compliance import (
+    BodyCompliance,
+    RootResponse,
+    no_compliance,
+)
+from flankload.elasticity.compliance.job import flank_compliance
+
+__all__ = ["BodyCompliance", "RootResponse", "flank_compliance", "no_compliance"]

@@ -1,0 +1,303 @@
+"""What is known of how the flanks of one body yield, and what follows from it by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.elasticity.nodal_loads import every_second
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.bodies.root_fillet import RootPoints
+    from flankload.pairing.expansion import Growth
+
+
+@dataclass(frozen=True, eq=False)
+class RootResponse:
+    """Stress along the root fillets under pressure modes.
+
+    Attributes
+    ----------
+    points : RootPoints
+        The q places of a tooth.
+    response : (z, q, p) array, or (f * f, q, p) array as `BodyCompliance.smooth`
+        response[t] maps the pressure modes of tooth 0 (MPa, pulling out of the material) to the
+        stress in the root of tooth t, MPa; with friction followed by as many modes of load along
+        the flank, towards growing arc length.
+    """
+
+    points: RootPoints
+    response: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyCompliance:
+    """Compliance of the flanks of one body, per mm of face width.
+
+    Attributes
+    ----------
+    smooth : (z, p, p) array, or (f * f, p, p) array where `flanks` names f teeth
+        smooth[t] maps the pressure modes of tooth 0 to displacements out of the material on tooth
+        t, as mode coefficients, without the logarithm; mm²/N. By pairs of flanks smooth[i * f + j]
+        maps the modes of flank j to the displacements of flank i.
+    kernel : float
+        Strength c0 of the logarithm, mm²/N; 0 for a rigid body.
+    mode_range_mm : (float, float)
+        Arc lengths of the flank curve between which the modes live.
+    flanks : tuple of int
+        Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
+    tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
+        In the same places, displacements out of the material by q modes of load along the flank
+        towards growing arc length, without the jump; mm²/N.
+    jump : float
+        Strength j of the jump, mm²/N; 0 without friction.
+    along : as tangential, (…, q, q); None without friction, or where forces are small ones
+        Displacements along the flank by the same loads, without the logarithm, which is as strong
+        as the kernel.
+    crossing : (z, p, p) array; None without contact on coast flanks
+        crossing[t] maps the pressure modes on the working flank of tooth 0 to displacements on the
+        coast flank of tooth t; mm²/N. What coast flanks do to each other and to working flanks is
+        the same in a mirror.
+    crossing_tangential : (z, p, q) array; None without friction
+        The same for the modes of load along the working flank.
+    closed : bool
+        The modes are harmonics of a turn around the body.
+    nodes : (n,) array, or None
+        Arc lengths of the nodes, mm, where tables between them stand in place of modes: smooth,
+        tangential and along then hold whole displacements by unit forces, mm²/N, and the kernel
+        only says how wide contacts are to be expected.
+    asymmetry : float
+        Largest relative difference of a response and its transposed counterpart before both were
+        averaged.
+    degrees_of_freedom : int
+        Of its elements, those that are not held.
+    counters : mapping of str to int
+        What it took, by the names of `cost.COUNTERS`, without zeros.
+    workspace_bytes : int
+        Of stiffness, factors and solutions, which are given back.
+    seconds : dict of str to float
+        CPU seconds of assembly, factorisation, solution, ring closure; "wall" for the whole.
+    root : RootResponse or None
+        Stress in the root fillets, where it is asked for.
+    shifts : dict of str to (1, p) or (f, p) array
+        By name of a known load, how far flanks stand out of the material under it before they
+        touch, as mode coefficients, mm: one row for all teeth, or one for each of `flanks`.
+    expansion : float
+        Strain by which the body grows as a whole before anything touches; shifts come on top.
+    missed : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
+        What the elements miss, by their estimate, of the response of a flank to the modes on
+        itself: of `smooth`, and behind it of `tangential`. None where no estimate is wanted.
+    """
+
+    smooth: NDArray[np.float64]
+    kernel: float
+    mode_range_mm: tuple[float, float]
+    flanks: tuple[int, ...] = ()
+    tangential: NDArray[np.float64] | None = None
+    jump: float = 0.0
+    along: NDArray[np.float64] | None = None
+    crossing: NDArray[np.float64] | None = None
+    crossing_tangential: NDArray[np.float64] | None = None
+    closed: bool = False
+    nodes: NDArray[np.float64] | None = None
+    asymmetry: float = 0.0
+    degrees_of_freedom: int = 0
+    counters: Mapping[str, int] = field(default_factory=dict)
+    workspace_bytes: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    root: RootResponse | None = None
+    shifts: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    expansion: float = 0.0
+    missed: NDArray[np.float64] | None = None
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the body does not yield at all."""
+        return self.kernel == 0.0
+
+    def block_of(
+        self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
+    ) -> NDArray[np.int64]:
+        """Where in `smooth` the response of teeth to loads on teeth stands.
+
+        Parameters
+        ----------
+        displaced, loaded : arrays that broadcast
+            Teeth of the body, from 0.
+        teeth : int
+            Number of teeth of the body.
+
+        Returns
+        -------
+        array
+        """
+        if self.is_rigid:
+            return np.zeros_like(displaced - loaded)
+        if not self.flanks:
+            return (displaced - loaded) % teeth
+        place = np.searchsorted(self.flanks, np.arange(teeth))
+        return place[displaced] * len(self.flanks) + place[loaded]
+
+    def shift_of(self, at: NDArray[np.int64]) -> NDArray[np.float64]:
+        """How far flanks stand out under all known loads together.
+
+        Parameters
+        ----------
+        at : (n,) array
+            Teeth of the body, from 0.
+
+        Returns
+        -------
+        (n, p) array
+            Mode coefficients, mm; (0, p) where no load is known.
+        """
+        if not self.shifts:
+            return np.empty((0, self.smooth.shape[1]))
+        total = np.sum(list(self.shifts.values()), axis=0)
+        if len(total) == 1:
+            return np.broadcast_to(total, (at.size, total.shape[1]))
+        return np.asarray(total[np.searchsorted(self.flanks, at)])
+
+    def blocks_of_sites(
+        self, teeth_at: NDArray[np.int64], n_working: int, teeth: int
+    ) -> NDArray[np.int64]:
+        """Blocks of `all_blocks` for displacements at sites (rows) under loads at sites.
+
+        Parameters
+        ----------
+        teeth_at : (S,) array
+            Tooth of the body at each site; sites of coast flanks stand behind the others.
+        n_working : int
+            Number of sites of working flanks.
+        teeth : int
+            Number of teeth of the body.
+
+        Returns
+        -------
+        (S, S) array
+        """
+        displaced, loaded = teeth_at[:, None], teeth_at[None, :]
+        block = self.block_of(displaced, loaded, teeth)
+        if n_working == teeth_at.size or self.is_rigid:
+            return block
+        coast = np.arange(teeth_at.size) >= n_working
+        # a load on a coast flank is one on a working flank in a mirror, which counts the other way
+        block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
+        return block + teeth * (coast[:, None] != coast[None, :])
+
+    def all_blocks(self) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """`smooth` and `tangential`, followed by what crosses the teeth where there is such."""
+        if self.crossing is None:
+            return self.smooth, self.tangential
+        tangential = self.tangential
+        if tangential is not None and self.crossing_tangential is not None:
+            tangential = np.concatenate([tangential, self.crossing_tangential])
+        return np.concatenate([self.smooth, self.crossing]), tangential
+
+    def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
+        """The same without the highest modes: a block, since the modes are orthogonal.
+
+        The highest harmonic of a turn is two of them. Of tables: between half as many nodes.
+        """
+        if self.nodes is not None:
+            half, parts = every_second(self.nodes)
+            tables = {
+                name: parts.T @ table @ parts
+                for name in ("smooth", "tangential", "along")
+                if (table := getattr(self, name)) is not None
+            }
+            return replace(self, nodes=half, **tables)
+        kept = self.smooth.shape[1] - (2 * fewer if self.closed else fewer)
+        if kept < 1:
+            return self
+        tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
+        shifts = {name: modes[:, :kept] for name, modes in self.shifts.items()}
+        along = None if self.along is None else self.along[:, :kept, :kept]
+        crossing = [
+            None if part is None else part[:, :kept, :kept]
+            for part in (self.crossing, self.crossing_tangential)
+        ]
+        return replace(
+            self,
+            smooth=self.smooth[:, :kept, :kept],
+            tangential=tangential,
+            along=along,
+            shifts=shifts,
+            crossing=crossing[0],
+            crossing_tangential=crossing[1],
+            missed=None,
+        )
+
+    def with_missed(self, times: float) -> BodyCompliance:
+        """The same with so many times what its elements miss by their estimate."""
+        if self.missed is None:
+            return self
+        p, f = self.smooth.shape[1], len(self.flanks)
+        own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
+        smooth, tangential = self.smooth.copy(), self.tangential
+        smooth[own] += times * self.missed[:, :, :p]
+        if tangential is not None:
+            tangential = tangential.copy()
+            tangential[own] += times * self.missed[:, :, p:]
+        return replace(self, smooth=smooth, tangential=tangential, missed=None)
+
+    def unyielding(self) -> BodyCompliance:
+        """Of the same body where no force moves it; known loads do."""
+        modes = self.smooth.shape[1] if self.shifts else 1
+        return replace(
+            self,
+            smooth=np.zeros((1, modes, modes)),
+            kernel=0.0,
+            tangential=None,
+            crossing=None,
+            crossing_tangential=None,
+            missed=None,
+        )
+
+    def grown(self) -> BodyCompliance:
+        """Of the same body, grown as a whole: its modes live on the larger curve."""
+        low, high = self.mode_range_mm
+        larger = 1.0 + self.expansion
+        return replace(self, mode_range_mm=(larger * low, larger * high))
+
+    def without_coupling(self) -> BodyCompliance:
+        """The same, but a load on a tooth moves no other tooth, and stresses none."""
+        own = np.zeros(1, dtype=np.int64)
+        if self.flanks:
+            own = np.arange(len(self.flanks)) * (len(self.flanks) + 1)
+
+        def alone(
+            blocks: NDArray[np.float64], kept: NDArray[np.int64] = own
+        ) -> NDArray[np.float64]:
+            alike = np.zeros_like(blocks)
+            alike[kept] = blocks[kept]
+            return alike
+
+        crossing, along = self.crossing, self.crossing_tangential
+        if crossing is not None:  # a tooth that stands inwards is one of two spaces
+            across = np.atleast_1d(np.abs(crossing[:, 0, 0]).argmax())
+            crossing = alone(crossing, across)
+            along = None if along is None else alone(along, across)
+        root = self.root
+        return replace(
+            self,
+            smooth=alone(self.smooth),
+            tangential=None if self.tangential is None else alone(self.tangential),
+            along=None if self.along is None else alone(self.along),
+            crossing=crossing,
+            crossing_tangential=along,
+            root=None if root is None else replace(root, response=alone(root.response)),
+        )
+
+
+def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
+    """Of a body that does not yield, or that nothing loads: no finite elements."""
+    expansion = 0.0 if growth is None else growth.strain
+    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion)

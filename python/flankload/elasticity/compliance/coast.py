@@ -1,0 +1,89 @@
+"""What loads on working flanks move on the coast flanks, across the teeth of a sector's ring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.elasticity.near_field import mirrored_loads
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body, SectorMesh
+    from flankload.elasticity.compliance.modes import ModeLoads
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CoastReadings:
+    """Columns that read displacements of the coast flank of a sector.
+
+    Attributes
+    ----------
+    columns : (2 N, p) array
+    tooth : int
+        Whose coast flank that is.
+    """
+
+    columns: Floats
+    tooth: int
+
+    def taken_from(self, response: Floats, modes: ModeLoads) -> tuple[Floats, Floats]:
+        """Part what they read from a response.
+
+        Parameters
+        ----------
+        response : (z, r, p) array
+            Their readings stand behind those of the working flank.
+        modes : ModeLoads
+
+        Returns
+        -------
+        response : (z, r - n, p) array
+            Without them.
+        crossing : (z, n, p) array
+            From the coefficients of loads on the working flank of tooth 0 to those of displacements
+            on the coast flank of tooth t.
+        """
+        first, n = response.shape[2], modes.count
+        crossing = np.roll(response[:, first : first + n], self.tooth, axis=0)
+        norms = np.tile(modes.norms, 2) if modes.friction else modes.norms
+        return np.delete(response, slice(first, first + n), axis=1), _of_coefficients(
+            crossing, norms
+        )
+
+
+def coast_readings(body: Body, mesh: SectorMesh, loads: Floats) -> CoastReadings:
+    """Readings of the coast flank by the loads of the working flank, in the mirror of a sector.
+
+    Parameters
+    ----------
+    body : Body
+        With an involute.
+    mesh : SectorMesh
+    loads : (2 N, n) array
+        Along the normal of the working flank.
+
+    Returns
+    -------
+    CoastReadings
+    """
+    assert body.involute is not None
+    return CoastReadings(*mirrored_loads(mesh, loads, body.involute.turn_rad))
+
+
+def _of_coefficients(crossing: Floats, norms: Floats) -> Floats:
+    """What crosses the teeth, between coefficients of modes; pressures are symmetric.
+
+    What a load on the working flank moves on the coast flank of another tooth, the load there moves
+    on the working flank here (Betti), and that is the same in a mirror.
+    """
+    count = crossing.shape[1]
+    crossing = crossing / (norms[:count, None] * norms[None, :])
+    pressures = crossing[..., :count]
+    crossing[..., :count] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return crossing

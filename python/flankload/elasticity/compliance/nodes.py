@@ -1,0 +1,77 @@
+"""Unit loads as forces at the nodes of a flank: tables between them hold whole displacements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flankload.bodies.body import WholeMesh
+from flankload.elasticity.near_field import logarithm_strength
+from flankload.elasticity.nodal_loads import nodes_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.cost import Account
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeLoads:
+    """Unit forces at nodes; with friction as many along the flank behind them.
+
+    Attributes
+    ----------
+    body : Body
+    nodes : (n,) array
+        Arc lengths, mm.
+    plane : {"strain", "stress"}
+    """
+
+    body: Body
+    nodes: Floats
+    plane: str
+
+    #: Nothing of the near field stands beside the tables.
+    jump = 0.0
+
+    @property
+    def count(self) -> int:
+        """Of the nodes of a flank."""
+        return self.nodes.size
+
+    @property
+    def kernel(self) -> float:
+        """Strength of the logarithm, mm²/N: how wide contacts are to be expected."""
+        return logarithm_strength(self.body.material, self.plane)
+
+    def settle(
+        self,
+        response: Floats,
+        own: NDArray[np.int64],
+        account: Account,
+    ) -> None:
+        """Count the unit forces: their response is what it is; see `ModeLoads.settle`."""
+        mesh = self.body.mesh
+        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
+        account.count(unit_loads_nodal=response.shape[2] * flanks)
+
+
+def node_loads(body: Body, plane: str) -> NodeLoads:
+    """Unit forces at the nodes that the elements of a body have.
+
+    Parameters
+    ----------
+    body : Body
+        With a mesh.
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    NodeLoads
+    """
+    assert body.mesh is not None
+    return NodeLoads(body, nodes_of(body.mesh), plane)

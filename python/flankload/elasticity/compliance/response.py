@@ -1,0 +1,201 @@
+"""What unit loads move: from the elements of a whole body, or of one sector and its likes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.elasticity.compliance.coast import coast_readings
+from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.sector_closure import (
+    alike_response,
+    close_ring,
+    condense,
+    segment_response,
+    tooth_response,
+)
+from flankload.elasticity.whole_body import count_loads, unit_loads, whole_response
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_matrix
+
+    from flankload.bodies.body import Body, SectorMesh, WholeMesh
+    from flankload.cost import Account
+    from flankload.elasticity.compliance.nodes import NodeLoads
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What both ways of a job need: a body as a whole, or one sector of it.
+
+    Attributes
+    ----------
+    body : Body
+    matrix : csc_matrix
+        Stiffness of its mesh.
+    loads : ModeLoads or NodeLoads
+    friction : bool
+    stress : callable or None
+        Number of a flank to columns that read stress in the roots.
+    forces : array or None
+        Loads of growth.
+    account : Account
+    laps : callable
+        Told the name of a step that ends.
+    look : callable or None
+        Shown displacements under unit loads.
+    """
+
+    body: Body
+    matrix: csc_matrix
+    loads: ModeLoads | NodeLoads
+    friction: bool
+    stress: Callable[[int], Floats] | None
+    forces: Floats | None
+    account: Account
+    laps: Callable[[str], None]
+    look: Callable[[Floats], None] | None
+
+    @property
+    def without_growth(self) -> Floats:
+        """What the modes read under known loads, where there are none or they are not solved."""
+        known = 0 if self.forces is None else self.forces.shape[1]
+        return np.zeros((0, known, self.loads.count))
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What comes out of the elements.
+
+    Attributes
+    ----------
+    response : (k, r, p) array
+        Block by block as in `BodyCompliance.smooth`; readings of stress stand below.
+    own, across : arrays
+        Blocks of flanks loaded themselves; for each block the one the other way.
+    by_growth : (f, q, p) array
+    degrees_of_freedom : int
+    flanks : tuple of int
+    crossing : (z, n, p) array or None
+        To the coast flanks, as coefficients.
+    """
+
+    response: Floats
+    own: NDArray[np.int64]
+    across: NDArray[np.int64]
+    by_growth: Floats
+    degrees_of_freedom: int
+    flanks: tuple[int, ...] = ()
+    crossing: Floats | None = None
+
+
+def of_whole(job: Job, mesh: WholeMesh) -> Response:
+    """All flanks of a body loaded, one after the other.
+
+    Parameters
+    ----------
+    job : Job
+    mesh : WholeMesh
+
+    Returns
+    -------
+    Response
+    """
+    job.laps("assembly")
+    response, by_growth, free = whole_response(
+        job.matrix,
+        mesh,
+        job.body.mode_range_mm,
+        job.loads.count,
+        job.laps,
+        friction=job.friction,
+        closed=job.body.curve.closed,
+        readings=job.stress,
+        forces=job.forces,
+        account=job.account,
+        nodes=job.loads.nodes,
+        look=job.look,
+    )
+    f = len(mesh.flanks)
+    return Response(
+        response,
+        own=np.arange(f) * (f + 1),
+        across=np.arange(len(response)).reshape(f, -1).T.ravel(),
+        by_growth=by_growth,
+        degrees_of_freedom=free,
+        flanks=tuple(flank.tooth for flank in mesh.flanks),
+    )
+
+
+def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: bool) -> Response:
+    """One tooth loaded, by itself or with its likes beside it.
+
+    Parameters
+    ----------
+    job : Job
+    mesh : SectorMesh
+    sectors : int or None
+        Of a segment, an odd number; 1: a single tooth; None: the whole ring.
+    coast_flanks : bool
+        Displacements of the coast flanks are read, too.
+
+    Returns
+    -------
+    Response
+    """
+    n, by_growth = job.loads.count, job.without_growth
+    loads = unit_loads(
+        mesh, job.body.mode_range_mm, n, friction=job.friction, nodes=job.loads.nodes
+    )
+    coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
+    columns = None if coast is None else coast.columns
+    job.laps("assembly")
+    stress = job.stress(0) if job.stress else None
+    count_loads(job.account, loads.shape[1], friction=job.friction)
+    if sectors == 1:
+        response, free = tooth_response(
+            job.matrix,
+            loads,
+            mesh,
+            job.laps,
+            readings=[part for part in (columns, stress) if part is not None],
+            account=job.account,
+            look=job.look,
+        )
+    else:
+        sector, free = condense(
+            job.matrix,
+            loads,
+            mesh,
+            job.laps,
+            coast=columns,
+            readings=stress,
+            forces=job.forces,
+            account=job.account,
+            look=job.look,
+        )
+        if job.forces is not None:
+            by_growth = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+        if sectors is None:
+            response = close_ring(sector, mesh.teeth)
+        else:
+            response = segment_response(sector, mesh.teeth, sectors)
+    crossing = None
+    if coast is not None:
+        assert isinstance(job.loads, ModeLoads)
+        response, crossing = coast.taken_from(response, job.loads)
+    return Response(
+        response,
+        own=np.zeros(1, dtype=np.int64),
+        across=-np.arange(mesh.teeth) % mesh.teeth,
+        by_growth=by_growth,
+        degrees_of_freedom=free,
+        crossing=crossing,
+    )

@@ -1,0 +1,93 @@
+"""The loads of growth on finite elements, and what the flanks do under them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import WholeMesh
+from flankload.elasticity.finite_elements import place_load
+from flankload.elasticity.near_field import mode_loads, mode_norms
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_matrix
+
+    from flankload.bodies.body import Body, SectorMesh
+    from flankload.pairing.expansion import Growth
+
+
+def growth_loads(
+    matrix: csc_matrix, mesh: SectorMesh | WholeMesh, growth: Growth | None
+) -> dict[str, NDArray[np.float64]]:
+    """Nodal loads by which a body grows beside what holds it, by their names.
+
+    The displacement is e_s x plus what these loads do with the held surface at rest. The stiffness
+    times the places of the nodes is the load that a strain of 1 in the plane asks for. That the
+    body may grow along its axis is in it: in plane strain, too, e is a strain that no stress
+    hinders.
+
+    Parameters
+    ----------
+    matrix : csc_matrix, (2N, 2N)
+        Stiffness, per mm of width.
+    mesh : SectorMesh or WholeMesh
+    growth : Growth or None
+
+    Returns
+    -------
+    dict of str to (2N,) array
+        "temperature" and "speed", those that there are; N per mm of width.
+    """
+    loads: dict[str, NDArray[np.float64]] = {}
+    if growth is None:
+        return loads
+    if growth.strain != growth.held_strain:
+        loads["temperature"] = (growth.strain - growth.held_strain) * (matrix @ mesh.nodes.ravel())
+    if growth.speed_rad_per_s > 0.0:
+        pull = growth.density_Ns2_per_mm4 * growth.speed_rad_per_s**2
+        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells)
+    return loads
+
+
+def growth_of_flanks(
+    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, NDArray[np.float64]]
+) -> tuple[float, dict[str, NDArray[np.float64]]]:
+    """Growth of a body as a whole, and how far its flanks stand out beside that.
+
+    Only displacements along the normal are known, and gaps want no others, except on edges: a tip
+    that moves outwards meets its mate elsewhere. Most of a tooth's growth is that of a larger
+    figure; the strain that comes nearest to all flanks, by least squares, is taken for that.
+
+    Parameters
+    ----------
+    body : Body
+        With a mesh of f flanks.
+    growth : Growth or None
+    n_modes : int
+    moved : mapping of str to (f, p) array
+        What the modes on each flank read under each of `growth_loads`, pressure modes first, mm².
+
+    Returns
+    -------
+    strain : float
+    shifts : dict of str to (f, n_modes) array
+        Mode coefficients, mm.
+    """
+    if growth is None:
+        return 0.0, {}
+    mesh, closed = body.mesh, body.curve.closed
+    if mesh is None or not moved:
+        return growth.held_strain, {}
+    norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
+    flanks = mesh.flanks if isinstance(mesh, WholeMesh) else (mesh,)
+    read = [mode_loads(flank, body.mode_range_mm, n_modes, closed=closed) for flank in flanks]
+    unit = np.array([columns.T @ mesh.nodes.ravel() for columns in read]) / norms
+    shifts = {name: part[:, :n_modes] / norms for name, part in moved.items()}
+    square = float(np.sum(norms * unit**2))
+    parts = {name: float(np.sum(norms * unit * shift)) / square for name, shift in shifts.items()}
+    left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
+    return growth.held_strain + sum(parts.values()), left

@@ -1,0 +1,219 @@
+"""Compliance that comes with a body, brought to the form that the sweep takes; no elements."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.flank_elements import gauss_places
+from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.near_field import (
+    logarithm_strength,
+    mode_norms,
+    mode_values,
+    projected_logarithm,
+)
+from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.errors import ComplianceFileError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+#: Largest difference of a response and the one the other way round, relative to the largest.
+LARGEST_ASYMMETRY = 1e-6
+
+
+def given_compliance(
+    body: Body,
+    *,
+    modes: int | None,
+    default_modes: int,
+    plane: str,
+    tangential: str | None = None,
+    nodal: bool = False,
+) -> BodyCompliance:
+    """Compliance of a body that has brought it along.
+
+    Parameters
+    ----------
+    body : Body
+        With `given`.
+    modes : int or None
+        Pressure modes that the scene names. A file that holds modes has no more than it holds.
+    default_modes : int
+        Where the scene names none: for a matrix between nodes, as far as the nodes are enough; a
+        file that holds modes gives them all.
+    plane : {"strain", "stress"}
+        Of the scene: the same as in the file.
+    tangential : str, optional
+        The key that asks for the response to loads along the flank, too.
+    nodal : bool
+        Tables between the nodes of the file in place of pressure modes.
+
+    Returns
+    -------
+    BodyCompliance
+        Its counters of elements are 0.
+
+    Raises
+    ------
+    ComplianceFileError
+        If the file's plane is another one, the compliance is not symmetric and positive, or the
+        response to loads along the flank is wanted and the file has none.
+    """
+    given = body.given
+    assert given is not None
+    if given.plane != plane:
+        raise ComplianceFileError(
+            file=given.file,
+            key="plane",
+            expected=f"'{plane}', as in accuracy.plane",
+            found=f"'{given.plane}'",
+        )
+    if tangential and given.tangential is None:
+        modal = isinstance(given, ModalCompliance)
+        raise ComplianceFileError(
+            file=given.file,
+            key="smooth_nt" if modal else "format",
+            expected=f"the response to loads along the flank, since the scene has {tangential}: "
+            "as flankload compliance writes it for a scene with friction",
+            found="nothing" if modal else "a matrix of normal displacements and forces alone",
+        )
+    if isinstance(given, ModalCompliance):
+        return _of_modes(body, given, modes or given.smooth.shape[1], friction=bool(tangential))
+    if nodal:
+        return _tables(body, given, plane)
+    enough = max(2, min(default_modes, given.flank_elements // 2 + 1))
+    return _of_nodes(body, given, modes or enough, plane)
+
+
+def _of_modes(
+    body: Body, given: ModalCompliance, n_modes: int, *, friction: bool
+) -> BodyCompliance:
+    """As it stands in the file, symmetric and positive; the lower modes are a block of all."""
+    smooth, f = given.smooth, len(given.flanks)
+    own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
+    across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
+    mirrored = smooth[across].transpose(0, 2, 1)
+    asymmetry = float(np.abs(smooth - mirrored).max() / np.abs(smooth).max())
+    if asymmetry > LARGEST_ASYMMETRY:
+        raise ComplianceFileError(
+            file=given.file,
+            key="smooth",
+            expected=f"smooth[{'j f + i' if f else '-t'}] to be smooth[{'i f + j' if f else 't'}] "
+            "transposed (what a moves at b, b moves at a), to "
+            f"{LARGEST_ASYMMETRY:g} of the largest entry",
+            found=f"{asymmetry:.3g}",
+        )
+    low, high = body.mode_range_mm
+    norms = mode_norms(body.mode_range_mm, smooth.shape[1])
+    whole = smooth * norms[:, None] * norms[None, :]
+    whole[own] -= given.kernel * projected_logarithm(smooth.shape[1], high - low)
+    least = _least_eigenvalue(whole, f)
+    if not least > 0.0:
+        raise ComplianceFileError(
+            file=given.file,
+            key="smooth",
+            expected="a compliance that is positive definite together with its kernel, since any "
+            "load takes up work",
+            found=f"an eigenvalue of {least:.3g}",
+        )
+    return BodyCompliance(
+        smooth=0.5 * (smooth + mirrored)[:, :n_modes, :n_modes],
+        kernel=given.kernel,
+        mode_range_mm=body.mode_range_mm,
+        flanks=given.flanks,
+        tangential=given.tangential[:, :n_modes, :n_modes]
+        if friction and given.tangential is not None
+        else None,
+        jump=given.jump if friction else 0.0,
+        asymmetry=max(given.asymmetry, asymmetry),
+    )
+
+
+def _least_eigenvalue(whole: NDArray[np.float64], flanks: int) -> float:
+    """Of the matrix of all flanks, from its blocks by tooth or by pairs of flanks."""
+    if flanks:
+        p = whole.shape[1]
+        matrix = whole.reshape(flanks, flanks, p, p).transpose(0, 2, 1, 3)
+        return float(np.linalg.eigvalsh(matrix.reshape(flanks * p, -1)).min())
+    # equal teeth: a Fourier transform over them takes the matrix of the whole body apart
+    waves = np.fft.fft(whole, axis=0)
+    return float(np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min())
+
+
+def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> BodyCompliance:
+    """Project nodal loads on the pressure modes, and take out what the kernel brings back.
+
+    With the consistent nodal forces B_qa = integral of N_q P_a ds of the modes, the response is
+    B' C B, with their nodal pressures P' M C P; without the logarithm and in coefficients,
+    D^-1 (B' C B - <P, K P>) D^-1.
+    """
+    if given.of_pressures:
+        loads = mode_values(given.arc_length_mm, body.mode_range_mm, n_modes)
+    else:
+        loads = nodal_mode_forces(given, body.mode_range_mm, n_modes)
+    response = _responses(body, given, loads)
+    low, high = body.mode_range_mm
+    strength = logarithm_strength(body.material, plane)
+    response[0] += strength * projected_logarithm(n_modes, high - low)
+    norms = mode_norms(body.mode_range_mm, n_modes)
+    return BodyCompliance(
+        smooth=response / (norms[:, None] * norms[None, :]),
+        kernel=strength,
+        mode_range_mm=body.mode_range_mm,
+        asymmetry=given.asymmetry,
+    )
+
+
+def _responses(
+    body: Body, given: NodalCompliance, loads: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Response (z, p, p) of all teeth to p loads of tooth 0, read by the same loads."""
+    response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
+    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
+        response[offset] = loads.T @ block @ loads
+        if -offset % body.teeth not in given.offsets:
+            response[-offset % body.teeth] = response[offset].T
+    return response
+
+
+def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
+    """Tables between the nodes: of quadratic elements the ends, since middles yield otherwise."""
+    nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
+
+    def pressures(s: NDArray[np.float64]) -> NDArray[np.float64]:
+        return hat_values(s, nodes) / hat_widths(nodes)
+
+    if given.of_pressures:
+        loads = pressures(given.arc_length_mm)
+    else:
+        loads = consistent_forces(given, pressures)
+    return BodyCompliance(
+        smooth=_responses(body, given, loads),
+        kernel=logarithm_strength(body.material, plane),
+        mode_range_mm=body.mode_range_mm,
+        nodes=nodes,
+        asymmetry=given.asymmetry,
+    )
+
+
+def nodal_mode_forces(
+    given: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
+) -> NDArray[np.float64]:
+    """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
+    return consistent_forces(given, lambda s: mode_values(s, mode_range_mm, n_modes))
+
+
+def consistent_forces(
+    given: NodalCompliance, pressures: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+) -> NDArray[np.float64]:
+    """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
+    places, weights, shapes = gauss_places(given.arc_length_mm, quadratic=given.quadratic)
+    return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

@@ -1,0 +1,390 @@
+"""One sector of a body condensed to its loads and cuts, and equal sectors put together again.
+
+Of a sector the response to its loads with both cuts held, the forces G that these loads carry to
+the cuts and the condensed stiffness S of the cuts are all that is needed: the ring of all sectors
+closes by Fourier, sector harmonic by sector harmonic, an open row is solved from one end to the
+other. Nothing is approximated.
+
+Readings are kept by kind: displacements by the loads themselves, of the coast flank, stress. Each
+kind is multiplied by itself, since BLAS sums a product of more columns in another order: what one
+kind reads is the same to the last bit whichever others are read, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.cost import Account
+from flankload.elasticity.finite_elements import condensed, degrees_of, factored
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+    from scipy.sparse import csc_matrix
+
+    from flankload.bodies.body import SectorMesh
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CondensedSector:
+    """One sector with free cuts, condensed; interface unknowns in the frame of the sector.
+
+    Attributes
+    ----------
+    local : tuple of (r, p) arrays
+        By kind of reading, the loads first: response of its r readings to the p loads with both
+        cuts held.
+    carried : tuple of (2 m, r) arrays
+        By kind of reading: forces that the readings, taken as loads, send to the cuts; first the
+        left cut, then the right one.
+    stiffness : (2 m, 2 m) array
+        Of the cuts.
+    """
+
+    local: tuple[Floats, ...]
+    carried: tuple[Floats, ...]
+    stiffness: Floats
+
+
+def condense(
+    matrix: csc_matrix,
+    loads: Floats,
+    mesh: SectorMesh,
+    lap: Callable[[str], None] | None = None,
+    *,
+    coast: Floats | None = None,
+    readings: Floats | None = None,
+    forces: Floats | None = None,
+    account: Account | None = None,
+    look: Callable[[Floats], None] | None = None,
+) -> tuple[CondensedSector, int]:
+    """Condense a sector to its loads and cuts.
+
+    Parameters
+    ----------
+    matrix : csc_matrix, (2N, 2N)
+        Stiffness of the sector.
+    loads : (2N, p) array
+        Load columns; the same columns read the displacements.
+    mesh : SectorMesh
+    lap : callable, optional
+        Told the name of each step when it is done.
+    coast : (2N, c) array, optional
+        Columns that only read the displacements, of the coast flank.
+    readings : (2N, q) array, optional
+        The same, of stress.
+    forces : (2N, k) array, optional
+        Known loads; they read, too, which says what they do themselves (Betti).
+    account : Account, optional
+        Where factorisations and solutions are counted.
+    look : callable, optional
+        Shown the displacements (2N, p) under the loads, both cuts held.
+
+    Returns
+    -------
+    sector : CondensedSector
+    degrees_of_freedom : int
+        Those that are not held.
+    """
+    tell = lap if lap is not None else (lambda step: None)
+    if account is None:
+        account = Account()
+    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
+    held = degrees_of(mesh.fixed_nodes)
+    inner = np.ones(matrix.shape[0], dtype=bool)
+    inner[cut] = False
+    inner[held] = False
+    inside = np.flatnonzero(inner)
+    solve, complement = condensed(matrix, inside, cut, account)
+    tell("factorisation")
+    kinds, solved = [loads], [solve(loads[inside])]
+    if look is not None:
+        moved = np.zeros_like(loads)
+        moved[inside] = solved[0]
+        tell("solution")
+        look(moved)
+    for name, columns in (
+        ("coast_readings", coast),
+        ("stress_recoveries", readings),
+        ("fe_load_cases_growth", forces),
+    ):
+        if columns is not None:
+            account.count(**{name: columns.shape[1]})
+            kinds.append(columns)
+            solved.append(solve(columns[inside]))
+    account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
+    coupling = matrix[cut][:, inside]
+    sector = CondensedSector(
+        local=tuple(columns[inside].T @ solved[0] for columns in kinds),
+        carried=tuple(
+            columns[cut] - coupling @ moved for columns, moved in zip(kinds, solved, strict=True)
+        ),
+        stiffness=complement,
+    )
+    tell("solution")
+    return sector, inside.size + cut.size // 2
+
+
+def close_ring(sector: CondensedSector, teeth: int) -> Floats:
+    """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
+
+    The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
+    of sector k, so what sector k - 1 holds on its right is turned by one pitch. The ring is
+    block-circulant: a Fourier transform over the sectors takes it apart.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors.
+
+    Returns
+    -------
+    (z, r, p) array
+        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
+        readings are those of the loads.
+    """
+    pitch = 2 * np.pi / teeth
+    (left_left, left_right, right_left, right_right), carried = _turned(sector, pitch)
+    response = [np.zeros((teeth, *local.shape)) for local in sector.local]
+    offsets = np.arange(teeth)
+    for k in range(teeth // 2 + 1):
+        weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
+        shift = np.exp(1j * pitch * k)
+        # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
+        load_left, load_right = carried[0]
+        unknown = np.linalg.solve(
+            left_left + right_right + left_right * shift + right_left / shift,
+            load_left + load_right / shift,
+        )
+        waves = np.exp(1j * pitch * k * offsets)[:, None, None]
+        for part, (read_left, read_right) in zip(response, carried, strict=True):
+            seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
+            part += (weight / teeth) * np.real(seen[None] * waves)
+    for part, local in zip(response, sector.local, strict=True):
+        part[0] += local
+    return np.concatenate(response, axis=1)
+
+
+def alike_response(sector: CondensedSector, teeth: int) -> Floats:
+    """Response of any tooth of the closed ring when all carry the same loads: its harmonic 0.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors.
+
+    Returns
+    -------
+    (r, p) array
+        The sum over the teeth of `close_ring`.
+    """
+    stiffness, carried = _turned(sector, 2 * np.pi / teeth)
+    reads = [left + right for left, right in carried]
+    unknown = np.linalg.solve(sum(stiffness), reads[0])
+    return np.concatenate(
+        [local + read.T @ unknown for local, read in zip(sector.local, reads, strict=True)]
+    )
+
+
+@dataclass(frozen=True)
+class RowCell:
+    """A condensed cell of a row; cuts as the next cell on each side sees them.
+
+    Attributes
+    ----------
+    local : tuple of (r, p) arrays
+        As of `CondensedSector`; the first p of all readings are the loads.
+    carried : tuple of (left, right)
+        By kind of reading, forces on the two cuts, (m, r) each; on an outer end of a row they are
+        not looked at.
+    stiffness : (left-left, left-right, right-left, right-right)
+    """
+
+    local: tuple[Floats, ...]
+    carried: tuple[tuple[Floats, Floats], ...]
+    stiffness: tuple[Floats, ...]
+
+    @property
+    def loads(self) -> int:
+        """Number of loads."""
+        return self.local[0].shape[1]
+
+    def seen(self, side: int, moved: Floats) -> Floats:
+        """What all readings see of displacements of the left cut (side 0) or the right one (1)."""
+        return np.concatenate([both[side].T @ moved for both in self.carried])
+
+
+def row_response(cells: Sequence[RowCell]) -> Floats:
+    """Response of all cells of an open row to the loads on each.
+
+    Interface k lies between cells k and k + 1. Their stiffness is block-tridiagonal: eliminated
+    from one end to the other, solved backwards. What holds the outer ends of the first and the last
+    cell, or pulls there, is their own matter.
+
+    Parameters
+    ----------
+    cells : sequence of RowCell
+        They may differ in their loads and readings.
+
+    Returns
+    -------
+    (sum of r, sum of p) array
+        Readings of the first cell first; loads likewise.
+    """
+    loads = [cell.loads for cell in cells]
+    ends = np.concatenate([[0], np.cumsum(loads)])
+    found: list[tuple[Floats, Floats]] = []
+    for k, (one, two) in enumerate(pairwise(cells)):
+        # interface k under the loads of the cells up to k + 1, of those before through k - 1
+        pivot = one.stiffness[3] + two.stiffness[0]
+        force = np.zeros((len(pivot), ends[k + 2]))
+        force[:, ends[k] : ends[k + 1]] = one.carried[0][1][:, : loads[k]]
+        force[:, ends[k + 1] :] = two.carried[0][0][:, : loads[k + 1]]
+        if k:
+            coupled, known = found[-1]
+            pivot = pivot - one.stiffness[2] @ coupled
+            force[:, : ends[k + 1]] -= one.stiffness[2] @ known
+        solved = np.linalg.solve(pivot, np.hstack([two.stiffness[1], force]))
+        found.append((solved[:, : -force.shape[1]], solved[:, -force.shape[1] :]))
+    parts = [np.zeros((sum(map(len, cell.local)), ends[-1])) for cell in cells]
+    moved = np.zeros((0, ends[-1]))
+    for k in range(len(cells) - 2, -1, -1):
+        coupled, known = found[k]
+        after = moved
+        moved = np.zeros((len(known), ends[-1]))
+        moved[:, : known.shape[1]] = known
+        if k < len(cells) - 2:
+            moved -= coupled @ after
+        parts[k] += cells[k].seen(1, moved)
+        parts[k + 1] += cells[k + 1].seen(0, moved)
+    for k, cell in enumerate(cells):
+        parts[k][:, ends[k] : ends[k + 1]] += np.concatenate(cell.local)
+    return np.concatenate(parts)
+
+
+def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
+    """Response of all sectors of an open row to the loads on each, the row's two ends held.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    cells : int
+        Number n of sectors.
+    turn_rad : float
+        By how much each sector is turned against the one before it, counter-clockwise.
+
+    Returns
+    -------
+    (n, n, r, p) array
+        [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
+    """
+    stiffness, carried = _turned(sector, turn_rad)
+    cell = RowCell(sector.local, carried, stiffness)
+    row = row_response([cell] * cells)
+    return row.reshape(cells, -1, cells, cell.loads).transpose(0, 2, 1, 3).copy()
+
+
+def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
+    """Response of the teeth of a body that is no more than a segment around each pair of teeth.
+
+    A segment that stood still would hold the teeth near its ends more than those in its middle, and
+    nothing would repeat when the mesh rolls on. So two teeth respond as those two of the segment
+    that stand as far apart and nearest to its middle; where two such places are equally near, as
+    the mean of both. That is symmetric (Betti) and depends on the distance of the teeth alone.
+    Teeth further apart than the segment is long do not move each other.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+    teeth : int
+        Number z of sectors of the whole body.
+    cells : int
+        Number of sectors of the segment, odd, at most z.
+
+    Returns
+    -------
+    (z, r, p) array
+        As of `close_ring`.
+    """
+    row = open_row(sector, cells, 2 * np.pi / teeth)
+    response = np.zeros((teeth, *row.shape[2:]))
+    for apart in range(min(cells - 1, teeth // 2) + 1):
+        spare = cells - 1 - apart
+        for first in (spare // 2, spare - spare // 2):
+            weight = 0.25 if apart == 0 or 2 * apart == teeth else 0.5
+            response[apart] += weight * row[first + apart, first]
+            response[-apart % teeth] += weight * row[first, first + apart]
+    return response
+
+
+def tooth_response(
+    matrix: csc_matrix,
+    loads: Floats,
+    mesh: SectorMesh,
+    lap: Callable[[str], None],
+    *,
+    readings: Sequence[Floats] = (),
+    account: Account | None = None,
+    look: Callable[[Floats], None] | None = None,
+) -> tuple[Floats, int]:
+    """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
+
+    Parameters
+    ----------
+    matrix, loads, mesh, lap, account, look
+        As in `condense`.
+    readings : sequence of (2N, q) arrays
+        By kind, columns that only read the displacements; they take no solutions here.
+
+    Returns
+    -------
+    response : (z, r, p) array
+        As of `close_ring`; 0 but for the tooth itself.
+    degrees_of_freedom : int
+        Those that are not held.
+    """
+    held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
+    inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
+    solve = factored(matrix[inside][:, inside].tocsc(), account)
+    lap("factorisation")
+    solved = solve(loads[inside])
+    own = np.concatenate([columns[inside].T @ solved for columns in (loads, *readings)])
+    response = np.zeros((mesh.teeth, *own.shape))
+    response[0] = own
+    lap("solution")
+    if look is not None:
+        moved = np.zeros_like(loads)
+        moved[inside] = solved
+        look(moved)
+    return response, inside.size
+
+
+def _turned(
+    sector: CondensedSector, turn_rad: float
+) -> tuple[tuple[Floats, ...], tuple[tuple[Floats, Floats], ...]]:
+    """Stiffness of the cuts and forces carried to them, the right cut in the next sector's frame.
+
+    Returns
+    -------
+    stiffness : left-left, left-right, right-left, right-right, each (m, m)
+    carried : by kind of reading left, right, each (m, r)
+    """
+    m = len(sector.stiffness) // 2
+    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
+    turn = np.kron(np.eye(m // 2), [[cosine, -sine], [sine, cosine]])
+    # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
+    return (
+        sector.stiffness[:m, :m],
+        sector.stiffness[:m, m:] @ turn,
+        turn.T @ sector.stiffness[m:, :m],
+        turn.T @ sector.stiffness[m:, m:] @ turn,
+    ), tuple((forces[:m], turn.T @ forces[m:]) for forces in sector.carried)

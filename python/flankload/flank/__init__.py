@@ -1,0 +1,19 @@
+"""A flank as a plane curve by arc length: root fillet, active flank and tip in one.
+
+Every body hands over this form: quintic polynomials over intervals of arc length s [mm], from the
+root (s = 0) to the tip. Along growing s the material lies on the right: with the unit tangent t,
+n = (-t_y, t_x) is the unit normal out of the material.
+"""
+
+from flankload.flank.curve import FlankCurve
+from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
+from flankload.flank.nodes import curve_through_nodes, nodes_deviation
+
+__all__ = [
+    "CurvePiece",
+    "FlankCurve",
+    "Place",
+    "curve_through_nodes",
+    "fit_flank_curve",
+    "nodes_deviation",
+]

@@ -1,0 +1,210 @@
+"""From exact pieces to a curve by arc length."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.flank.curve import FlankCurve
+
+Floats = NDArray[np.float64]
+
+#: u (m,) -> place, first and second derivative by u, each (m, 2).
+Place = Callable[[Floats], tuple[Floats, Floats, Floats]]
+
+DEGREE = 5
+
+#: Gauss rule for the arc length of an interval; the intervals are short.
+_GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+#: A fit stays this near to the exact curve, in parts of the length of all pieces …
+TOLERANCE = 1e-11
+#: … or of the distance from the axis, where that is so large that rounding comes to more.
+ROUNDING = 256 * float(np.finfo(float).eps)
+
+#: Parts of an interval at which a fit is compared with the exact curve.
+_CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+
+#: Halvings of a piece before it is refused: such a piece has a jump.
+_MOST_HALVINGS = 50
+
+
+class CurvePiece(NamedTuple):
+    """One smooth piece of an exact profile.
+
+    Attributes
+    ----------
+    label : str
+        What the piece is: "fillet", "flank", "relief", "tip_radius", "tip_chamfer".
+    place : callable
+        u (m,) -> place, first and second derivative by u, each (m, 2), mm.
+    u_start, u_end : float
+        Ends of the parameter, in the direction from root to tip.
+    corner_before : bool
+        The curve has a sharp corner where the piece begins.
+    knots : (k,) array
+        Values of the parameter inside the piece, in its direction, at which a higher derivative
+        jumps.
+    """
+
+    label: str
+    place: Place
+    u_start: float
+    u_end: float
+    corner_before: bool = False
+    knots: Floats = np.empty(0)
+
+
+def fit_flank_curve(
+    pieces: Sequence[CurvePiece], *, tolerance_mm: float | None = None, corner_at_end: bool = False
+) -> FlankCurve:
+    """Fit exact pieces by quintics in arc length.
+
+    Each interval takes place, unit tangent and curvature vector of the exact curve at its ends
+    (quintic Hermite) and is halved until it is within the tolerance of the exact curve, place by
+    place at equal arc length.
+
+    Parameters
+    ----------
+    pieces : sequence of CurvePiece
+        In order from root to tip; each begins where the one before ends.
+    tolerance_mm : float, optional
+        Largest distance of the fit from the exact curve; absent: a part of the curve's length, so
+        that curves of all sizes are cut into the same intervals.
+    corner_at_end : bool
+        The curve ends in a sharp corner.
+
+    Returns
+    -------
+    FlankCurve
+
+    Raises
+    ------
+    ValueError
+        If there are no pieces, or a piece cannot be fitted (it has a jump).
+    """
+    if not pieces:
+        raise ValueError("pieces: expected at least one piece, found none")
+    if tolerance_mm is None:
+        tolerance_mm = _tolerance_mm(pieces)
+    lengths, coefficients, labels, corners = [], [], [], []
+    for piece in pieces:
+        part_lengths, part_coefficients = _fit_piece(piece, tolerance_mm)
+        lengths.append(part_lengths)
+        coefficients.append(part_coefficients)
+        labels += [piece.label] * part_lengths.size
+        corners += [piece.corner_before] + [False] * (part_lengths.size - 1)
+    breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(lengths))])
+    return FlankCurve(
+        breaks=breaks,
+        coefficients=np.concatenate(coefficients),
+        labels=tuple(labels),
+        corners=np.array([*corners, corner_at_end]),
+    )
+
+
+def _tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
+    """How near a fit shall come, by the size of the curve."""
+    ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
+    length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
+    far = max(
+        float(np.linalg.norm(piece.place(at[0])[0], axis=1).max())
+        for piece, at in zip(pieces, ends, strict=True)
+    )
+    return max(TOLERANCE * float(length), ROUNDING * far)
+
+
+def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
+    """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order."""
+    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
+    ends = np.stack([marks[:-1], marks[1:]], axis=1)
+    done: list[tuple[Floats, Floats, Floats]] = []
+    for _ in range(_MOST_HALVINGS):
+        lengths = _arc_lengths(piece, ends)
+        coefficients = _hermite(piece, ends, lengths)
+        good = _deviations(piece, ends, lengths, coefficients) <= tolerance
+        done.append((ends[good, 0], lengths[good], coefficients[good]))
+        left = ends[~good]
+        if not left.size:
+            break
+        middle = left.mean(axis=1)
+        ends = np.concatenate(
+            [np.stack([left[:, 0], middle], 1), np.stack([middle, left[:, 1]], 1)]
+        )
+    else:
+        raise ValueError(
+            f"piece {piece.label!r}: expected a smooth curve, found a jump near u = {ends[0, 0]:g}"
+        )
+    starts = np.concatenate([part[0] for part in done])
+    order = np.argsort(starts if piece.u_end > piece.u_start else -starts)
+    return (
+        np.concatenate([part[1] for part in done])[order],
+        np.concatenate([part[2] for part in done])[order],
+    )
+
+
+def _arc_lengths(piece: CurvePiece, ends: Floats) -> Floats:
+    """Arc length between the two parameters of each row of `ends` (m, 2)."""
+    half = 0.5 * (ends[:, 1] - ends[:, 0])
+    u = ends.mean(axis=1)[:, None] + half[:, None] * _GAUSS_POINTS
+    speed = np.linalg.norm(piece.place(u.ravel())[1], axis=1).reshape(u.shape)
+    return np.abs(half) * (speed @ _GAUSS_WEIGHTS)
+
+
+def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
+    """Quintics (m, 2, 6) in arc length with the places, tangents and curvatures of the ends."""
+    sign = 1.0 if piece.u_end > piece.u_start else -1.0
+    values = []
+    for u in (ends[:, 0], ends[:, 1]):
+        point, first, second = piece.place(u)
+        speed = np.linalg.norm(first, axis=1, keepdims=True)
+        tangent = first / speed
+        along = (second * tangent).sum(axis=1, keepdims=True)
+        values += [point, sign * tangent, (second - along * tangent) / speed**2]
+    p0, t0, k0, p1, t1, k1 = values
+    h = lengths[:, None]
+    # what the Taylor polynomial of the near end leaves over at the far end
+    place = (p1 - p0 - h * (t0 + 0.5 * h * k0)) / h**3
+    slope = (t1 - t0 - h * k0) / h**2
+    bend = (k1 - k0) / h
+    return np.stack(
+        [
+            p0,
+            t0,
+            0.5 * k0,
+            10 * place - 4 * slope + 0.5 * bend,
+            (-15 * place + 7 * slope - bend) / h,
+            (6 * place - 3 * slope + 0.5 * bend) / h**2,
+        ],
+        axis=2,
+    )
+
+
+def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: Floats) -> Floats:
+    """Largest distance (m,) of each interval from the exact curve at equal arc length."""
+    low, high = ends.min(axis=1)[:, None], ends.max(axis=1)[:, None]
+    span = (ends[:, 1] - ends[:, 0])[:, None]
+    wanted = lengths[:, None] * _CHECKED_PARTS
+    u = ends[:, :1] + span * _CHECKED_PARTS
+    starts = np.broadcast_to(ends[:, :1], u.shape)
+    for _ in range(30):
+        rows = np.stack([starts.ravel(), u.ravel()], axis=1)
+        found = _arc_lengths(piece, rows).reshape(u.shape)
+        speed = np.linalg.norm(piece.place(u.ravel())[1], axis=1).reshape(u.shape)
+        step = np.sign(span) * (wanted - found) / speed
+        u = np.clip(u + step, low, high)
+        # the place along the curve is then known to 1e-8 of the interval, across it to its square
+        if (np.abs(step) <= 1e-8 * np.abs(span)).all():
+            break
+    powers = wanted[:, :, None] ** np.arange(DEGREE + 1)
+    fitted = np.einsum("mck,mpk->mpc", coefficients, powers)
+    exact = piece.place(u.ravel())[0].reshape(fitted.shape)
+    worst = np.linalg.norm(fitted - exact, axis=2).max(axis=1)
+    # a Gauss rule too coarse for the arc length shows in the two halves
+    middle = ends.mean(axis=1)
+    halves = _arc_lengths(piece, np.stack([ends[:, 0], middle], 1))
+    halves = halves + _arc_lengths(piece, np.stack([middle, ends[:, 1]], 1))
+    return np.maximum(worst, np.abs(halves - lengths))

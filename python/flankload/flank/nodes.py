@@ -1,0 +1,93 @@
+"""Curves through the nodes of a mesh, where no exact profile is known."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flankload.flank.curve import FlankCurve
+from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
+
+Floats = NDArray[np.float64]
+
+
+def curve_through_nodes(
+    points: ArrayLike, *, label: str = "flank", corner_at_end: bool = True
+) -> FlankCurve:
+    """Smooth curve through the nodes of a mesh flank.
+
+    A quintic spline over the chord length (not-a-knot ends) through all points, mid-side nodes
+    included (cubic below 6 points), then the same curve by its own arc length.
+
+    Parameters
+    ----------
+    points : (m, 2) array_like
+        Nodes in order from root to tip, at least 4, mm.
+    label : str
+        What the curve is.
+    corner_at_end : bool
+        The curve ends in a sharp corner.
+
+    Returns
+    -------
+    FlankCurve
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 4 points, or two neighbours coincide.
+    """
+    place, knots = _spline(_checked_nodes(points))
+    pieces = [CurvePiece(label, place, a, b) for a, b in pairwise(knots.tolist())]
+    return fit_flank_curve(pieces, corner_at_end=corner_at_end)
+
+
+def nodes_deviation(points: ArrayLike) -> float:
+    """Estimate how far `curve_through_nodes` lies from the true profile, mm.
+
+    The curve through every second node is compared at the left-out nodes; the curve through all is
+    at least of fourth order in their spacing, so its own distance is a 2^4 - 1 = 15th (Richardson).
+
+    Parameters
+    ----------
+    points : (m, 2) array_like
+        Nodes in order, mm.
+
+    Returns
+    -------
+    float
+        Largest estimated distance; infinite where the nodes are too few to tell (below 7).
+    """
+    nodes = _checked_nodes(points)
+    if nodes.shape[0] < 7:
+        return float("inf")
+    left_out = np.arange(1, nodes.shape[0] - 1, 2)
+    coarse = curve_through_nodes(np.delete(nodes, left_out, axis=0))
+    return float(coarse.arc_length_of(nodes[left_out])[1].max()) / 15.0
+
+
+def _checked_nodes(points: ArrayLike) -> Floats:
+    nodes = np.asarray(points, dtype=float)
+    if nodes.ndim != 2 or nodes.shape[1] != 2 or nodes.shape[0] < 4:
+        raise ValueError(f"points: expected shape (m, 2) with m >= 4, found {nodes.shape}")
+    steps = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    if not steps.min() > 1e-12 * steps.max():
+        raise ValueError("points: expected different neighbours, found two that coincide")
+    return nodes
+
+
+def _spline(nodes: Floats) -> tuple[Place, Floats]:
+    """Spline through the nodes over the chord length, and the chord length at the nodes."""
+    from scipy.interpolate import make_interp_spline
+
+    chord = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    knots = np.concatenate([[0.0], np.cumsum(chord)])
+    spline = make_interp_spline(knots, nodes, k=5 if len(nodes) >= 6 else 3)
+    first, second = spline.derivative(1), spline.derivative(2)
+
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        return spline(u), first(u), second(u)
+
+    return place, knots

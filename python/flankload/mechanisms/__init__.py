@@ -1,0 +1,1 @@
+"""Kinds of drive: flank pairs, belts and chains."""

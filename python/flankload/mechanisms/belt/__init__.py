@@ -1,0 +1,1 @@
+"""A toothed belt on its pulley."""

@@ -1,0 +1,339 @@
+"""Quadratic quadrilaterals of a timing belt around its pulley, and where it is touched and held.
+
+Where the belt lies is said by the angle that its pitch line has gone around the pulley; tooth 0 is
+the first one from the tight strand, and at angle 0 the middle of the land before it. The belt lies
+on the pulley between two such angles and goes on straight beyond. A piece of it reaches from one
+place to another; these are counted in half pitches: 2k is the middle of tooth k, 2k - 1 that of the
+land before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import asin
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.mechanisms.belt.belt import Round
+from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms.belt.belt import Strip
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Elements on the flank of a tooth; along the strip they are as long.
+FLANK_ELEMENTS = 6
+#: Rows of elements from the land to the cord, and from the cord to the back, at least.
+LEAST_ROWS = 2
+#: Of round tips, which nothing touches, as much as this of the bow over half a tooth is meshed.
+TIP_BULGE = 0.6
+#: Angles that differ by less are the same, rad.
+SAME = 1e-10
+#: How far strands go on, in half pitches from the first and the last tooth: to the middle of the
+#: land behind the next tooth.
+STRAND = 3
+
+
+@dataclass(frozen=True)
+class BeltMesh:
+    """The mesh of a piece of belt; edges and lines are nodes in order, every second one a middle.
+
+    Attributes
+    ----------
+    nodes : (N, 2) array
+        About the axis of the pulley, the tight end of the wrap on the x axis, mm.
+    turns_rad : (N,) array
+        Angle of the pitch line's outward normal at each node.
+    cells : ((kind, (E, 9) array),)
+    cord : array
+        From the tight end to the slack one.
+    flanks : dict of int to array
+        Working flanks by the number of their teeth, from the land to the tip.
+    lands : dict of int to array
+        What of each land lies on the pulley, by the number of the tooth behind it; those of a belt
+        without teeth are one.
+    left, right : arrays
+        Nodes of the faces at the ends of the piece, from the back on; in the middles of teeth, to
+        their tips.
+    bars : array
+        Of the cord's elements, those on the pulley.
+    tight, slack : (1,) or (0,) arrays
+        Nodes of the cord where the strands begin; none where they are not in the piece.
+    """
+
+    nodes: Floats
+    turns_rad: Floats
+    cells: tuple[tuple[str, Numbers], ...]
+    cord: Numbers
+    flanks: dict[int, Numbers]
+    lands: dict[int, Numbers]
+    left: Numbers
+    right: Numbers
+    bars: Numbers
+    tight: Numbers
+    slack: Numbers
+
+
+def half_land(strip: Strip, flank_elements: int) -> Floats:
+    """Ends of the elements of half a land, rad, from its middle on.
+
+    Parameters
+    ----------
+    strip : Strip
+    flank_elements : int
+
+    Returns
+    -------
+    array
+    """
+    height, width = _tooth_size(strip)
+    base = asin(0.5 * width / strip.land_radius_mm)
+    largest = height / flank_elements / strip.land_radius_mm
+    return even_breaks(0.0, 0.5 * strip.pitch_rad - base, largest, 2)
+
+
+def cord_rows(strip: Strip, flank_elements: int) -> int:
+    """Rows of nodes from the land over the cord to the back.
+
+    Parameters
+    ----------
+    strip : Strip
+    flank_elements : int
+
+    Returns
+    -------
+    int
+    """
+    return _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements).size
+
+
+def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
+    """The strip with half as many rows, or fewer, and half as many elements on a flank.
+
+    A row is never less than one: of elements that are long already flanks alone would be coarser,
+    which tells little of what elements miss.
+
+    Parameters
+    ----------
+    strip : Strip
+    flank_elements : int
+
+    Returns
+    -------
+    strip : Strip
+    flank_elements : int
+    """
+    radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
+    rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
+    return replace(strip, rows=rows), max(1, flank_elements // 2)
+
+
+def mesh_strip(
+    strip: Strip,
+    flank_elements: int = FLANK_ELEMENTS,
+    *,
+    ends_rad: tuple[float, float] = (0.0, 0.0),
+    places: tuple[int, int] | None = None,
+) -> BeltMesh:
+    """Mesh of the belt on its pulley, or of a piece of it.
+
+    Parameters
+    ----------
+    strip : Strip
+    flank_elements : int
+    ends_rad : (float, float)
+        Where the belt leaves the pulley, from the middles of the first and the last land.
+    places : (int, int), optional
+        Ends of the piece, in half pitches; if absent, all that `STRAND` says.
+
+    Returns
+    -------
+    BeltMesh
+    """
+    maker = _Maker(strip, flank_elements, ends_rad)
+    for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
+        maker.add(place)
+    return maker.mesh()
+
+
+def _tooth_size(strip: Strip) -> tuple[float, float]:
+    """Height and width of a tooth; where there are none, what stands for them in a mesh."""
+    tooth = strip.tooth
+    if tooth is None:
+        return 0.25 * strip.pitch_mm, 0.5 * strip.pitch_mm
+    return tooth.height_mm, tooth.width_mm
+
+
+class _Maker:
+    """Half pitches put together; nodes as radius and angle, as if all of it lay on the pulley."""
+
+    def __init__(self, strip: Strip, flank_elements: int, ends_rad: tuple[float, float]) -> None:
+        self._strip = strip
+        wrap = strip.wrapped_teeth * strip.pitch_rad
+        self._ends = (ends_rad[0], wrap + ends_rad[1])
+        tooth, (height, width) = strip.tooth, _tooth_size(strip)
+        size = height / flank_elements
+        self._half_land = half_land(strip, flank_elements)
+        base = asin(0.5 * width / strip.land_radius_mm)
+        self._foot = even_breaks(0.0, base, 1.2 * size / strip.land_radius_mm, 2)
+        self._rows = _radii(strip, 1.5 * size)
+        self._cord_row = int(np.argmin(np.abs(self._rows - strip.pitch_radius_mm)))
+        self._half_tooth = (
+            _half_tooth(strip, with_middles(self._foot), 2 * flank_elements + 1)
+            if tooth is not None
+            else None
+        )
+        self._blocks = BlockMesh()
+        self._known: dict[str, Numbers] = {}
+        self._middle: Numbers | None = None
+        self._cord: list[Numbers] = []
+        self._cord_angles: list[Floats] = []
+        self._flanks: dict[int, Numbers] = {}
+        self._lands: dict[int, list[Numbers]] = {}
+        self._faces: list[Numbers] = []
+
+    def add(self, place: int) -> None:
+        """Add what reaches from a place to the next one."""
+        start, end = self._strip.pitch_rad * 0.5 * np.array([place + 1, place + 2])
+        if place % 2:
+            self._add_land((place + 1) // 2, start + self._half_land)
+            self._add_foot((place + 1) // 2, end, -1)
+        else:
+            self._add_foot(place // 2, start, 1)
+            self._add_land(place // 2 + 1, end - self._half_land[::-1])
+
+    def mesh(self) -> BeltMesh:
+        """All that was added."""
+        nodes, turns = self._straightened(np.concatenate(self._blocks.places))
+        cord, angles = _joined(self._cord), _joined(self._cord_angles)
+        middles = angles[1::2]
+        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < SAME)] for end in self._ends)
+        return BeltMesh(
+            nodes=nodes,
+            turns_rad=turns,
+            cells=(("quad9", np.concatenate(self._blocks.cells)),),
+            cord=cord,
+            flanks=self._flanks,
+            lands={number: _joined(parts) for number, parts in self._lands.items()},
+            left=self._faces[0],
+            right=self._faces[-1],
+            bars=np.flatnonzero((middles > self._ends[0]) & (middles < self._ends[1])),
+            tight=tight,
+            slack=slack,
+        )
+
+    def _add_land(self, number: int, breaks: Floats) -> None:
+        """Add half a land; where a strand begins, an element ends."""
+        inside = [a for a in self._ends if breaks[0] + SAME < a < breaks[-1] - SAME]
+        parts = [breaks]
+        for end in inside:
+            size = breaks[1] - breaks[0]
+            parts = [even_breaks(breaks[0], end, size), even_breaks(end, breaks[-1], size)]
+        for part in parts:
+            self._hold(number, 0.5 * (part[0] + part[-1]), self._add_ring(part))
+
+    def _add_foot(self, number: int, middle: float, side: int) -> None:
+        """Add half a tooth and what is above it: -1 that with the working flank, 1 the other."""
+        angles = middle + (self._foot if side > 0 else -self._foot[::-1])
+        under = self._add_ring(angles)
+        if self._half_tooth is None:
+            self._hold(number, 0.5 * (angles[0] + angles[-1]), under)
+            return
+        grid, known = self._half_tooth, {"top": under[::-1]}
+        if side > 0:
+            grid = (grid * [1.0, -1.0])[:, ::-1]
+            if self._middle is not None:
+                known["right"] = self._middle[::-1]
+        grid = grid + np.array([0.0, middle])
+        numbers = self._blocks.add(grid, known)[::-1]
+        self._middle = numbers[:, 0 if side < 0 else -1]
+        if side < 0 and 0 <= number < self._strip.wrapped_teeth:
+            self._flanks[number] = numbers[:, -1]
+        # a face in the middle of a tooth goes on to its tip
+        at = len(self._faces) - (1 if side < 0 else 2)
+        self._faces[at] = np.concatenate([self._faces[at], self._middle[1:]])
+
+    def _add_ring(self, breaks: Floats) -> Numbers:
+        """Add a part of the strip above land or tooth; nodes of its lower edge along the turn."""
+        angles = with_middles(breaks)
+        # columns run against the turn, so that a block is right-handed with its rows outwards
+        grid = np.stack(np.meshgrid(self._rows, angles[::-1], indexing="ij"), axis=-1)
+        numbers = self._blocks.add(grid, self._known)[:, ::-1]
+        self._known = {"right": numbers[:, -1]}
+        self._cord.append(numbers[self._cord_row])
+        self._cord_angles.append(angles)
+        if not self._faces:
+            self._faces.append(numbers[::-1, 0])
+        self._faces.append(numbers[::-1, -1])
+        return np.asarray(numbers[0])
+
+    def _hold(self, number: int, middle: float, nodes: Numbers) -> None:
+        """Nodes of a land, if it lies on the pulley."""
+        if self._ends[0] < middle < self._ends[1]:
+            at = number if self._strip.tooth is not None else 0
+            self._lands.setdefault(at, []).append(nodes)
+
+    def _straightened(self, polar: Floats) -> tuple[Floats, Floats]:
+        """Places of nodes, and the angles of their frames: strands are straight."""
+        radius, angle = polar.T
+        turn = np.clip(angle, *self._ends)
+        along = self._strip.pitch_radius_mm * (angle - turn)
+        cosine, sine = np.cos(turn), np.sin(turn)
+        nodes = np.column_stack([radius * cosine - along * sine, radius * sine + along * cosine])
+        return nodes, turn
+
+
+def _half_tooth(strip: Strip, angles: Floats, count: int) -> Floats:
+    """Half a tooth from its middle to the working flank, the tip below.
+
+    Parameters
+    ----------
+    strip : Strip
+    angles : (m,) array
+        Of the nodes of its foot against the middle.
+    count : int
+        Of nodes from the land to the tip.
+
+    Returns
+    -------
+    (count, m, 2) array
+        Radius, and angle against the middle.
+    """
+    tooth = strip.tooth
+    assert tooth is not None
+    parts, across = np.linspace(0.0, 1.0, count), angles / angles[-1]
+    flank, tip = tooth.side(parts)[0], tooth.tip(0.5 * (1.0 - across))
+    # where round tips go on as flanks end, elements would have a corner of 180 degrees
+    chord = tip[-1] + (1.0 - across)[:, None] * (tip[0] - tip[-1])
+    tip = chord + TIP_BULGE * (tip - chord) if isinstance(tooth, Round) else tip
+    foot = strip.land_radius_mm * np.column_stack([np.cos(angles), -np.sin(angles)])
+    foot -= [strip.foot_radius_mm, 0.0]
+    middle = foot[0] + parts[:, None] * (tip[0] - foot[0])
+    grid = coons(
+        tip, foot, middle[::-1], flank[::-1], np.stack([across] * 2), np.stack([parts] * 2)
+    )
+    x, y = grid[..., 0] + strip.foot_radius_mm, grid[..., 1]
+    return np.stack([np.hypot(x, y), np.arctan2(y, x)], axis=-1)
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """Lines that follow one another, their common nodes once."""
+    return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+
+
+def _radii(strip: Strip, size: float) -> Floats:
+    """Rows of nodes from the land over the cord to the back."""
+    inner, middle = strip.land_radius_mm, strip.pitch_radius_mm
+    if strip.rows is None:
+        below = even_breaks(inner, middle, size, LEAST_ROWS)
+        above = even_breaks(middle, inner + strip.back_mm, size, LEAST_ROWS)
+    else:
+        below = np.linspace(inner, middle, strip.rows[0] + 1)
+        above = np.linspace(middle, inner + strip.back_mm, strip.rows[1] + 1)
+    return with_middles(np.concatenate([below, above[1:]]))

@@ -1,0 +1,308 @@
+"""A timing belt on its pulley: one contact problem, and the row of springs that stands for it.
+
+    g = K F + g0 - B phi >= 0,  F >= 0,  g F = 0,  R·F = Q
+
+All forces are per mm of width. The slack tension T2 and the pitch difference are in g0; without
+friction R = B and Q is the torque. Lands that are held push back with N = P F + p T2.
+
+Lands that rub carry t = mu N along the turn: N = (1 - mu P_t)^-1 (P F + p T2) put into K, g0 and
+the balance of the torque. Lands that may give way by w >= 0 push with N = P F + p T2 + S w >= 0,
+and N w = 0: the same problem with more unknowns, whose matrix [[K, -Pᵀ], [P, S]] is not symmetric
+but positive definite, and no worse conditioned than that of held lands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.contact import solve_contact_general
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.contact import ContactState
+    from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.row import StripResponse
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BeltState:
+    """What is found under a torque; w teeth, n pairs, forces per mm of width.
+
+    Attributes
+    ----------
+    rotation_rad : float
+        Of the pulley, the tight end of the strip standing still.
+    compliance_rad_per_N : float
+        Its growth with the torque per mm of width.
+    pair_N_per_mm : (n,) array
+    pair_gap_mm : (n,) array
+    tooth_N_per_mm : (w,) array
+        Circumferential force of each tooth on the pitch circle.
+    land_N_per_mm : (w + 1,) array
+        With which each land pushes; negative where it would have to pull.
+    land_rub_N_per_mm : (w + 1,) array
+        Along the turn on the belt, on the pitch circle.
+    land_lift_mm : (w + 1,) array
+        Largest way of each land outwards.
+    tight_N_per_mm : float
+        From what holds the tight end.
+    contact : ContactState
+    """
+
+    rotation_rad: float
+    compliance_rad_per_N: float
+    pair_N_per_mm: Floats
+    pair_gap_mm: Floats
+    tooth_N_per_mm: Floats
+    land_N_per_mm: Floats
+    land_rub_N_per_mm: Floats
+    land_lift_mm: Floats
+    tight_N_per_mm: float
+    contact: ContactState
+
+
+@dataclass(frozen=True)
+class SpringRow:
+    """Cord and teeth as springs, from the response of the elements; w teeth, per mm of width.
+
+    Attributes
+    ----------
+    slack_mm2_per_N : (w,) array
+        L, way of each tooth under the slack tension.
+    tooth_N_per_mm2 : float
+        k_t, of a tooth.
+    cord_N_per_mm : float
+        EA_eff, tension over strain from tooth to tooth: the cord, and the land that gives way under
+        it and shortens its path, in series.
+    coupling_mm2_per_N : (w - 1,) array
+        By how much a pulley that yields lets teeth go that stand 1, 2, … pitches from a loaded one;
+        empty where it is rigid.
+    """
+
+    slack_mm2_per_N: Floats
+    tooth_N_per_mm2: float
+    cord_N_per_mm: float
+    coupling_mm2_per_N: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def compliance(self) -> Floats:
+        """(w, w) K = L of the tooth that is nearer to the tight end, and 1/k_t of its own."""
+        own = np.eye(self.slack_mm2_per_N.size) / self.tooth_N_per_mm2
+        order = np.arange(self.slack_mm2_per_N.size)
+        if self.coupling_mm2_per_N.size:
+            apart = np.abs(np.subtract.outer(order, order))
+            own = own + np.append(0.0, self.coupling_mm2_per_N)[apart]
+        return np.asarray(self.slack_mm2_per_N[np.minimum.outer(order, order)] + own)
+
+    def solve(
+        self, force_N_per_mm: float, slack_N_per_mm: float, pitch_difference_mm: float
+    ) -> ContactState:
+        """Forces of the teeth and the way of the pulley on the pitch circle.
+
+        Parameters
+        ----------
+        force_N_per_mm : float
+            Of all teeth, along the turn.
+        slack_N_per_mm : float
+        pitch_difference_mm : float
+
+        Returns
+        -------
+        ContactState
+            Whose rotation is the way, mm.
+        """
+        teeth = self.slack_mm2_per_N.size
+        gaps = slack_N_per_mm * self.slack_mm2_per_N + pitch_difference_mm * np.arange(teeth)
+        return solve_contact_general(
+            self.compliance, gaps, np.ones(teeth), force_N_per_mm, positive_definite=True
+        )
+
+
+def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
+    """The row of springs that the elements stand for.
+
+    Every flank moves as a whole (along its levers), its pairs all in contact:
+    A = (Gᵀ K^-1 G)^-1 with the levers over the pitch radius in G; L = A Gᵀ K^-1 by_slack. From
+    these 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and where the
+    pulley yields, A_kl - L_k as medians over all that stand equally far apart.
+
+    Parameters
+    ----------
+    strip : Strip
+    response : StripResponse
+
+    Returns
+    -------
+    SpringRow
+    """
+    flanks = response.flanks
+    along = np.zeros((flanks.tooth.size, response.teeth))
+    along[np.arange(flanks.tooth.size), flanks.tooth] = flanks.levers_mm / strip.pitch_radius_mm
+    solved = np.linalg.solve(response.compliance, np.column_stack([along, response.by_slack]))
+    reduced = along.T @ solved
+    teeth = np.linalg.inv(reduced[:, :-1])
+    slack = teeth @ reduced[:, -1]
+    stretch = np.diff(slack) if slack.size > 1 else strip.pitch_mm / strip.cord_N_per_mm
+    row = SpringRow(
+        slack_mm2_per_N=slack,
+        tooth_N_per_mm2=float(1.0 / np.median(teeth.diagonal() - slack)),
+        cord_N_per_mm=float(strip.pitch_mm / np.median(stretch)),
+    )
+    if not response.pulley_yields:
+        return row
+    beside = [np.median(teeth.diagonal(d) - slack[:-d]) for d in range(1, slack.size)]
+    return replace(row, coupling_mm2_per_N=np.array(beside))
+
+
+def solve_belt(
+    strip: Strip,
+    response: StripResponse,
+    force_N_per_mm: float,
+    slack_N_per_mm: float,
+    *,
+    land_friction: float = 0.0,
+    land_lift: bool = False,
+) -> BeltState:
+    """State of a belt under a torque.
+
+    Parameters
+    ----------
+    strip : Strip
+    response : StripResponse
+        With what lands do that rub or lift, where that is asked for.
+    force_N_per_mm : float
+        Torque over pitch radius, per mm of width.
+    slack_N_per_mm : float
+        Tension of the slack strand.
+    land_friction : float
+        Coefficient on the lands; positive where it helps the teeth, negative where it opposes them.
+    land_lift : bool
+        Lands may give way.
+
+    Returns
+    -------
+    BeltState
+
+    Raises
+    ------
+    ContactError
+        If there is no state.
+    """
+    asked = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
+    if land_lift:
+        asked = _with_lift(asked, response)
+    state = solve_contact_general(
+        asked.matrix,
+        asked.gaps,
+        asked.levers,
+        asked.torque,
+        load_rows=asked.rows,
+        # strands that bend at edges of lands push on these, which do nothing to strands
+        positive_definite=True
+        if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
+        else None,
+    )
+    n = response.flanks.tooth.size
+    force, lift = state.normal_forces[:n], np.zeros(response.land.size)
+    pushed = asked.push @ force + asked.push_0
+    tight = response.tight @ force + response.tight_by_slack * slack_N_per_mm
+    if land_lift and response.lifting is not None:
+        lift = state.normal_forces[n:]
+        pushed = pushed + response.lifting.reaction @ lift
+        tight += response.lifting.tight @ lift
+    rub = land_friction * pushed
+    if land_friction != 0.0 and response.rubbing is not None:
+        tight += response.rubbing.tight @ rub
+    most = np.zeros(response.lands)
+    np.maximum.at(most, response.land, lift)
+    radius = strip.pitch_radius_mm
+    return BeltState(
+        rotation_rad=state.rotation,
+        compliance_rad_per_N=float(state.tangent[0, 0]),
+        pair_N_per_mm=force,
+        pair_gap_mm=state.final_gap_angles[:n],
+        tooth_N_per_mm=_sums(
+            response.flanks.tooth, force * response.flanks.levers_mm / radius, response.teeth
+        ),
+        land_N_per_mm=_sums(response.land, pushed, most.size),
+        land_rub_N_per_mm=_sums(response.land, rub * strip.land_radius_mm / radius, most.size),
+        land_lift_mm=most,
+        tight_N_per_mm=float(tight),
+        contact=state,
+    )
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """A contact problem, and what the lands push with: `push` times the forces, and `push_0`."""
+
+    matrix: Floats
+    gaps: Floats
+    levers: Floats
+    rows: Floats
+    torque: float
+    push: Floats
+    push_0: Floats
+
+
+def _problem(
+    strip: Strip, response: StripResponse, force: float, slack: float, friction: float
+) -> _Problem:
+    """The problem with lands that are held, and rub."""
+    flanks, radius = response.flanks, strip.pitch_radius_mm
+    pitches = flanks.tooth + response.first_tooth + response.phase
+    turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
+    held = _Problem(
+        matrix=response.compliance,
+        gaps=flanks.gaps_mm + flanks.levers_mm * turn + response.by_slack * slack,
+        levers=flanks.levers_mm,
+        rows=flanks.levers_mm,
+        torque=force * radius,
+        push=response.reaction,
+        push_0=response.reaction_by_slack * slack,
+    )
+    if friction == 0.0:
+        return held
+    assert response.rubbing is not None
+    own = np.eye(response.land.size) - friction * response.rubbing.reaction
+    push, push_0 = (
+        np.asarray(np.linalg.solve(own, part), dtype=np.float64)
+        for part in (held.push, held.push_0)
+    )
+    recedes = friction * response.rubbing.recession
+    helps = friction * strip.land_radius_mm
+    return _Problem(
+        matrix=held.matrix + recedes @ push,
+        gaps=held.gaps + recedes @ push_0,
+        levers=held.levers,
+        rows=held.rows + helps * push.sum(axis=0),
+        torque=held.torque - helps * push_0.sum(),
+        push=push,
+        push_0=push_0,
+    )
+
+
+def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
+    """The same with ways of the lands as further unknowns, whose gaps are the lands' forces."""
+    assert response.lifting is not None
+    none = np.zeros(response.land.size)
+    return replace(
+        held,
+        matrix=np.block(
+            [[held.matrix, response.lifting.recession], [held.push, response.lifting.reaction]]
+        ),
+        gaps=np.concatenate([held.gaps, held.push_0]),
+        levers=np.append(held.levers, none),
+        rows=np.append(held.rows, none),
+    )
+
+
+def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
+    """Sums of values by number."""
+    return np.asarray(np.bincount(number, values, minlength=count), dtype=np.float64)

@@ -1,0 +1,414 @@
+"""The conductor of a timing belt on its pulley: elements, positions, a contact problem for each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from functools import partial
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.rounding import round_up
+from flankload.cost import Account, beside_plan, held_bytes
+from flankload.mechanisms.belt.belt import Strip, build_strip
+from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser, mesh_strip
+from flankload.mechanisms.belt.contact import BeltState, spring_row
+from flankload.mechanisms.belt.drive_result import Standing, result_of_belt
+from flankload.mechanisms.belt.estimate import estimate_belt
+from flankload.mechanisms.belt.pulley import build_pulley
+from flankload.mechanisms.belt.pulley_compliance import PulleyResponse, rest_on, solve_pulley
+from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, mesh_pulley
+from flankload.mechanisms.belt.row import BeltRow, StripResponse
+from flankload.mechanisms.belt.states import state_under
+from flankload.mechanisms.belt.work import (
+    Asked,
+    phases,
+    work_of_elements,
+    work_of_pulley,
+    work_of_states,
+)
+from flankload.meshes.report import quality_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms.belt.estimate import Coarser
+    from flankload.result import Result
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+#: Fewer elements on a flank are too few for a pressure that changes along it.
+LEAST_ELEMENTS = 2
+
+
+def solve_belts(
+    scene: Scene,
+    progress: Callable[[str, int, int], None] | None = None,
+    guessed: Mapping[str, Mapping[str, Any]] | None = None,
+) -> tuple[Result, ...]:
+    """Forces of a timing belt on its pulley at all positions of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a pulley and a belt.
+    progress : callable, optional
+        As for `solve`.
+    guessed : mapping, optional
+        What a plan of the scene says, by stages.
+
+    Returns
+    -------
+    tuple of Result, one per torque
+
+    Raises
+    ------
+    InputError
+        If the plan is one of another scene.
+    NoContactState
+        If the belt has no state under a torque.
+    """
+    tell = progress if progress is not None else (lambda stage, done, total: None)
+    torques = scene.torques_Nm
+    stages: dict[str, Account] = {}
+
+    def stage(name: str) -> Account:
+        return stages.setdefault(name, Account())
+
+    tell("bodies", 0, 1)
+    with stage("bodies") as account:
+        strip = strip_of(scene)
+        position_rad, pitches = positions_of(scene, strip)
+        account.bytes = held_bytes(position_rad)
+    predicted = beside_plan(predicted_work(scene, strip, position_rad), guessed)
+    total = position_rad.size + 1
+    known = None
+    if not scene.body_1.rigid:
+        tell("compliance body 1", 0, total)
+        with stage("compliance body 1") as account:
+            known = solved_pulley(scene, pulley_mesh(scene), account)
+            account.bytes = held_bytes(known)
+    tell("compliance body 2", 0, total)
+    with stage("compliance body 2") as account:
+        row = _row(scene, strip, flank_elements(scene, strip), account)
+    standings: list[Standing] = []
+    found: list[list[BeltState]] = [[] for _ in torques]
+    springs = None
+    for p, angle in enumerate(position_rad):
+        tell("sweep", p + 1, total)
+        with stage("compliance body 2") as account:
+            response = response_at(strip, row, known, float(angle))
+            springs = springs or spring_row(strip, response)
+            account.bytes = max(account.bytes, held_bytes(response))
+        with stage("sweep") as account:
+            for torque, states in zip(torques, found, strict=True):
+                states.append(state_under(scene, strip, response, torque, account))
+            standings.append(Standing.of(response))
+    stages["sweep"].bytes = held_bytes(found, standings)
+    assert springs is not None
+    estimates: list[dict[str, object] | None] = [None] * len(torques)
+    if scene.accuracy.estimate and any(torques):
+        tell("estimate", total, total)
+        with stage("estimate") as account:
+            at = position_rad, pitches
+            estimates = _estimates(scene, strip, (row, known), at, found, account)
+    results = tuple(
+        result_of_belt(
+            scene,
+            strip,
+            springs,
+            standings,
+            states,
+            position_rad,
+            pitches,
+            torque,
+            stages,
+            predicted,
+            estimate,
+        )
+        for torque, states, estimate in zip(torques, found, estimates, strict=True)
+    )
+    tell("done", total, total)
+    return results
+
+
+def positions_of(scene: Scene, strip: Strip) -> tuple[Floats, int | None]:
+    """Angles of the pulley, and the pitches over which they run evenly; None for single angles.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+
+    Returns
+    -------
+    position_rad : (P,) array
+    pitches : int or None
+    """
+    wanted = scene.positions
+    if wanted.angles_deg is not None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
+    pitches = 1 if wanted.pitches == "hunting" else int(wanted.pitches)
+    return strip.pitch_rad * np.arange(wanted.count * pitches) / wanted.count, pitches
+
+
+def strip_of(scene: Scene) -> Strip:
+    """Belt and pulley of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Strip
+    """
+    from flankload.scene import Belt, Pulley
+
+    assert isinstance(scene.body_1, Pulley)
+    assert isinstance(scene.body_2, Belt)
+    return build_strip(scene.body_1, scene.body_2)
+
+
+def flank_elements(scene: Scene, strip: Strip) -> int:
+    """Elements on the flank of a tooth.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+
+    Returns
+    -------
+    int
+    """
+    size = scene.accuracy.flank_element_mm
+    if size is None or strip.tooth is None:
+        return FLANK_ELEMENTS
+    return max(LEAST_ELEMENTS, round_up(strip.tooth.height_mm / size))
+
+
+def default_element_mm(scene: Scene) -> float | None:
+    """Length of the elements on the flank of a tooth by default; None where flanks are bare.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    float or None
+    """
+    strip = strip_of(scene)
+    return None if strip.tooth is None else strip.tooth.height_mm / FLANK_ELEMENTS
+
+
+def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
+    """Elements of a pulley that yields.
+
+    Parameters
+    ----------
+    scene : Scene
+    elements : int, optional
+        On what a belt's tooth touches; as many as on the tooth if absent.
+
+    Returns
+    -------
+    PulleyMesh
+
+    Raises
+    ------
+    SceneError
+        If no valid mesh can be made.
+    """
+    from flankload.scene import Pulley
+
+    assert isinstance(scene.body_1, Pulley)
+    strip = strip_of(scene)
+    pulley = build_pulley(scene.body_1, strip, scene.accuracy.plane)
+    return mesh_pulley(pulley, elements or flank_elements(scene, strip))
+
+
+def _rows_of_pulley(scene: Scene) -> list[tuple[str, str]]:
+    if scene.body_1.rigid:
+        return [("mesh", "none: rigid")]
+    mesh = pulley_mesh(scene)
+    pulley, sector = mesh.pulley, mesh.sector
+    return [
+        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, held"),
+        ("depth of the grooves", f"{pulley.depth_mm:.4f} mm"),
+        ("Young's modulus", f"{pulley.material.young_modulus_MPa:g} MPa, plane {pulley.plane}"),
+        ("mesh of a sector", f"{len(sector.nodes)} nodes, {len(sector.cells[0][1])} quad9"),
+        *quality_rows(sector.nodes, sector.cells),
+    ]
+
+
+def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
+    """What `flankload check` says of a pulley and its belt.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to list of (str, str)
+        Name and value of each row, by title.
+    """
+    strip = strip_of(scene)
+    mesh = mesh_strip(strip, flank_elements(scene, strip))
+    slack = scene.load.slack_tension_N or 0.0
+    tight = 1000.0 * np.array(scene.torques_Nm) / strip.pitch_radius_mm + slack
+    mean = 0.5 * (tight.max() + slack)
+    said = f"{strip.prestress_N_per_mm * strip.width_mm:g} N (half of both tensions: {mean:.4g} N)"
+    clearance = 1000.0 * strip.clearance_rad * strip.pitch_radius_mm
+    effects = scene.effects
+    return {
+        "body_1: pulley": [
+            ("teeth", f"{strip.pulley_teeth}"),
+            ("pitch diameter", f"{2 * strip.pitch_radius_mm:.4f} mm"),
+            ("outer diameter", f"{2 * strip.land_radius_mm:.4f} mm"),
+            *_rows_of_pulley(scene),
+        ],
+        "body_2: belt": [
+            ("teeth on the pulley", f"{strip.wrapped_teeth}"),
+            ("wrap", f"{degrees(strip.wrapped_teeth * strip.pitch_rad):g} deg"),
+            ("pitch difference", f"{1000 * strip.pitch_difference_mm:g} um"),
+            ("clearance of flanks", f"{clearance:.4g} um"),
+            ("prestress", said),
+            ("elements", f"{len(mesh.cells[0][1])}"),
+        ],
+        "load": [
+            ("slack tension", f"{slack:g} N"),
+            ("tight tension", ", ".join(f"{value:.4g} N" for value in tight)),
+        ],
+        "effects": [
+            ("friction on the lands", f"{effects.land_friction:g}"),
+            ("lands may lift", "yes" if effects.land_lift else "no"),
+        ],
+    }
+
+
+def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow:
+    return BeltRow(
+        strip,
+        elements,
+        rubbing=scene.effects.land_friction != 0.0,
+        lifting=asked_of(scene).lifting,
+        account=account,
+    )
+
+
+def asked_of(scene: Scene) -> Asked:
+    """What lands are asked for by a scene; a pulley that yields lets them give way."""
+    return Asked(
+        scene.effects.land_friction != 0.0, scene.effects.land_lift or not scene.body_1.rigid
+    )
+
+
+def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
+    """What a pulley that yields does under forces on its grooves and lands."""
+    return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
+
+
+def response_at(
+    strip: Strip, row: BeltRow, known: PulleyResponse | None, angle_rad: float
+) -> StripResponse:
+    """What the belt answers at a position, on a rigid pulley or on one of which this is known."""
+    held = row.at(angle_rad / strip.pitch_rad)
+    return held if known is None else rest_on(held, strip, known)
+
+
+def _estimates(
+    scene: Scene,
+    strip: Strip,
+    solved: tuple[BeltRow, PulleyResponse | None],
+    at_positions: tuple[Floats, int | None],
+    found: list[list[BeltState]],
+    account: Account,
+) -> list[dict[str, object] | None]:
+    """What elements twice as long change at up to two positions, and what positions miss."""
+    position_rad, pitches = at_positions
+    halved, elements = coarser(strip, flank_elements(scene, strip))
+    (row, known), coarse = solved, _row(scene, halved, elements, account)
+    pulley = None if known is None else solved_pulley(scene, pulley_mesh(scene, elements), account)
+    tried: list[tuple[int, list[Coarser]]] = []
+    for p in tried_positions(strip, position_rad):
+        at = partial(response_at, strip, angle_rad=float(position_rad[p]))
+        if known is None:
+            tried.append((p, [("elements", None, at(coarse, None))]))
+            continue
+        # what elements and hats of the belt do on a pulley that yields may make up for each other
+        on_both: list[Coarser] = [
+            ("elements body 1", None, at(row, pulley)),
+            ("elements body 2", None, at(coarse, known)),
+            ("elements body 2", at(row, None), at(coarse, None)),
+        ]
+        tried.append((p, on_both))
+    places = None if pitches is None else phases(strip, position_rad)
+    estimates: list[dict[str, object] | None] = []
+    for torque, states in zip(scene.torques_Nm, found, strict=True):
+        if torque == 0.0:
+            estimates.append(None)
+            continue
+        solve = partial(state_under, scene, strip, torque_Nm=torque, account=account)
+        here = [(states[p], by) for p, by in tried]
+        estimates.append(estimate_belt(here, states, places, solve))
+    return estimates
+
+
+def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str, dict[str, int]]:
+    """Count what a run will do; exact.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+    position_rad : (P,) array
+
+    Returns
+    -------
+    dict of str to dict of str to int
+        By stages, as `result.cost["stages"]` names them, then by counters.
+    """
+    elements, asked = flank_elements(scene, strip), asked_of(scene)
+    yields = not scene.body_1.rigid
+    torques = [torque for torque in scene.torques_Nm if torque > 0.0]
+    counted: dict[str, dict[str, int]] = {
+        "bodies": {},
+        "compliance body 2": work_of_elements(strip, elements, position_rad, asked),
+        "sweep": work_of_states(strip, elements, position_rad.size * len(scene.torques_Nm)),
+    }
+    if yields:
+        counted["compliance body 1"] = work_of_pulley(pulley_mesh(scene), asked)
+    if scene.accuracy.estimate and torques:
+        halved, coarse = coarser(strip, elements)
+        tried = position_rad[tried_positions(strip, position_rad)]
+        states = tried.size * len(torques)
+        work = Counter(work_of_elements(halved, coarse, tried, asked))
+        work.update(work_of_states(strip, coarse, states * (2 if yields else 1)))
+        if yields:
+            work.update(work_of_states(strip, elements, 2 * states))
+            work.update(work_of_pulley(pulley_mesh(scene, coarse), asked))
+        counted["estimate"] = dict(work)
+    return counted
+
+
+def tried_positions(strip: Strip, position_rad: Floats) -> list[int]:
+    """Positions at which errors of elements are estimated: before a tooth comes, and after.
+
+    Parameters
+    ----------
+    strip : Strip
+    position_rad : (P,) array
+
+    Returns
+    -------
+    list of int
+    """
+    places = phases(strip, position_rad)
+    return sorted({int(places.argmax()), int(places.argmin())})

@@ -1,0 +1,281 @@
+"""From the states of a belt to its result: tensions, lands, warnings, a drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.cost import Account, totals
+from flankload.mechanisms.belt.states import lands_in_words
+from flankload.result.belt import BeltDrive
+from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.result import Result, make_result
+from flankload.scene.usual import question_notes
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.columns import Flanks
+    from flankload.mechanisms.belt.contact import BeltState, SpringRow
+    from flankload.mechanisms.belt.row import StripResponse
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+UM_PER_MM = 1000.0
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a belt stands on its pulley at a position.
+
+    Attributes
+    ----------
+    first_tooth, first_land : int
+    flanks : Flanks
+    degrees_of_freedom : int
+    """
+
+    first_tooth: int
+    first_land: int
+    flanks: Flanks
+    degrees_of_freedom: int
+
+    @classmethod
+    def of(cls, response: StripResponse) -> Standing:
+        """Of a response, whose matrices are not needed any more."""
+        return cls(
+            response.first_tooth,
+            response.first_land,
+            response.flanks,
+            response.degrees_of_freedom,
+        )
+
+
+def result_of_belt(
+    scene: Scene,
+    strip: Strip,
+    row: SpringRow,
+    standings: Sequence[Standing],
+    states: Sequence[BeltState],
+    position_rad: Floats,
+    pitches: int | None,
+    torque_Nm: float,
+    stages: dict[str, Account],
+    predicted: dict[str, dict[str, Any]],
+    estimate: dict[str, object] | None,
+) -> Result:
+    """All positions under one torque as a result.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+    row : SpringRow
+        That stands for the strip.
+    standings, states : sequences, one entry per position
+    position_rad : (P,) array
+    pitches : int or None
+        That the positions run over; None for single angles.
+    torque_Nm : float
+    stages : dict of str to Account
+        What the run has spent.
+    predicted : dict of str to dict
+        What it was to spend, by stages.
+    estimate : dict or None
+        Error estimates, as the result shows them.
+
+    Returns
+    -------
+    Result
+    """
+    width = strip.width_mm
+    first = min(standing.first_tooth for standing in standings)
+    last = max(
+        standing.first_tooth + state.tooth_N_per_mm.size
+        for standing, state in zip(standings, states, strict=True)
+    )
+    sites = np.arange(first, last)
+    drive = _drive(scene, strip, row, sites, standings, states)
+    force = _over_sites(
+        sites, standings, [width * state.tooth_N_per_mm for state in states], nothing=0.0
+    )
+    passes = [state.contact.info for state in states]
+    result = make_result(
+        name=scene.name,
+        torque_Nm=torque_Nm,
+        sites=sites,
+        position_rad=position_rad,
+        rotation_rad=np.array([state.rotation_rad for state in states]),
+        reference_radius_mm=strip.pitch_radius_mm,
+        site_force_N=force,
+        peak_pressure_MPa=np.zeros_like(force),
+        stiffness_tangent_Nm_per_rad=np.array([_stiffness(state, width) for state in states]),
+        status=np.array([state.contact.status for state in states]),
+        pair_tables=PairTables(len(states), partial(_pairs, standings, states, width)),
+        corner_contact=np.zeros(force.shape, dtype=bool),
+        pitch_rad=strip.pitch_rad,
+        period_rad=strip.pitch_rad * (pitches or 1),
+        closed=pitches is not None and position_rad.size > 1,
+        face_width_mm=width,
+        estimate=estimate,
+        cost={
+            **totals(stages),
+            "positions": len(states),
+            "of_this_torque": {
+                "states": len(states),
+                "contact_passes": len(states),
+                "influence_columns": sum(state.pair_N_per_mm.size for state in states),
+                "pivots": sum(info.pivots for info in passes),
+            },
+            "degrees_of_freedom": standings[0].degrees_of_freedom,
+            "largest_backward_error": max(info.backward_error for info in passes),
+            "largest_condition": max(info.condition for info in passes),
+            "bytes": sum(account.bytes for account in stages.values()),
+            "stages": {
+                name: account.as_dict() | {"predicted": predicted.get(name, {})}
+                for name, account in stages.items()
+            },
+        },
+        warnings=(*question_notes(scene), *_warnings(scene, sites, drive)),
+        drawing=_drawing(strip, sites, position_rad),
+    )
+    return replace(result, drive=drive)
+
+
+def _over_sites(
+    sites: Numbers, standings: Sequence[Standing], values: Sequence[Floats], *, nothing: float
+) -> Floats:
+    """(P, S) Values of the teeth, or of the lands before them, of each position."""
+    found = np.full((len(standings), sites.size), nothing)
+    for row, standing, own in zip(found, standings, values, strict=True):
+        first = standing.first_tooth - sites[0]
+        count = min(own.size, sites.size - first)
+        row[first : first + count] = own[:count]
+    return found
+
+
+def _stiffness(state: BeltState, width: float) -> float:
+    """N m/rad; none where nothing turns."""
+    compliance = state.compliance_rad_per_N
+    return 1e-3 * width / compliance if compliance > 0.0 else np.nan
+
+
+def _drive(
+    scene: Scene,
+    strip: Strip,
+    row: SpringRow,
+    sites: Numbers,
+    standings: Sequence[Standing],
+    states: Sequence[BeltState],
+) -> BeltDrive:
+    width = strip.width_mm
+    slack = scene.load.slack_tension_N
+    assert slack is not None
+    lands = [width * state.land_N_per_mm for state in states]
+    lifts = [UM_PER_MM * state.land_lift_mm for state in states]
+    rubs = [width * state.land_rub_N_per_mm for state in states]
+    # what teeth and lands further on take off the cord; a land stands before its tooth
+    behind = [
+        slack + np.cumsum((width * state.tooth_N_per_mm + rub[1:])[::-1])[::-1]
+        for state, rub in zip(states, rubs, strict=True)
+    ]
+    # where it is not the one before a site
+    last = np.array(
+        [
+            standing.first_land + land.size - 1
+            for standing, land in zip(standings, lands, strict=True)
+        ]
+    )
+    ends = np.where(last > sites[-1], 0.0, np.nan)
+    return BeltDrive(
+        wrap_angle_rad=strip.wrapped_teeth * strip.pitch_rad,
+        tooth_stiffness_N_per_mm=width * row.tooth_N_per_mm2,
+        cord_stiffness_N=width * row.cord_N_per_mm,
+        prestress_N=width * strip.prestress_N_per_mm,
+        land_friction=scene.effects.land_friction,
+        tight_tension_N=np.array([width * state.tight_N_per_mm for state in states]),
+        slack_tension_N=np.full(len(states), slack),
+        land_friction_N=np.array([rub.sum() for rub in rubs]),
+        last_land_N=ends + np.array([land[-1] for land in lands]),
+        last_land_lift_um=ends + np.array([lift[-1] for lift in lifts]),
+        tension_behind_N=_over_sites(sites, standings, behind, nothing=np.nan),
+        land_before_N=_over_sites(sites, standings, lands, nothing=np.nan),
+        land_lift_um=_over_sites(sites, standings, lifts, nothing=np.nan),
+        pulley_coupling_um_per_N=UM_PER_MM / width * row.coupling_mm2_per_N,
+    )
+
+
+def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]:
+    """Lands that are held and would lift."""
+    if scene.effects.land_lift or not drive.lifting.any():
+        return ()
+    at = np.flatnonzero(drive.lifting.any(axis=1))
+    lands = lands_in_words(sites, np.asarray(drive.lifting.any(axis=0)))
+    where = "" if len(drive.lifting) == 1 else f" at {at.size} of {len(drive.lifting)} positions"
+    note = (
+        f"the land lifts here: {lands} (of {sites[0]} to {sites[-1]}) the pulley "
+        f"would have to pull{where}; effects.land_lift = true lets it go, more slack tension holds "
+        "it down"
+    )
+    return (note,)
+
+
+def _pairs(
+    standings: Sequence[Standing], states: Sequence[BeltState], width: float, p: int
+) -> PairTable:
+    """Parts of the flanks that carry at a position."""
+    flanks, state = standings[p].flanks, states[p]
+    at = np.flatnonzero(state.pair_N_per_mm > 0.0)
+    places, unknown = flanks.places[at], np.full(at.size, np.nan)
+    return PairTable(
+        site=flanks.tooth[at] + standings[p].first_tooth,
+        radius_mm=np.hypot(*places.T),
+        arc_length_1_mm=unknown,
+        arc_length_2_mm=unknown,
+        x_mm=places[:, 0],
+        y_mm=places[:, 1],
+        normal_x=-flanks.normals[at, 0],
+        normal_y=-flanks.normals[at, 1],
+        force_N=width * state.pair_N_per_mm[at],
+        pressure_MPa=state.pair_N_per_mm[at] / flanks.lengths_mm[at],
+        gap_um=UM_PER_MM * state.pair_gap_mm[at],
+        cell_mm=flanks.lengths_mm[at],
+    )
+
+
+def _drawing(strip: Strip, sites: Numbers, position_rad: Floats) -> PairDrawing:
+    """One groove of the pulley and one pitch of the belt, a groove's middle on the x axis."""
+    assert strip.tooth is not None
+    parts = np.linspace(0.0, 1.0, 13)
+    mirror = np.array([1.0, -1.0])
+    side, tip = strip.tooth.side(parts)[0], strip.tooth.tip(parts)
+    tooth = np.concatenate([side, tip[1:-1], side[::-1] * mirror])
+    tooth += np.array([strip.foot_radius_mm, 0.0])
+    half = 0.5 * strip.pitch_rad
+    foot = float(np.arctan2(-tooth[0, 1], tooth[0, 0]))
+    lands = [
+        strip.land_radius_mm * np.column_stack([np.cos(turn), np.sin(turn)])
+        for turn in (np.linspace(-half, -foot, 5), np.linspace(foot, half, 5))
+    ]
+    groove = np.concatenate([lands[0], tooth[1:-1], lands[1]])
+    back = strip.land_radius_mm + strip.back_mm
+    turn = np.linspace(half, -half, 13)
+    outer = back * np.column_stack([np.cos(turn), np.sin(turn)])
+    first = strip.pitch_rad * (sites[0] + 0.5) + position_rad
+    return PairDrawing(
+        outline_1=groove,
+        outline_2=np.concatenate([groove, outer]),
+        teeth_1=strip.pulley_teeth,
+        teeth_2=sites.size,
+        center_distance_mm=0.0,
+        angle_1=first,
+        angle_2=first,
+    )

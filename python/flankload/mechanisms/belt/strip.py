@@ -1,0 +1,219 @@
+"""Pieces of a timing belt under forces on their teeth and lands and of the strands.
+
+Lands are held radially by hats, the cord stands in the elements as bars; the tight strand holds the
+cord where it begins, the slack strand pulls it. What of the belt lies beyond is there to be
+material beside the last land: nothing pulls it. All columns are of unit
+forces per mm of width, spread over the elements as linear hats; the same hats read displacements.
+
+A piece is condensed to its columns and to its faces in the middles of teeth, which the pieces
+beside it share. Where displacements are held, at lands (by their ways) and by the tight strand, a
+column is what nodes are pulled by when those move: it reads what holds them, with its sign turned
+round. So all that a piece answers is one symmetric matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_matrix, csc_matrix, hstack
+
+from flankload.elasticity.finite_elements import condensed, degrees_of, stiffness
+from flankload.elasticity.sector_closure import RowCell
+from flankload.mechanisms.belt.columns import FlankLine, Flanks, flank_columns, land_columns
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.cost import Account
+    from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.belt_mesh import BeltMesh
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+
+class Kind(IntEnum):
+    """What a column is."""
+
+    PAIR = 0
+    SLACK = 1
+    RUB = 2
+    WAY = 3
+    TIGHT = 4
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of belt by its columns, per mm of width.
+
+    Attributes
+    ----------
+    cell : RowCell
+        Response of all columns to those of them that are loads, and what they carry to the cuts.
+    kinds : (r,) array
+        `Kind` of each column; loads come first.
+    flanks : Flanks
+        n pairs, in the order of their columns.
+    lines : tuple of FlankLine
+        The flanks on which these stand.
+    land : (h,) array
+        On which land each hat stands.
+    land_angle_rad : (h,) array
+        Where it has its end.
+    degrees_of_freedom : int
+    """
+
+    cell: RowCell
+    kinds: Numbers
+    flanks: Flanks
+    lines: tuple[FlankLine, ...]
+    land: Numbers
+    land_angle_rad: Floats
+    degrees_of_freedom: int
+
+
+def solve_piece(
+    strip: Strip,
+    mesh: BeltMesh,
+    cuts: tuple[bool, bool] = (False, False),
+    *,
+    rubbing: bool = False,
+    lifting: bool = False,
+    account: Account | None = None,
+) -> Piece:
+    """Solve the elements of a piece of belt once.
+
+    Parameters
+    ----------
+    strip : Strip
+    mesh : BeltMesh
+        Of the piece, N nodes.
+    cuts : (bool, bool)
+        Whether another piece goes on at its left and its right face.
+    rubbing, lifting : bool
+        Also what lands do that rub, or that give way.
+    account : Account, optional
+
+    Returns
+    -------
+    Piece
+    """
+    flanks, lines, pairs = flank_columns(strip, mesh)
+    lands = land_columns(mesh)
+    basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
+    matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
+    held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
+    pull = csc_matrix(
+        (np.ones(pulled.size), (pulled, np.arange(pulled.size))), (matrix.shape[0], pulled.size)
+    )
+    given = np.concatenate([lands.degrees, held])
+    forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
+    columns = np.hstack([forces, -matrix[:, given].toarray()])
+    direct = np.zeros((columns.shape[1],) * 2)
+    direct[forces.shape[1] :, : forces.shape[1]] = forces[given]
+    direct[: forces.shape[1], forces.shape[1] :] = forces[given].T
+    direct[forces.shape[1] :, forces.shape[1] :] = -matrix[given][:, given].toarray()
+    kinds = np.repeat(
+        list(Kind),
+        [
+            flanks.tooth.size,
+            pull.shape[1],
+            rubbing * lands.number.size,
+            lands.number.size,
+            held.size,
+        ],
+    )
+    loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.WAY))
+    faces = [
+        degrees_of(face if cut else face[:0])
+        for face, cut in zip((mesh.left, mesh.right), cuts, strict=True)
+    ]
+    cut = np.concatenate(faces)
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([given, cut]))
+    solve, complement = condensed(matrix, inner, cut, account)
+    solved = solve(columns[inner])
+    if account is not None:
+        account.count(
+            unit_loads_normal=int((kinds[loads] != Kind.RUB).sum()),
+            unit_loads_tangential=int((kinds[loads] == Kind.RUB).sum()),
+        )
+        account.workspace_bytes += columns.nbytes + solved.nbytes
+    carried = columns[cut] - matrix[cut][:, inner] @ solved
+    left = faces[0].size
+    return Piece(
+        cell=RowCell(
+            local=(columns[inner].T @ solved[:, loads] + direct[:, loads],),
+            carried=((carried[:left], carried[left:]),),
+            stiffness=(
+                complement[:left, :left],
+                complement[:left, left:],
+                complement[left:, :left],
+                complement[left:, left:],
+            ),
+        ),
+        kinds=kinds,
+        flanks=flanks,
+        lines=lines,
+        land=lands.number,
+        land_angle_rad=lands.angle_rad,
+        degrees_of_freedom=inner.size,
+    )
+
+
+def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
+    """Of the elements and of the cord, per mm of width."""
+    solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
+    return (solid + cord_stiffness(strip, mesh)).tocsc()
+
+
+def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
+    """Stiffness of quadratic bars along the cord, and of the tension that holds them straight.
+
+    The tension resists the slope of the radial displacement alone: the slope of the bar's own
+    normal would resist sliding around the pulley, too. Only on the pulley: nothing pulls the rest.
+
+    Parameters
+    ----------
+    strip : Strip
+    mesh : BeltMesh
+        N nodes.
+
+    Returns
+    -------
+    csc_matrix, (2N, 2N)
+        Per mm of width.
+    """
+    cord = mesh.cord
+    bars = np.stack([cord[:-2:2], cord[1:-1:2], cord[2::2]], axis=1)
+    places = mesh.nodes[bars]
+    outwards = places / np.linalg.norm(places, axis=2)[:, :, None]
+    taut = np.zeros(len(bars))
+    taut[mesh.bars] = strip.prestress_N_per_mm
+    blocks = np.zeros((len(bars), 6, 6))
+    for point in np.array([-1.0, 1.0]) / np.sqrt(3.0):  # two points: no locking in curved bars
+        slopes = np.array([point - 0.5, -2.0 * point, point + 0.5])
+        along = np.einsum("k,ekd->ed", slopes, places)
+        length = np.linalg.norm(along, axis=1)
+        strain = np.einsum("k,ed->ekd", slopes, along).reshape(-1, 6) / length[:, None] ** 2
+        slope = (slopes[:, None] * outwards).reshape(-1, 6) / length[:, None]
+        for part, factor in ((strain, strip.cord_N_per_mm), (slope, taut)):
+            blocks += (factor * length)[:, None, None] * part[:, :, None] * part[:, None, :]
+    degrees = (2 * bars[:, :, None] + np.arange(2)).reshape(-1, 6)
+    rows = np.repeat(degrees, 6, axis=1).ravel()
+    columns = np.tile(degrees, (1, 6)).ravel()
+    size = 2 * len(mesh.nodes)
+    return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
+
+
+def _frames(turns_rad: Floats) -> csc_matrix:
+    """Columns outwards and along the turn at each node, in x and y."""
+    cosine, sine = np.cos(turns_rad), np.sin(turns_rad)
+    first = 2 * np.arange(turns_rad.size)
+    rows = np.concatenate([first, first + 1, first, first + 1])
+    columns = np.concatenate([first, first, first + 1, first + 1])
+    values = np.concatenate([cosine, sine, -sine, cosine])
+    size = 2 * turns_rad.size
+    return coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()

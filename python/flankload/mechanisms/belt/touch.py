@@ -1,0 +1,252 @@
+"""Where a timing belt touches its pulley: its hats as forces at the nodes of one sector.
+
+A hat of the belt lies anywhere on a flank or a land of the pulley, whose elements have ends of
+their own. Forces are spread over these as over the belt's, and the same columns read displacements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+
+from flankload.elasticity.finite_elements import degrees_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.pulley import ElasticPulley
+    from flankload.mechanisms.belt.pulley_mesh import PulleyMesh
+    from flankload.mechanisms.belt.row import StripResponse
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Between the ends of hats and elements: the integrands are cubic, on round flanks nearly so.
+GAUSS_POINTS = 4
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Hats on one sector of a pulley.
+
+    Attributes
+    ----------
+    sector : int
+        Counted along the turn.
+    numbers : (c,) array
+        Of the hats among all.
+    forces : (r, c) array
+        Of a unit of each, as parts of `unit_forces`; its transpose reads displacements.
+    """
+
+    sector: int
+    numbers: Numbers
+    forces: Floats
+
+
+def unit_forces(mesh: PulleyMesh, *, rubbing: bool) -> Floats:
+    """Unit forces at the nodes that a belt can touch, in the frame of the sector.
+
+    Parameters
+    ----------
+    mesh : PulleyMesh
+        N nodes.
+    rubbing : bool
+        Also along the lands.
+
+    Returns
+    -------
+    (2N, r) array
+        In x and y at the nodes of the flank, inwards at those of the land, against the turn there.
+    """
+    flank, land = degrees_of(mesh.flank), 2 * mesh.land
+    inwards = -mesh.sector.nodes[mesh.land]
+    inwards /= np.linalg.norm(inwards, axis=1)[:, None]
+    against = np.column_stack([-inwards[:, 1], inwards[:, 0]])
+    directions = [inwards, against] if rubbing else [inwards]
+    loads = np.zeros((2 * len(mesh.sector.nodes), flank.size + land.size * len(directions)))
+    loads[flank, np.arange(flank.size)] = 1.0
+    for k, way in enumerate(directions):
+        columns = flank.size + land.size * k + np.arange(land.size)
+        loads[land, columns], loads[land + 1, columns] = way.T
+    return loads
+
+
+def touches_of(
+    strip: Strip, response: StripResponse, mesh: PulleyMesh, rows: int
+) -> tuple[list[Touch], int]:
+    """Hats of a belt on its pulley: those of the flanks, of the lands, and along the lands.
+
+    Parameters
+    ----------
+    strip : Strip
+    response : StripResponse
+        At any position; it says whether lands rub.
+    mesh : PulleyMesh
+    rows : int
+        Number r of unit forces.
+
+    Returns
+    -------
+    touches : list of Touch
+        Numbers run in the order of the pairs, then that of `response.land`, then that again.
+    count : int
+        Of all.
+    """
+    pitch, rubbing = strip.pitch_rad, response.rubbing is not None
+    touches, count = [], 0
+    for line in response.lines:
+        turn = pitch * (line.tooth + response.phase)
+        forces = flank_forces(mesh, _turned_back(line.places, turn), rows)
+        touches.append(Touch(line.tooth, count + np.arange(forces.shape[1]), forces))
+        count += forces.shape[1]
+    hats = response.land.size
+    for number in range(response.lands):
+        own = np.flatnonzero(response.land == number)
+        if not own.size:
+            continue
+        sector = response.first_land + number
+        away = response.land_angle_rad[own] - pitch * (sector + response.phase)
+        held, along = land_forces(mesh, away * _narrower(strip, mesh.pulley), rows)
+        touches.append(Touch(sector, count + own, held))
+        if rubbing:
+            touches.append(Touch(sector, count + hats + own, along))
+    return touches, count + hats * (1 + rubbing)
+
+
+def _narrower(strip: Strip, pulley: ElasticPulley) -> float:
+    """How wide a land of the pulley is over that of the belt, which presses on all there is."""
+    width = strip.tooth.width_mm if strip.tooth is not None else 0.0
+    return pulley.half_land_rad / (0.5 * strip.pitch_rad - asin(0.5 * width / strip.land_radius_mm))
+
+
+def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
+    """Forces at the nodes of a pulley's flank that stand for the hats of a belt's.
+
+    Both flanks are laid on each other by parts of their lengths.
+
+    Parameters
+    ----------
+    mesh : PulleyMesh
+    flank : (2 c - 1, 2) array
+        Nodes of the belt's flank in the frame of the sector, from the land on.
+    rows : int
+        Number r of unit forces.
+
+    Returns
+    -------
+    (r, c) array
+        Out of the belt, of a unit force that is spread as each hat is.
+    """
+    own = _parts(mesh.sector.nodes[mesh.flank])
+    parts = _parts(flank)
+    at, weight = _points(parts[::2], own[::2])
+    slopes, hats = _slopes(at, parts), _interpolated(at, parts[::2])
+    along = weight[:, None] * (slopes @ flank)
+    out = np.column_stack([-along[:, 1], along[:, 0]])
+    lengths = hats.T @ np.linalg.norm(along, axis=1)
+    forces = np.einsum("gq,gh,gd->qdh", _shapes(at, own), hats, out) / lengths
+    found = np.zeros((rows, lengths.size))
+    found[: 2 * own.size] = forces.reshape(2 * own.size, -1)
+    return found
+
+
+def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, Floats]:
+    """Forces at the nodes of a land that stand for hats at given angles.
+
+    Parameters
+    ----------
+    mesh : PulleyMesh
+    ends_rad : (c,) array
+        Ends of the hats in the frame of the sector, ascending, on its land.
+    rows : int
+        Number r of unit forces.
+
+    Returns
+    -------
+    held : (r, c) array
+        Inwards: of the forces that go with the ways of the hats.
+    along : (r, c) array or (r, 0) array
+        Against the turn: of a force that is spread as each hat is; none where no land rubs.
+    """
+    nodes = np.arctan2(*mesh.sector.nodes[mesh.land].T[::-1])
+    first, last = 2 * mesh.flank.size, 2 * mesh.flank.size + nodes.size
+    ends = np.clip(ends_rad, nodes[0], nodes[-1])
+    at, weight = _points(ends, nodes[::2])
+    weight = weight * mesh.pulley.land_radius_mm
+    hats = _interpolated(at, ends)
+    spread = _shapes(at, nodes).T @ (weight[:, None] * hats)
+    held = np.zeros((rows, ends.size))
+    held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T
+    if rows == last:
+        return held, held[:, :0]
+    along = np.zeros_like(held)
+    along[last:] = spread / (weight @ hats)
+    return held, along
+
+
+def _parts(places: Floats) -> Floats:
+    """Parts of the way along a line of nodes."""
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
+    return np.asarray(way / way[-1])
+
+
+def _points(ends: Floats, nodes: Floats) -> tuple[Floats, Floats]:
+    """Gauss points between the first and the last of `ends`, and their weights.
+
+    Hats bend at `ends`, elements end at `nodes`.
+    """
+    breaks = np.union1d(ends, nodes)
+    breaks = breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]
+    points, weights = leggauss(GAUSS_POINTS)
+    steps = 0.5 * np.diff(breaks)[:, None]
+    return (breaks[:-1, None] + steps * (1.0 + points)).ravel(), (steps * weights).ravel()
+
+
+def _interpolated(at: Floats, ends: Floats) -> Floats:
+    """(g, c) Linear hats on ends at places between them."""
+    before = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
+    part = (at - ends[before]) / (ends[before + 1] - ends[before])
+    hats = np.zeros((at.size, ends.size))
+    hats[np.arange(at.size), before] = 1.0 - part
+    hats[np.arange(at.size), before + 1] = part
+    return hats
+
+
+def _shapes(at: Floats, nodes: Floats) -> Floats:
+    """(g, m) Functions of quadratic elements along a line, every second node a middle."""
+    first, x, _ = _local(at, nodes)
+    return _at_nodes(first, (x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2), nodes.size)
+
+
+def _slopes(at: Floats, nodes: Floats) -> Floats:
+    """(g, m) Their derivatives by the place along the line."""
+    first, x, half = _local(at, nodes)
+    return _at_nodes(first, ((x - 0.5) / half, -2 * x / half, (x + 0.5) / half), nodes.size)
+
+
+def _local(at: Floats, nodes: Floats) -> tuple[Numbers, Floats, Floats]:
+    """First node of the element of each place, the place within it, and half its length."""
+    ends = nodes[::2]
+    element = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
+    half = 0.5 * (ends[element + 1] - ends[element])
+    return 2 * element, (at - ends[element]) / half - 1.0, half
+
+
+def _at_nodes(first: Numbers, values: tuple[Floats, ...], count: int) -> Floats:
+    """Values of three nodes each, from the first one on, as rows over all nodes."""
+    rows = np.zeros((first.size, count))
+    for k, value in enumerate(values):
+        rows[np.arange(first.size), first + k] = value
+    return rows
+
+
+def _turned_back(places: Floats, angle: float) -> Floats:
+    """Places (n, 2) in a frame that is turned by an angle."""
+    cosine, sine = cos(angle), sin(angle)
+    return places @ np.array([[cosine, -sine], [sine, cosine]])

@@ -1,0 +1,1 @@
+"""A chain on its sprocket."""

@@ -1,0 +1,375 @@
+"""Rollers against their pockets: one linear contact problem, or passes of it until all stands.
+
+    g = K F + g0 - B phi >= 0,  F >= 0,  g F = 0,  B·F = M
+
+K holds the chain as a truss with its tight end held along the strand, and the contact of each
+roller, which yields in every direction alike. B is the lever of each normal about the axis; that of
+the middle of a seat is 0. The slack tension and the wear are loads of the truss: they shift g0.
+
+One solve: planes tangent to the seat arcs, about the rollers' places on the pitch circle, tensions
+on the sideways stiffness falling linearly from end to end. Passes: planes at the nearest points of
+the pockets, with the curvature of these and the tensions found, until no roller moves any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.contact import solve_contact_general
+from flankload.mechanisms.chain.planes import Planes, in_pocket, nearest_planes, seat_planes
+from flankload.mechanisms.chain.wrap import Wrap, cross
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.contact import ContactState
+    from flankload.mechanisms.chain.chain import Chain
+
+    Floats = NDArray[np.float64]
+
+#: Planes of a seat in one solve: with 17 the tensions are right to 1.3 % of the tight one in the
+#: widest seat, with 9 to 4.7 %.
+SEAT_PLANES = 17
+#: What planes alike have of their own beside the yielding of the contact: without it the forces on
+#: planes of the same roller would not be determined.
+OWN_PART = 1e-4
+#: Parts of the torque by which it is changed to find how the rotation grows: of one solve, whose
+#: seats have corners, and of passes.
+TORQUE_STEP = {False: 0.05, True: 1e-3}
+#: A support of the sprocket's turn is weak where it would give way this much more than the rest.
+WEAK = 1e-5
+#: A roller may move so far in a pass, in pitches, and stands when it moves less than that.
+LONGEST_STEP, STANDS = 0.02, 1e-10
+#: Passes after which no state is looked for any longer.
+MOST_PASSES = 200
+#: Least and largest part of a step that is taken, and the pass from which it is the least.
+LEAST_PART, LARGEST_PART, STEADY_FROM = 0.25, 1.5, 60
+#: Torque over that of the slack strand below which the turn between planes is not determined: no
+#: torque is taken as this little.
+LEAST_TORQUE = 1e-4
+
+
+@dataclass(frozen=True)
+class WrapState:
+    """What is found at a position; n rollers.
+
+    Attributes
+    ----------
+    rotation_rad : float
+        By which the sprocket has turned against the even run of the tight strand.
+    compliance_rad_per_Nmm : float
+        Its growth with the torque.
+    force_N : (n, 2) array
+        On the rollers by their pockets, along the turn and outwards of each pocket.
+    place_mm : (n, 2) array
+        Of the rollers against their places on the pitch circle, the same directions.
+    tension_N : (n + 1,) array
+        Before each roller and behind the last: tight strand, links, slack strand.
+    status : int
+    passes, pivots, planes : int
+    backward_error, condition, margin : float
+        Of the last contact problem.
+    moves_mm : float
+        How far a roller moved in the last pass; 0 of one solve, and where all stand.
+    """
+
+    rotation_rad: float
+    compliance_rad_per_Nmm: float
+    force_N: Floats
+    place_mm: Floats
+    tension_N: Floats
+    status: int
+    passes: int
+    pivots: int
+    planes: int
+    backward_error: float
+    condition: float
+    margin: float
+    moves_mm: float
+
+
+def work_of(states: Sequence[WrapState]) -> dict[str, int]:
+    """Counted work of states, by the names of `cost.COUNTERS`."""
+    return {
+        "states": len(states),
+        "contact_passes": sum(state.passes for state in states),
+        "influence_columns": sum(state.passes * state.planes for state in states),
+        "pivots": sum(state.pivots for state in states),
+    }
+
+
+@dataclass(frozen=True)
+class _Pass:
+    """One contact problem and what it moves."""
+
+    move: Floats
+    turn: float
+    force: Floats
+    bend: Floats
+    tight_N: float
+    link_N: Floats
+    state: ContactState
+    planes: int
+
+
+def solve_wrap(
+    wrap: Wrap,
+    chain: Chain,
+    torque_Nmm: float,
+    slack_N: float,
+    *,
+    large_displacement: bool,
+    growth: bool = True,
+) -> WrapState:
+    """State of the rollers at a position.
+
+    Parameters
+    ----------
+    wrap : Wrap
+    chain : Chain
+    torque_Nmm : float
+        On the sprocket.
+    slack_N : float
+        Tension of the slack strand.
+    large_displacement : bool
+        Passes until all stands; else one solve.
+    growth : bool
+        Whether the growth of the rotation with the torque is wanted, which is solved for.
+
+    Returns
+    -------
+    WrapState
+
+    Raises
+    ------
+    ContactError
+        If the contact problem has no answer.
+    """
+    found = _follow(wrap, chain, torque_Nmm, slack_N, large_displacement=large_displacement)
+    # the slack tension turns the sprocket, too: a torque of its size is the scale
+    more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
+    other = found
+    if growth:
+        other = _follow(
+            wrap,
+            chain,
+            torque_Nmm + more,
+            slack_N,
+            large_displacement=large_displacement,
+            start=found if large_displacement else None,
+        )
+    step = found.step
+    polar = wrap.angles_rad + found.turned
+    return WrapState(
+        rotation_rad=found.turned,
+        compliance_rad_per_Nmm=(other.turned - found.turned) / more,
+        force_N=in_pocket(step.force, -polar),
+        place_mm=in_pocket(found.place, -polar) - [0.0, wrap.sprocket.pitch_radius_mm],
+        tension_N=np.array([step.tight_N, *step.link_N, slack_N]),
+        status=step.state.status,
+        passes=found.passes + growth * other.passes,
+        pivots=found.pivots + growth * other.pivots,
+        planes=step.planes,
+        backward_error=step.state.info.backward_error,
+        condition=step.state.info.condition,
+        margin=step.state.info.margin,
+        moves_mm=found.moves_mm,
+    )
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """Where passes have led."""
+
+    step: _Pass
+    place: Floats
+    turned: float
+    passes: int
+    pivots: int
+    moves_mm: float
+
+
+def _follow(
+    wrap: Wrap,
+    chain: Chain,
+    torque: float,
+    slack_N: float,
+    *,
+    large_displacement: bool,
+    start: _Followed | None = None,
+) -> _Followed:
+    """One solve, or passes until all stands; from where others have led, if that is given."""
+    centers = wrap.centers
+    one, two = wrap.levers_mm
+    torque = max(torque, LEAST_TORQUE * slack_N * two)
+    tight = (torque + slack_N * two) / one
+    # the tight strand runs evenly: a pitch of the loaded chain with each tooth
+    run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
+    if start is None:
+        half = wrap.sprocket.seat_half_angle_rad
+        nominal = np.linspace(tight, slack_N, len(centers) + 1)
+        step = _one_pass(
+            wrap, chain, centers, nominal[1:-1], np.zeros((len(centers), 2, 2)),
+            seat_planes(wrap, centers, 0.0, np.linspace(-half, half, SEAT_PLANES)),
+            run=run, ends=(tight, slack_N), torque=torque,
+        )  # fmt: skip
+        place, turned = centers + step.move, step.turn
+        passes, pivots, moves = 1, step.state.info.pivots, 0.0
+    else:
+        step, place, turned = start.step, start.place, start.turned
+        passes, pivots, moves = 0, 0, 0.0
+    if not large_displacement:
+        return _Followed(step, place, turned, passes, pivots, moves)
+    longest, part = LONGEST_STEP * chain.pitch_mm, 1.0
+    last = np.zeros_like(place)
+    while passes < MOST_PASSES:
+        step = _one_pass(
+            wrap, chain, place, chain.tensions(place), step.bend,
+            nearest_planes(wrap, place, turned),
+            run=run, ends=(step.tight_N, slack_N), torque=torque,
+        )  # fmt: skip
+        passes, pivots = passes + 1, pivots + step.state.info.pivots
+        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
+        last, moves = step.move, float(np.abs(step.move).max())
+        taken = min(part, longest / max(moves, 1e-3 * longest))
+        place, turned = place + taken * step.move, turned + taken * step.turn
+        if moves < STANDS * chain.pitch_mm:
+            moves = 0.0
+            break
+    return _Followed(step, place, turned, passes, pivots, moves)
+
+
+def _part(part: float, move: Floats, last: Floats) -> float:
+    """Part of a step to take, from how the part before has changed it (Aitken).
+
+    Flanks have no curvature here, and tensions are those of the pass before.
+    """
+    change = move - last
+    size = float((change**2).sum())
+    if size == 0.0 or not last.any():
+        return part
+    return float(np.clip(-part * (last * change).sum() / size, LEAST_PART, LARGEST_PART))
+
+
+def _one_pass(
+    wrap: Wrap,
+    chain: Chain,
+    place: Floats,
+    tension: Floats,
+    bend: Floats,
+    planes: Planes,
+    *,
+    run: float,
+    ends: tuple[float, float],
+    torque: float,
+) -> _Pass:
+    """One contact problem about these places."""
+    n = len(place)
+    stiffness, force = chain.truss(place, tension)
+    blocks = stiffness.reshape(n, 2, n, 2)
+    blocks[np.arange(n), :, np.arange(n), :] += bend
+    pull = force.reshape(n, 2)
+    pull[-1] += ends[1] * wrap.slack
+    for k, way, strand in ((0, wrap.tight, ends[0]), (-1, wrap.slack, ends[1])):
+        across = np.array([-way[1], way[0]])
+        spring = strand / chain.span_mm * np.outer(across, across)
+        blocks[k, :, k, :] += spring
+        pull[k] -= spring @ (place[k] - wrap.centers[k])
+    # the tight end is held along its strand: one direction of roller 0 is known
+    known = np.zeros(2 * n)
+    known[:2] = -(run + place[0] @ wrap.tight) * wrap.tight
+    free = np.eye(2 * n)[:, 1:]
+    free[:2, 0] = [-wrap.tight[1], wrap.tight[0]]
+    parts = np.zeros((planes.gap.size, n, 2))
+    parts[np.arange(planes.gap.size), planes.roller] = planes.normal
+    rows = parts.reshape(-1, 2 * n)
+    # a seat that turns with the sprocket takes its curvature along
+    drag = np.einsum("nij,nj->ni", bend, _turning(place)).ravel()
+    solved = free @ np.linalg.solve(
+        free.T @ stiffness @ free,
+        free.T @ np.column_stack([force - stiffness @ known, drag, rows.T]),
+    )
+    base, dragged, moved = solved[:, 0] + known, solved[:, 1], solved[:, 2:]
+    same = planes.roller[:, None] == planes.roller[None, :]
+    alike = planes.normal @ planes.normal.T + OWN_PART * np.eye(planes.gap.size)
+    matrix = rows @ moved + same * alike / chain.contact_stiffness_N_per_mm
+    levers = cross(place[planes.roller], planes.normal) - rows @ dragged
+    state, turn = _solve_turning(
+        0.5 * (matrix + matrix.T),
+        planes.gap + rows @ base,
+        levers,
+        torque + float(drag @ base),
+        float(drag @ (_turning(place).ravel() - dragged)),
+    )
+    on_planes = state.normal_forces[: planes.gap.size]
+    move = base + moved @ on_planes + dragged * turn
+    pushed = on_planes[:, None] * planes.normal
+    forces = np.zeros((n, 2))
+    np.add.at(forces, planes.roller, pushed)
+    along = np.column_stack([-planes.normal[:, 1], planes.normal[:, 0]])
+    bends = np.zeros((n, 2, 2))
+    np.add.at(
+        bends,
+        planes.roller,
+        (on_planes * np.maximum(planes.curvature, 0.0))[:, None, None]
+        * along[:, :, None]
+        * along[:, None, :],
+    )
+    # what holds the tight end is its tension
+    held = (stiffness @ move - drag * turn - force - forces.ravel())[:2] @ wrap.tight
+    return _Pass(
+        move=move.reshape(n, 2),
+        turn=turn,
+        force=forces,
+        bend=bends,
+        tight_N=float(held),
+        link_N=_link_tensions(chain, place, move.reshape(n, 2)),
+        state=state,
+        planes=planes.gap.size,
+    )
+
+
+def _turning(place: Floats) -> Floats:
+    """How places move with a turn about the axis."""
+    return np.column_stack([-place[:, 1], place[:, 0]])
+
+
+def _solve_turning(
+    matrix: Floats, gaps: Floats, levers: Floats, torque: float, support: float
+) -> tuple[ContactState, float]:
+    """Contact with a sprocket that turns against an elastic support of its own, N mm/rad.
+
+    B·F + s phi = M: a support that is not weak folds into the matrix, K + B Bᵀ/s, g0 - B M/s, and
+    the turn is no unknown any more. The loop wants a motion: a pair by itself holds it.
+    """
+    if support * np.abs(matrix).max() <= WEAK * np.abs(levers).max() ** 2:
+        state = solve_contact_general(
+            matrix, gaps, levers[:, None], [torque], method="single", positive_definite=True
+        )
+        return state, state.rotation
+    n = gaps.size
+    folded = np.zeros((n + 1, n + 1))
+    folded[:n, :n] = matrix + np.outer(levers, levers) / support
+    folded[n, n] = np.abs(matrix).max()
+    state = solve_contact_general(
+        folded,
+        np.append(gaps - levers * torque / support, 0.0),
+        np.append(np.zeros(n), 1.0)[:, None],
+        [1.0],
+        method="single",
+        positive_definite=True,
+    )
+    return state, float(torque - levers @ state.normal_forces[:n]) / support
+
+
+def _link_tensions(chain: Chain, place: Floats, move: Floats) -> Floats:
+    """Tensions of the links after a small move."""
+    link = np.diff(place, axis=0)
+    t = link / np.hypot(*link.T)[:, None]
+    stretch = (t * np.diff(move, axis=0)).sum(axis=1)
+    return chain.tensions(place) + chain.link_stiffness_N / chain.link_mm * stretch

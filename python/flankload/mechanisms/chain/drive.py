@@ -1,0 +1,287 @@
+"""The conductor of a chain on its sprocket: positions, one contact problem or several each.
+
+There are no flanks to pair on circles and no elements to solve: pockets are planes, the chain is a
+truss. What is left of the way of all other pairs is the contact loop and the result.
+"""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.cost import Account, beside_plan, held_bytes
+from flankload.errors import ContactError, NoContactState, SceneError
+from flankload.mechanisms.chain.chain import Chain
+from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
+from flankload.mechanisms.chain.drive_result import result_of_chain
+from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
+from flankload.mechanisms.chain.wrap import Wrap, wrap_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+#: Length of the free strands in pitches, where a scene names none.
+SPAN_PITCHES = 40.0
+#: Contact problems of a linear state: for itself, and for its stiffness.
+LINEAR_PASSES = 2
+#: A link that pushes with more than this part of the tight tension does not exist.
+LEAST_TENSION = -1e-6
+
+
+def solve_chain(
+    scene: Scene,
+    progress: Callable[[str, int, int], None] | None = None,
+    guessed: Mapping[str, Mapping[str, Any]] | None = None,
+) -> tuple[Result, ...]:
+    """Forces of a chain on its sprocket at all positions of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a sprocket and a chain.
+    progress : callable, optional
+        As for `solve`.
+    guessed : mapping, optional
+        What a plan of the scene says, by stages.
+
+    Returns
+    -------
+    tuple of Result, one per torque
+
+    Raises
+    ------
+    SceneError
+        If the rollers do not fit the sprocket.
+    InputError
+        If the plan is one of another scene.
+    NoContactState
+        If a position has no state; the message names the tension below which chains jump.
+    """
+    stages = {"bodies": Account(), "sweep": Account()}
+    with stages["bodies"] as account:
+        sprocket, chain = build_drive(scene)
+        wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+        position_rad, pitches = _positions(scene, sprocket)
+        wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
+        account.bytes = held_bytes(position_rad, wraps)
+    predicted = beside_plan(predicted_work(scene, len(wraps)), guessed)
+    found: list[list[WrapState]] = []
+    with stages["sweep"] as account:
+        for torque in scene.torques_Nm:
+            states = []
+            for p, wrap in enumerate(wraps):
+                if progress is not None:
+                    done = len(found) * len(wraps) + p
+                    progress("sweep", done, len(wraps) * len(scene.torques_Nm))
+                states.append(_solve_position(scene, wrap, chain, torque, p))
+            found.append(states)
+            account.count(**work_of(states))
+        account.bytes = held_bytes(found)
+    estimates: list[dict[str, object] | None] = [None] * len(found)
+    if scene.accuracy.estimate:
+        stages["estimate"] = Account()
+        with stages["estimate"] as account:
+            estimates = [
+                _estimate(scene, chain, wraps, states, torque, account)
+                for torque, states in zip(scene.torques_Nm, found, strict=True)
+            ]
+    results = tuple(
+        result_of_chain(
+            scene, chain, wraps, states, position_rad, pitches, torque, stages, predicted, estimate
+        )
+        for torque, states, estimate in zip(scene.torques_Nm, found, estimates, strict=True)
+    )
+    if progress is not None:
+        whole = len(wraps) * len(results)
+        progress("done", whole, whole)
+    return results
+
+
+def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
+    """Count what a run will do.
+
+    Parameters
+    ----------
+    scene : Scene
+    positions : int
+
+    Returns
+    -------
+    dict of str to dict of str to int
+        By stages, then by counters: those that are known. Of rollers that are followed it is not
+        known how often.
+    """
+    counted = {"states": positions * len(scene.torques_Nm)}
+    if not scene.effects.large_displacement:
+        counted["contact_passes"] = LINEAR_PASSES * counted["states"]
+    none: dict[str, dict[str, int]] = {"estimate": {}} if scene.accuracy.estimate else {}
+    return {"bodies": {}, "sweep": counted, **none}
+
+
+def _estimate(
+    scene: Scene,
+    chain: Chain,
+    wraps: list[Wrap],
+    states: list[WrapState],
+    torque_Nm: float,
+    account: Account,
+) -> dict[str, object]:
+    """Errors of one solution, at two of the positions, by following the rollers there.
+
+    What passes leave when they stop is rounding: theirs is the part of a pitch at which they do.
+    """
+    if scene.effects.large_displacement:
+        left = {"transmission_error": STANDS, "load_share": STANDS}
+        return {**left, "by_source": {"passes": left}}
+    slack = scene.load.slack_tension_N
+    assert slack is not None
+    turn, share = 0.0, 0.0
+    scale = max(abs(state.rotation_rad) for state in states)
+    for p in sorted({0, len(wraps) // 2}):
+        other = solve_wrap(
+            wraps[p], chain, 1000.0 * torque_Nm, slack, large_displacement=True, growth=False
+        )
+        account.count(**work_of([other]))
+        turn = max(turn, abs(other.rotation_rad - states[p].rotation_rad) / scale)
+        one, two = (np.hypot(*state.force_N.T) for state in (states[p], other))
+        share = max(share, float(np.abs(one / one.sum() - two / two.sum()).max()))
+    found = {"transmission_error": turn, "load_share": share}
+    return {**found, "by_source": {"one solution": found}}
+
+
+def build_drive(scene: Scene) -> tuple[Sprocket, Chain]:
+    """Sprocket and chain of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    sprocket : Sprocket
+    chain : Chain
+
+    Raises
+    ------
+    SceneError
+        If the rollers do not fit.
+    """
+    from flankload.scene import Chain as ChainKeys
+    from flankload.scene import Sprocket as SprocketKeys
+
+    spec_1, spec_2 = scene.body_1, scene.body_2
+    assert isinstance(spec_1, SprocketKeys)
+    assert isinstance(spec_2, ChainKeys)
+    try:
+        sprocket = build_sprocket(spec_1, "body_1")
+    except SceneError as error:
+        raise (error if scene.file is None else error.with_file(scene.file)) from None
+    chain = Chain(
+        pitch_mm=spec_2.pitch_mm,
+        elongation=spec_2.elongation,
+        link_stiffness_N=spec_2.link_stiffness_N,
+        contact_stiffness_N_per_mm=spec_2.contact_stiffness_N_per_mm,
+        span_mm=spec_2.span_length_mm or SPAN_PITCHES * spec_2.pitch_mm,
+    )
+    return sprocket, chain
+
+
+def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
+    """What `flankload check` says of a sprocket and its chain.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to list of (str, str)
+        Name and value of each row, by title.
+    """
+    sprocket, chain = build_drive(scene)
+    angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+    count = angle / (2 * sprocket.half_pitch_rad)
+    ball = 0.5 * sprocket.roller_diameter_mm
+    slack = scene.load.slack_tension_N or 0.0
+    tight = 1000.0 * np.array(scene.torques_Nm) / sprocket.pitch_radius_mm + slack
+    limits = ", ".join(f"{limit:.4g} N" for limit in sprocket.jump_tension(tight, angle))
+    worn = f", worn {chain.link_mm:.4f} mm" if chain.elongation else ""
+    large = scene.effects.large_displacement
+    key = f"effects.large_displacement {'= true' if large else 'absent'}"
+    looser = 1000 * sprocket.seat_radius_mm
+    return {
+        "body_1: sprocket": [
+            ("teeth", f"{sprocket.teeth}"),
+            ("pitch diameter", f"{2 * sprocket.pitch_radius_mm:.4f} mm"),
+            ("tip diameter", f"{2 * sprocket.tip_radius_mm:.4f} mm"),
+            (
+                "roller seat radius",
+                f"{sprocket.seat_radius_mm + ball:.4f} mm, {looser:.1f} um more than the roller's",
+            ),
+            ("seating angle", f"{2 * np.degrees(sprocket.seat_half_angle_rad):.2f} deg"),
+            ("flank radius", f"{sprocket.flank_radius_mm - ball:.4f} mm"),
+            ("tension ratio q", f"{sprocket.tension_ratio:.4f} a roller, where flanks carry"),
+        ],
+        "body_2: chain": [
+            ("pitch", f"{chain.pitch_mm:g} mm{worn}"),
+            ("wrap", f"{np.degrees(angle):g} deg, {count:.4g} pitches"),
+            ("free strands", f"{chain.span_mm:g} mm"),
+        ],
+        "load": [
+            ("slack tension", f"{slack:g} N"),
+            ("chain jumps below about", limits),
+        ],
+        "effects": [
+            ("rollers followed to where they stand", f"{'yes' if large else 'no'} ({key})"),
+        ],
+    }
+
+
+def _positions(scene: Scene, sprocket: Sprocket) -> tuple[Floats, int | None]:
+    wanted = scene.positions
+    if wanted.angles_deg is not None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
+    pitches = 1 if wanted.pitches == "hunting" else int(wanted.pitches)
+    pitch = 2 * sprocket.half_pitch_rad
+    return pitch * np.arange(wanted.count * pitches) / wanted.count, pitches
+
+
+def _solve_position(scene: Scene, wrap: Wrap, chain: Chain, torque_Nm: float, p: int) -> WrapState:
+    slack = scene.load.slack_tension_N
+    assert slack is not None
+    large = scene.effects.large_displacement
+    angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+    one, two = wrap.levers_mm
+    tight = (1000.0 * torque_Nm + slack * two) / one
+    limit = float(wrap.sprocket.jump_tension(np.array(tight), angle))
+    where = f"position {p} at {torque_Nm:g} N m"
+    needed = f"chains of this wrap jump below a slack tension of about {limit:.3g} N"
+    try:
+        state = solve_wrap(wrap, chain, 1000.0 * torque_Nm, slack, large_displacement=large)
+    except ContactError as error:
+        raise NoContactState(f"{where}: {error}; {needed}, it is {slack:g} N") from error
+    if not large:
+        return state
+    highest = float(state.place_mm[:, 1].max())
+    if highest > wrap.sprocket.highest_roller_mm:
+        raise NoContactState(
+            f"{where}: a roller climbs {highest:.3g} mm, over the tip of its tooth "
+            f"({wrap.sprocket.highest_roller_mm:.3g} mm); {needed}, it is {slack:g} N"
+        )
+    if state.moves_mm > 0.0:
+        raise NoContactState(
+            f"{where}: after {state.passes} passes rollers still move by {state.moves_mm:.2g} mm; "
+            f"{needed}, it is {slack:g} N"
+        )
+    if state.tension_N.min() < LEAST_TENSION * state.tension_N.max():
+        raise NoContactState(f"{where}: links would have to push; {needed}, it is {slack:g} N")
+    return state

@@ -1,0 +1,200 @@
+"""From the states of a chain to its result: tensions, places, margins, warnings, a drawing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import pi, radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.cost import Account, totals
+from flankload.mechanisms.chain.contact import WrapState, work_of
+from flankload.result.drive import ChainDrive
+from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.result import Result, make_result
+from flankload.scene.usual import question_notes
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms.chain.chain import Chain
+    from flankload.mechanisms.chain.sprocket import Sprocket
+    from flankload.mechanisms.chain.wrap import Wrap
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+#: Up to this wear one linear solution is right to about 1 % of the tight tension.
+LINEAR_WEAR = 0.01
+
+
+def result_of_chain(
+    scene: Scene,
+    chain: Chain,
+    wraps: Sequence[Wrap],
+    states: Sequence[WrapState],
+    position_rad: Floats,
+    pitches: int | None,
+    torque_Nm: float,
+    stages: dict[str, Account],
+    predicted: dict[str, dict[str, Any]],
+    estimate: dict[str, object] | None,
+) -> Result:
+    """All positions under one torque as a result.
+
+    Parameters
+    ----------
+    scene : Scene
+    chain : Chain
+    wraps, states : sequences, one entry per position
+    position_rad : (P,) array
+    pitches : int or None
+        That the positions run over; None for single angles.
+    torque_Nm : float
+    stages : dict of str to Account
+        What the run has spent.
+    predicted : dict of str to dict
+        What it was to spend, by stages.
+    estimate : dict or None
+        Error estimates, as the result shows them.
+
+    Returns
+    -------
+    Result
+    """
+    sprocket = wraps[0].sprocket
+    first = min(wrap.first for wrap in wraps)
+    last = max(wrap.first + len(wrap.angles_rad) for wrap in wraps)
+    sites = np.arange(first, last)
+    force, angle, behind, height = (
+        np.full((len(wraps), sites.size), value) for value in (0.0, np.nan, np.nan, np.nan)
+    )
+    for p, (wrap, state) in enumerate(zip(wraps, states, strict=True)):
+        at = slice(wrap.first - first, wrap.first - first + len(wrap.angles_rad))
+        force[p, at] = np.hypot(*state.force_N.T)
+        loaded = force[p, at] > 0
+        angle[p, at][loaded] = np.degrees(np.arctan2(*state.force_N[loaded].T))
+        behind[p, at] = state.tension_N[:-1]
+        height[p, at] = 1000.0 * state.place_mm[:, 1]
+    tight = np.array([state.tension_N[0] for state in states])
+    slack = np.array([state.tension_N[-1] for state in states])
+    wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+    drive = ChainDrive(
+        mode="large displacement" if scene.effects.large_displacement else "linear",
+        wrap_angle_rad=wrap_angle,
+        tension_ratio=sprocket.tension_ratio,
+        tight_tension_N=tight,
+        slack_tension_N=slack,
+        jump_margin_N=slack - sprocket.jump_tension(tight, wrap_angle),
+        passes=np.array([state.passes for state in states]),
+        tension_behind_N=behind,
+        roller_height_um=height,
+        force_angle_deg=angle,
+    )
+    pitch = 2 * sprocket.half_pitch_rad
+    result = make_result(
+        name=scene.name,
+        torque_Nm=torque_Nm,
+        sites=sites,
+        position_rad=position_rad,
+        rotation_rad=np.array([state.rotation_rad for state in states]),
+        reference_radius_mm=sprocket.pitch_radius_mm,
+        site_force_N=force,
+        peak_pressure_MPa=np.zeros_like(force),
+        stiffness_tangent_Nm_per_rad=1e-3
+        / np.array([state.compliance_rad_per_Nmm for state in states]),
+        status=np.array([state.status for state in states]),
+        pair_tables=PairTables(len(wraps), partial(_rollers, wraps, states)),
+        corner_contact=np.zeros(force.shape, dtype=bool),
+        pitch_rad=pitch,
+        period_rad=pitch * (pitches or 1),
+        closed=pitches is not None and position_rad.size > 1,
+        face_width_mm=scene.pair.face_width_mm,
+        estimate=estimate,
+        cost={
+            **totals(stages),
+            "positions": len(wraps),
+            "of_this_torque": work_of(states),
+            "largest_backward_error": max(state.backward_error for state in states),
+            "largest_condition": max(state.condition for state in states),
+            "bytes": sum(account.bytes for account in stages.values()),
+            "stages": {
+                name: account.as_dict() | {"predicted": predicted.get(name, {})}
+                for name, account in stages.items()
+            },
+        },
+        warnings=(*question_notes(scene), *_warnings(chain, sprocket, drive)),
+        drawing=_drawing(sprocket, wraps, position_rad),
+    )
+    return replace(result, drive=drive)
+
+
+def _warnings(chain: Chain, sprocket: Sprocket, drive: ChainDrive) -> tuple[str, ...]:
+    """Where one linear solution is not enough, and where the chain may jump."""
+    notes = []
+    climbs = float(np.nanmax(drive.roller_height_um)) / 1000.0
+    if drive.mode == "linear" and chain.elongation > LINEAR_WEAR:
+        notes.append(
+            f"wear of {100 * chain.elongation:g} %: beyond {100 * LINEAR_WEAR:g} % one linear "
+            "solution is off by more than 1 % of the tight tension; effects.large_displacement = "
+            "true follows the rollers"
+        )
+    elif drive.mode == "linear" and climbs > sprocket.highest_roller_mm:
+        notes.append(
+            f"a roller would climb {climbs:.3g} mm, over the tip of its tooth: "
+            "effects.large_displacement = true follows it"
+        )
+    if drive.least_margin_N < 0:
+        notes.append(
+            f"the slack strand pulls {-drive.least_margin_N:.3g} N less than T1 q^n: a worn chain "
+            "would climb over the teeth"
+        )
+    return tuple(notes)
+
+
+def _rollers(wraps: Sequence[Wrap], states: Sequence[WrapState], p: int) -> PairTable:
+    """Rollers that carry at a position, each as one contact pair."""
+    wrap, state = wraps[p], states[p]
+    force = np.hypot(*state.force_N.T)
+    at = np.flatnonzero(force > 0)
+    polar = wrap.angles_rad[at] + state.rotation_rad
+    along = np.column_stack([-np.sin(polar), np.cos(polar)])
+    out = np.column_stack([np.cos(polar), np.sin(polar)])
+    normal = (state.force_N[at, :1] * along + state.force_N[at, 1:] * out) / force[at, None]
+    height = wrap.sprocket.pitch_radius_mm + state.place_mm[at, 1:]
+    point = height * out + state.place_mm[at, :1] * along
+    point = point - 0.5 * wrap.sprocket.roller_diameter_mm * normal
+    unknown = np.full(at.size, np.nan)
+    return PairTable(
+        site=wrap.first + at,
+        radius_mm=np.hypot(*point.T),
+        arc_length_1_mm=unknown,
+        arc_length_2_mm=unknown,
+        x_mm=point[:, 0],
+        y_mm=point[:, 1],
+        normal_x=normal[:, 0],
+        normal_y=normal[:, 1],
+        force_N=force[at],
+        pressure_MPa=unknown,
+        gap_um=np.zeros(at.size),
+        cell_mm=unknown,
+        half_width_mm=unknown,
+    )
+
+
+def _drawing(sprocket: Sprocket, wraps: Sequence[Wrap], position_rad: Floats) -> PairDrawing:
+    roller = np.linspace(0.0, 2 * pi, 49)
+    half = 0.5 * sprocket.roller_diameter_mm
+    return PairDrawing(
+        outline_1=sprocket.outline(),
+        outline_2=half * np.column_stack([np.cos(roller), np.sin(roller)]),
+        teeth_1=sprocket.teeth,
+        teeth_2=1,
+        center_distance_mm=0.0,
+        angle_1=np.array([wrap.angles_rad[0] for wrap in wraps]),
+        angle_2=np.zeros_like(position_rad),
+    )

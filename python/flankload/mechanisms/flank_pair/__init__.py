@@ -1,0 +1,1 @@
+"""Two bodies whose flanks touch on circles about parallel axes."""

@@ -1,0 +1,446 @@
+"""Both bodies of a scene, built and put together: all that is known before elements are solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies import Body, build_body
+from flankload.bodies.imported.given import ModalCompliance
+from flankload.bodies.profile_deviation import profile_deviation
+from flankload.bodies.root_fillet import RootFillets, root_fillets
+from flankload.errors import SceneError
+from flankload.pairing.expansion import Growth, growth_notes, growth_of
+from flankload.pairing.friction import (
+    Friction,
+    coefficients_by_tooth,
+    friction_notes,
+    friction_of,
+)
+from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
+from flankload.pairing.pairing import Pairing, pair_bodies
+from flankload.pairing.period import Period, period_of
+from flankload.scene import Belt, Chain
+from flankload.scene.effect_rules import check_coast_kinds
+from flankload.scene.effects import Effects, effects_of
+from flankload.scene.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
+from flankload.scene.usual import question_notes
+
+#: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
+#: the result may have.
+MOST_NUMBERS = 1e7
+#: Flanks in files that stay within this of their involute are not modified.
+LEAST_DEVIATION_UM = 1e-3
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene import Scene
+    from flankload.scene.pair_tables import Positions
+
+
+@dataclass(frozen=True)
+class BodyPair:
+    """Both bodies and how they stand to each other.
+
+    Attributes
+    ----------
+    body_1, body_2 : Body
+    pairing : Pairing
+    resolution : Resolution
+    effects : Effects
+    position_rad : (P,) array
+        Angles of body 1 from position zero; of adaptive positions those to begin with.
+    pitches : int or None
+        Tooth pitches that the positions run over; None where they are single angles.
+    closed : bool
+        All repeats after them (with pitch errors one tooth pitch is no period).
+    adaptive : bool
+        More positions are looked for.
+    notes : tuple of str
+        What a user must know of bodies and pair.
+    friction : Friction or None
+        None where the scene has no friction.
+    fillets : two RootFillets or None
+        Where stress is asked for.
+    growth : two Growth or None
+        What makes the bodies grow.
+    """
+
+    body_1: Body
+    body_2: Body
+    pairing: Pairing
+    resolution: Resolution
+    effects: Effects
+    position_rad: NDArray[np.float64]
+    pitches: int | None
+    closed: bool
+    adaptive: bool
+    notes: tuple[str, ...]
+    friction: Friction | None = None
+    fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
+    growth: tuple[Growth | None, Growth | None] = (None, None)
+
+    @property
+    def period_rad(self) -> float:
+        """Period of the curves: what the positions run over, where all repeats after it."""
+        if self.closed and self.pitches is not None:
+            return self.pitches * self.pairing.pitch_rad
+        return self.pairing.period_rad
+
+    @property
+    def turn_1(self) -> float:
+        """Turn of body 1's frame at position zero, rad."""
+        return self.pairing.turns_at_zero_rad[0]
+
+    @property
+    def turn_2(self) -> float:
+        """Turn of body 2's frame at position zero, rad."""
+        return self.pairing.turns_at_zero_rad[1]
+
+
+def bodies_of(
+    scene: Scene,
+    resolution: Resolution,
+    which: tuple[int, ...] = (0, 1),
+    *,
+    alike: tuple[Body, Body] | None = None,
+) -> tuple[Body, ...]:
+    """Bodies of a scene, each by itself.
+
+    Parameters
+    ----------
+    scene : Scene
+    resolution : Resolution
+    which : tuple of int
+        0 is body 1, 1 body 2.
+    alike : two Body, optional
+        The same however finely, where they are there already: their curves tell how far apart
+        nodes that carry forces stand.
+
+    Returns
+    -------
+    tuple of Body
+
+    Raises
+    ------
+    SceneError
+        If a body cannot be made; names file, key, expected and found.
+    """
+    refuse_drives(scene)
+    element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
+    try:
+        if effects_of(scene).nodal_near_field:
+            element_mm, nodes_mm = None, _nodes_mm(scene, resolution, alike)
+        bodies = tuple(_body(scene, resolution, z, element_mm, nodes_mm) for z in which)
+        if effects_of(scene).nodal_near_field:
+            for z, body in zip(which, bodies, strict=True):
+                _check_nodes(body, f"body_{z + 1}")
+        elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
+            bodies = tuple(
+                _bearing(body, scene, resolution, z) for z, body in zip(which, bodies, strict=True)
+            )
+        return bodies
+    except SceneError as error:
+        raise _with_file(error, scene) from None
+
+
+def refuse_drives(scene: Scene) -> None:
+    """Refuse chains and belts, of which a run knows more than two bodies with flanks.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Raises
+    ------
+    SceneError
+    """
+    if isinstance(scene.body_2, Chain | Belt):
+        chain = isinstance(scene.body_2, Chain)
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with flanks and elements for that",
+            found="'chain', whose sprocket has pockets and which is a truss"
+            if chain
+            else "'belt', which lies on its pulley as a strip",
+        )
+
+
+def build_bodies(
+    scene: Scene,
+    resolution: Resolution | None = None,
+    *,
+    bodies: tuple[Body, Body] | None = None,
+    groups: tuple[int, int] = (1, 1),
+) -> BodyPair:
+    """Bodies of a scene and their pairing; no finite elements are solved.
+
+    Parameters
+    ----------
+    scene : Scene
+    resolution : Resolution, optional
+        Knobs; those of the scene if absent.
+    bodies : two Body, optional
+        From `bodies_of`, where they are there already.
+    groups : (int, int)
+        Teeth after which the compliance of each body repeats, where that is known.
+
+    Returns
+    -------
+    BodyPair
+
+    Raises
+    ------
+    SceneError
+        If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
+    """
+    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
+    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
+    try:
+        if effects.coast_flanks:
+            check_coast_kinds(body_1.kind, body_2.kind)
+        if not effects.tip_contact:
+            body_1, body_2 = _without_ends(body_1), _without_ends(body_2)
+        by_tooth = coefficients_by_tooth(scene, body_1)
+        period = period_of(body_1, body_2, by_tooth=by_tooth)
+        whole = period.with_compliance(groups)
+        pitches = _pitches(scene.positions, _reached(period, groups, (body_1, body_2)))
+        geometric = period
+        if not _stands_for_all(scene.positions, pitches, period):
+            period = whole
+        closed = pitches is not None and pitches % period.pitches == 0
+        position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
+        position_rad, alike = _without_copies(scene, position_rad)
+        pairing = pair_bodies(
+            body_1,
+            body_2,
+            center_distance_mm=scene.pair.axes_apart_mm,
+            position_rad=position_rad,
+            coast_flanks=effects.coast_flanks,
+        )
+        pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
+        friction = friction_of(scene, body_1, pairing)
+        fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
+    except SceneError as error:
+        raise _with_file(error, scene) from None
+    # the same teeth meet at every position of concentric splines: no window leaves any out
+    window = None if _is_concentric(scene) else pitches
+    # a compliance file may bring pitch errors and modified flanks along
+    errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
+    effects = replace(
+        effects,
+        pitch_errors=any(errors),
+        flank_modifications=effects.flank_modifications
+        or any(_is_modified_file(body) for body in (body_1, body_2)),
+    )
+    notes = (
+        *question_notes(scene),
+        *(f"body_1: {note}" for note in body_1.notes),
+        *(f"body_2: {note}" for note in body_2.notes),
+        *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
+        *pairing.warnings,
+        *alike,
+        *_beyond_window(window, geometric),
+        *_beyond_teeth(window, whole, groups, (body_1, body_2)),
+        *friction_notes(friction, pairing),
+        *growth_notes(scene),
+        *(
+            f"{key}: rigid, so there is no stress in its roots"
+            for key, body in (("body_1", body_1), ("body_2", body_2))
+            if effects.root_stress and body.rigid
+        ),
+    )
+    return BodyPair(
+        body_1=body_1,
+        body_2=body_2,
+        pairing=pairing,
+        resolution=resolution,
+        effects=effects,
+        position_rad=position_rad,
+        pitches=pitches,
+        closed=closed and position_rad.size > 1,
+        adaptive=scene.positions.adaptive and position_rad.size > 1,
+        notes=notes,
+        friction=friction,
+        fillets=fillets,
+        growth=growth_of(scene, pairing),
+    )
+
+
+def _with_file(error: SceneError, scene: Scene) -> SceneError:
+    """The error, naming the scene's file where it names none."""
+    if error.file is not None or scene.file is None:
+        return error
+    return error.with_file(scene.file)
+
+
+def _check_nodes(body: Body, key: str) -> None:
+    """A body that brings pressure modes along has no tables between nodes."""
+    if isinstance(body.given, ModalCompliance):
+        raise SceneError(
+            key="effects.near_field",
+            expected=f"'analytic', since {key}.file holds pressure modes: nodes that carry forces "
+            f"come from elements, or from a matrix between nodes in {key}.file",
+            found="'nodes'",
+        )
+
+
+def _nodes_mm(
+    scene: Scene, resolution: Resolution, alike: tuple[Body, Body] | None
+) -> float | None:
+    """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
+    if scene.accuracy.flank_element_mm is not None:
+        return scene.accuracy.flank_element_mm
+    if alike is None:
+        alike = _body(scene, resolution, 0, None, None), _body(scene, resolution, 1, None, None)
+    return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
+
+
+def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
+    """The body, its flank as fine as the modes that the scene names want it; the rest as it was."""
+    assert scene.accuracy.modes is not None
+    wanted = elements_for_modes(scene.accuracy.modes)
+    parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
+    if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
+        return body
+    low, high = body.mode_range_mm
+    return _body(scene, resolution, z, None, (high - low) / wanted)
+
+
+def _body(
+    scene: Scene, resolution: Resolution, z: int, element_mm: float | None, nodes_mm: float | None
+) -> Body:
+    return build_body(
+        (scene.body_1, scene.body_2)[z],
+        f"body_{z + 1}",
+        folder=scene.folder,
+        flank_element_mm=element_mm,
+        flank_element_parts=resolution.flank_element_parts,
+        flank_nodes_mm=nodes_mm,
+    )
+
+
+def _without_ends(body: Body) -> Body:
+    """A body that can touch on its active flanks only, not on tips and in fillets."""
+    active = {"flank", "relief"}.intersection(body.curve.labels)
+    low, high = body.curve.range_of(*active) if active else (0.0, body.curve.length_mm)
+    return replace(body, active_range_mm=(low, high))
+
+
+def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
+    """Root fillets of a body that yields, where their stress is asked for."""
+    return root_fillets(body, key) if effects.root_stress and not body.rigid else None
+
+
+def _is_modified_file(body: Body) -> bool:
+    """Whether the flank in a compliance file departs from its involute."""
+    profile = profile_deviation(body) if body.kind == "compliance" else None
+    return profile is not None and (
+        len(profile.marks) > 2 or float(np.abs(profile.deviation_um).max()) > LEAST_DEVIATION_UM
+    )
+
+
+def _pitches(wanted: Positions, period: Period) -> int | None:
+    """Tooth pitches that the positions run over; None for single angles."""
+    if wanted.angles_deg is not None:
+        return None
+    pitches = period.pitches if wanted.pitches == "hunting" else wanted.pitches
+    per_pitch = wanted.count if not wanted.adaptive else wanted.most_per_pitch
+    if per_pitch * pitches**2 > MOST_NUMBERS and pitches > 1:
+        raise SceneError(
+            key="positions.pitches",
+            expected="so few pitches that positions times flank pairs, of which each pitch brings "
+            f"a new one, stay below {MOST_NUMBERS:g}",
+            found=f"{pitches} pitches of {per_pitch} positions",
+        )
+    return pitches
+
+
+def _positions(
+    wanted: Positions, pitch_rad: float, pitches: int | None, *, closed: bool
+) -> NDArray[np.float64]:
+    """Angles of body 1 (P,); adaptive ones reach to the end of a window that does not close."""
+    if pitches is None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float))
+    last = 1 if wanted.adaptive and not closed else 0
+    return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
+
+
+def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
+    """Whether teeth that only yield differently are taken for alike: one turn of those alike.
+
+    More than that are wanted for the differences.
+    """
+    if pitches is not None:
+        return pitches == period.pitches
+    angles = np.radians(np.asarray(wanted.angles_deg, dtype=float))
+    return bool(np.ptp(angles) < period.rad * (1.0 + 1e-9))
+
+
+def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
+    """What positions can run over: teeth without a flank in their file never carry."""
+    one, two = (
+        1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
+    )
+    return period.with_compliance((one, two))
+
+
+def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
+    """What a window leaves out."""
+    if pitches is None or pitches % period.pitches == 0:
+        return ()
+    pitch = "pitch" if pitches == 1 else "pitches"
+    note = (
+        f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, these "
+        f"positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+    )
+    return (note,)
+
+
+def _beyond_teeth(
+    pitches: int | None, whole: Period, groups: tuple[int, int], bodies: tuple[Body, Body]
+) -> tuple[str, ...]:
+    """What a window leaves out of teeth that yield differently."""
+    if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
+        return ()
+    unlike = [z for z in (0, 1) if groups[z] > 1]
+    yielding = " and ".join(
+        f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
+    )
+    cure = "positions.pitches = 'hunting' for all"
+    for z in unlike:
+        if bodies[z].named_teeth:
+            cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
+    window = "one" if pitches == 1 else f"{pitches}"
+    note = (
+        f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
+        f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
+        f"and harmonics are not those of all teeth ({cure})"
+    )
+    return (note,)
+
+
+def _is_concentric(scene: Scene) -> bool:
+    """Whether a spline's axes are in line."""
+    return scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
+
+
+def _without_copies(
+    scene: Scene, position_rad: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Concentric splines stand the same at every position: of a count the first one suffices."""
+    if (
+        not _is_concentric(scene)
+        or scene.positions.angles_deg is not None
+        or position_rad.size == 1
+    ):
+        return position_rad, ()
+    note = (
+        f"on common axes all positions are alike: one is computed, not {position_rad.size} "
+        "(pair.center_offset_mm parts the axes)"
+    )
+    return position_rad[:1], (note,)

@@ -1,0 +1,232 @@
+"""From what the core found to a result: units of the trade, a drawing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import pi, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.profile_deviation import profile_deviation
+from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
+from flankload.result.coast_contact import CoastContact
+from flankload.result.contact_quantities import frozen
+from flankload.result.friction import FrictionResult, friction_result
+from flankload.result.harmonics import over_positions
+from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.result import Result, make_result
+from flankload.result.root_stress import root_reading
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.profile_deviation import ProfileDeviation
+    from flankload.contact.pair_table import PackedPairs
+    from flankload.contact.sweep import CoastSweep, Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.gear_pair import Mesh
+    from flankload.pairing.pairing import Pairing
+    from flankload.result.geometry import PairGeometry
+
+
+def result_of(
+    found: Sweep,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    *,
+    name: str,
+    face_width_mm: float,
+    estimate: Mapping[str, object] | None,
+    geometry: PairGeometry | None = None,
+    notes: tuple[str, ...] = (),
+) -> Result:
+    """Make the result of one torque; what it costs is added when all is done.
+
+    Parameters
+    ----------
+    found : Sweep
+        What the core found.
+    pair : BodyPair
+    compliances : two BodyCompliance
+    name : str
+        Of the scene.
+    face_width_mm : float
+    estimate : mapping or None
+        Error estimates, as the result shows them.
+    geometry : PairGeometry, optional
+        Of the pair; results of several torques share it.
+    notes : tuple of str
+        More that a user must know.
+
+    Returns
+    -------
+    Result
+    """
+    circle = pair.pairing.whole_circle
+    loaded = (found.site_force_N > 0).any(axis=0)
+    if found.coast is not None:
+        loaded |= (found.coast.site_force_N > 0).any(axis=0)
+    carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
+    width = face_width_mm
+    result = make_result(
+        name=name,
+        torque_Nm=found.torque_Nmm / 1000.0,
+        sites=pair.pairing.sites[carries],
+        position_rad=pair.position_rad,
+        rotation_rad=found.rotation_rad,
+        reference_radius_mm=pair.body_1.reference_radius_mm,
+        site_force_N=found.site_force_N[:, carries],
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
+        status=found.status,
+        pair_tables=PairTables(
+            len(found.n_pairs),
+            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
+        ),
+        corner_contact=found.site_corner[:, carries] > 0,
+        pitch_rad=pair.pairing.pitch_rad,
+        period_rad=pair.period_rad,
+        closed=pair.closed,
+        whole_circle=circle,
+        face_width_mm=width,
+        estimate=estimate,
+        cost={},
+        warnings=(*pair.notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
+        drawing=_drawing(pair),
+        geometry=geometry,
+        root_readings=(
+            root_reading(pair, compliances[0], 0, carries, width),
+            root_reading(pair, compliances[1], 1, carries, width),
+        ),
+        follower_angle_rad=None
+        if pair.pairing.motion is None
+        else pair.pairing.turns(pair.position_rad)[0],
+        unloaded_rotation_rad=found.unloaded_rad,
+    )
+    if found.coast is not None:
+        result = replace(result, coast=_coast(pair, found.coast, carries, width))
+    result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
+    if pair.friction is None:
+        return result
+    return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _coast(
+    pair: BodyPair, found: CoastSweep, carries: NDArray[np.int64], width: float
+) -> CoastContact:
+    """Contact on the coast flanks of some pair numbers."""
+    return CoastContact(
+        force_N=frozen(found.site_force_N[:, carries]),
+        peak_pressure_MPa=frozen(found.site_peak_N_per_mm[:, carries] / width),
+        corner_contact=frozen(found.site_corner[:, carries] > 0),
+        pair_tables=PairTables(
+            len(found.pairs.count),
+            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
+        ),
+    )
+
+
+def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Torque over rotation; NaN where a torque next to nothing turns body 1 by nothing."""
+    stiffness = np.full_like(tangent_rad_per_Nmm, np.nan)
+    np.divide(1e-3, tangent_rad_per_Nmm, out=stiffness, where=tangent_rad_per_Nmm != 0)
+    return stiffness
+
+
+def _pair_table(
+    pairing: Pairing, pairs: PackedPairs, width: float, lumped: bool, p: int
+) -> PairTable:
+    """Contact pairs of position p."""
+    site, table = pairs.at(p)
+    column = dict(zip(pairs.names, table.T, strict=True))
+    return PairTable(
+        site=pairing.sites[site],
+        arc_length_1_mm=column["s_1"],
+        arc_length_2_mm=column["s_2"],
+        radius_mm=column["radius"],
+        x_mm=column["x"],
+        y_mm=column["y"],
+        normal_x=column["normal_x"],
+        normal_y=column["normal_y"],
+        force_N=column["force"],
+        pressure_MPa=column["force"] / (column["cell"] * width),
+        gap_um=1000.0 * column["gap"],
+        cell_mm=column["cell"],
+        sliding_mm_per_rad=column.get("sliding"),
+        friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
+    )
+
+
+def _friction(
+    pair: BodyPair, found: Sweep, carries: NDArray[np.int64], result: Result
+) -> FrictionResult:
+    """What friction does."""
+    assert pair.friction is not None
+    names = ("x", "y", "normal_x", "normal_y", "force", "sliding", "friction")
+    n_sites = pair.pairing.sites.size
+    parts = [(found.pairs, 0)]
+    if found.coast is not None:
+        parts.append((found.coast.pairs, n_sites))
+        n_sites *= 2
+    whole = over_positions(result)
+
+    def over_period(values: NDArray[np.float64]) -> float | None:
+        return whole.mean(values) * result.period_rad if whole.covers_period else None
+
+    summed = friction_result(
+        {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
+        np.concatenate([pairs.position for pairs, _ in parts]),
+        np.concatenate([pairs.sites + first for pairs, first in parts]),
+        n_sites=n_sites,
+        n_working=pair.pairing.sites.size,
+        center_distance_mm=pair.pairing.center_distance_mm,
+        speeds=pair.friction.speeds(pair.pairing, result.position_rad),
+        driver=pair.friction.driver,
+        torque_1_Nm=result.torque_Nm,
+        over_period=over_period,
+    )
+    return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
+
+
+def _drawing(pair: BodyPair) -> PairDrawing:
+    turn_1, turn_2 = pair.pairing.turns(pair.position_rad)
+    profiles = (profile_deviation(pair.body_1), profile_deviation(pair.body_2))
+    return PairDrawing(
+        outline_1=pair.body_1.outline,
+        outline_2=pair.body_2.outline,
+        teeth_1=pair.body_1.teeth,
+        teeth_2=pair.body_2.teeth,
+        center_distance_mm=pair.pairing.center_distance_mm,
+        angle_1=turn_1,
+        angle_2=turn_2,
+        bore_radius_1_mm=pair.body_1.bore_radius_mm,
+        bore_radius_2_mm=pair.body_2.bore_radius_mm,
+        profiles=profiles,
+        cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
+        active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
+    )
+
+
+def _active_roll_mm(
+    mesh: Mesh | None,
+    ratio: float,
+    profiles: tuple[ProfileDeviation | None, ProfileDeviation | None],
+) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """Roll lengths between which the flanks meet: each ends at its tip or tip rounding."""
+    if mesh is None:
+        return None, None
+    # both base circles touch the line of action; what grows on body 1 falls on body 2, or grows
+    # where body 2 stands around it
+    sense = 1 if ratio > 0 else -1
+    whole = mesh.pitch_radius_2_mm + sense * mesh.pitch_radius_1_mm
+    whole *= sin(mesh.pressure_angle_rad)
+    one, two = (profile.roll_length_mm for profile in profiles if profile is not None)
+    end_1, end_2 = float(one[-1]), float(two[-1 if sense > 0 else 0])
+    active_2 = sorted((end_2, whole - sense * end_1))
+    return (sense * (whole - end_2), end_1), (active_2[0], active_2[1])

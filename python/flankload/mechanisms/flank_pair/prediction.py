@@ -1,0 +1,161 @@
+"""Work of a run that can be counted before it is done: from bodies, positions and effects alone.
+
+What each effect adds stands in the table of effects, in units of a body, of a load on a flank, of a
+place in a fillet, of a state; how many of these there are, in the meshes and positions. Nothing is
+solved, so that every run can have it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flankload.analysis.estimate import n_sweeps
+from flankload.analysis.tangent import SIDES
+from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.elasticity.finite_elements import MANY_KEPT
+from flankload.mechanisms.flank_pair.stages import modes_of
+from flankload.scene.effects import work_in
+
+if TYPE_CHECKING:
+    from flankload.bodies import Body
+    from flankload.bodies.root_fillet import RootFillets
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.scene import Scene
+    from flankload.scene.effects import Work
+
+
+def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
+    """Count what a run will do.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+        Its bodies, before the run has added positions.
+
+    Returns
+    -------
+    dict of str to dict of str to int
+        By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
+        zeros included. Exact, but for two things that nearly never happen: a state that found no
+        room is solved again, and cuts whose factors need other pivots are solved for one by one.
+        Of adaptive positions it is not known how many they will be.
+    """
+    stages = {"bodies": {"states": _standing_states(pair)}}
+    for z, body in enumerate((pair.body_1, pair.body_2)):
+        grows = pair.growth[z]
+        growth = 0 if grows is None else grows.load_cases
+        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
+        if elastic or growth:
+            stage = f"compliance body {z + 1}"
+            work = work_in(stage, pair.effects)
+            if not elastic:  # its elements are there to grow
+                work = replace(work, factorisations=1, normal_loads=1)
+            modes = modes_of(body, scene, pair.resolution)
+            places = _places(pair.fillets[z])
+            stages[stage] = (
+                _whole(body, work, modes, growth)
+                if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh)
+                else _sector(body.mesh, work, modes, growth, places)
+            )
+    return stages | _sweeps(scene, pair)
+
+
+def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
+    """Bodies (0, 1) of which an estimate tells what their elements miss.
+
+    Not where tables stand between nodes: fewer nodes tell it of both.
+    """
+    if pair.effects.nodal_near_field:
+        return ()
+    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
+    bodies = (pair.body_1, pair.body_2)
+    return tuple(z for z in (0, 1) if elastic[z] and bodies[z].mesh is not None)
+
+
+def _standing_states(pair: BodyPair) -> int:
+    """Bodies that stand by their files are looked at once without load."""
+    return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
+
+
+def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
+    """Work of elements without cuts, or with held ones: stress is read from the loads' solutions.
+
+    None where a body brings its compliance along.
+    """
+    if body.mesh is None:
+        return _solved(0, 0, 0, growth=0)
+    flanks = len(body.mesh.flanks) if isinstance(body.mesh, WholeMesh) else 1
+    normal, tangential = (round(part) * modes * flanks for part in _loads(work))
+    return _solved(round(work.factorisations), normal, tangential, growth=growth)
+
+
+def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) -> dict[str, int]:
+    """Work of a sector: a solution for each unknown of its cuts, or one factorisation for many."""
+    cuts = 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
+    many = cuts > MANY_KEPT
+    normal, tangential = (round(part) * modes for part in _loads(work))
+    return _solved(
+        round(work.factorisations) + many,
+        normal,
+        tangential,
+        growth=growth,
+        cuts=0 if many else cuts,
+        recoveries=round(work.recoveries) * places,
+        coast=round(work.coast_readings) * modes,
+    )
+
+
+def _loads(work: Work) -> tuple[float, float]:
+    # friction and finite forces want the same loads along the flank
+    return work.normal_loads, min(1.0, work.tangential_loads)
+
+
+def _places(fillets: RootFillets | None) -> int:
+    return 0 if fillets is None else int(fillets.points.arc_length_mm.size)
+
+
+def _solved(
+    factorisations: int,
+    normal: int,
+    tangential: int,
+    *,
+    growth: int,
+    cuts: int = 0,
+    recoveries: int = 0,
+    coast: int = 0,
+) -> dict[str, int]:
+    """Counters of elements."""
+    return {
+        "fe_factorisations": factorisations,
+        "fe_solutions": normal + tangential + growth + cuts + recoveries + coast,
+        "unit_loads_normal": normal,
+        "unit_loads_tangential": tangential,
+        "fe_load_cases_growth": growth,
+        "cut_columns": cuts,
+        "stress_recoveries": recoveries,
+        "coast_readings": coast,
+    }
+
+
+def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
+    """States of the sweep, and of those that follow it where a torque loads the pair."""
+    lumped = pair.effects.lumped_contact
+    loaded = sum(torque > 0 for torque in scene.torques_Nm)
+    torques = {"sweep": len(scene.torques_Nm)}
+    if not lumped:
+        torques["tangent"] = len(SIDES) * loaded
+    if scene.accuracy.estimate:
+        elements = bool(elements_estimated(pair))
+        torques["estimate"] = n_sweeps(lumped=lumped, elements=elements) * loaded
+    positions = {} if pair.adaptive else {"states": pair.position_rad.size}
+    none: dict[str, int] = {}
+    if lumped:
+        none |= {"contact_passes": 0, "influence_columns": 0}
+    if lumped or not pair.effects.friction:
+        none |= {"influence_columns_tangential": 0}
+    return {
+        stage: none | {name: count * number for name, number in positions.items()}
+        for stage, count in torques.items()
+    }

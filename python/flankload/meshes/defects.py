@@ -1,0 +1,295 @@
+"""What can be wrong with a plane mesh, each as one line; and a mesh that is right, put in order.
+
+Every check answers with what was expected and what was found. `check` of the command line prints
+them all, a body from a mesh raises the first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import MeshError
+from flankload.meshes.plane_mesh import (
+    CORNERS,
+    EDGES,
+    boundary_edges,
+    counter_clockwise,
+    jacobians,
+    raise_to_quadratic,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from flankload.meshes.io import RawMesh
+    from flankload.meshes.plane_mesh import Cells
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Two nodes nearer than this part of the shortest edge stand at the same place.
+SAME_PLACE = 1e-3
+#: A middle node may stand this far from the middle, along its edge, in parts of the edge; from a
+#: quarter on the element turns over at its corner.
+MIDDLE_TOLERANCE = 0.15
+
+
+@dataclass(frozen=True)
+class Defect:
+    """What is wrong with a mesh.
+
+    Attributes
+    ----------
+    expected, found : str
+        Each the end of a sentence.
+    """
+
+    expected: str
+    found: str
+
+
+@dataclass(frozen=True)
+class PlaneBody:
+    """A sound mesh in order: quadratic elements, counter-clockwise.
+
+    Attributes
+    ----------
+    nodes : (N, 2) array
+        Those of the file first.
+    cells : ((kind, (E, k) array), ...)
+    edges : (m, 3) array
+        The boundary: first, last, middle node, the material on the left.
+    linear : bool
+        The elements were linear.
+    notes : tuple of str
+    """
+
+    nodes: Floats
+    cells: Cells
+    edges: Numbers
+    linear: bool
+    notes: tuple[str, ...]
+
+
+def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBody:
+    """Put a mesh in order.
+
+    Parameters
+    ----------
+    raw : RawMesh
+    key : str
+        The scene's key that names the file, for messages.
+    one_material : bool
+        Groups of elements are one material all the same.
+
+    Returns
+    -------
+    PlaneBody
+
+    Raises
+    ------
+    MeshError
+        At the first defect.
+    """
+    for defect in find_defects(raw, one_material=one_material):
+        raise MeshError(file=raw.file, key=key, expected=defect.expected, found=defect.found)
+    nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
+    cells, turned = counter_clockwise(nodes, cells)
+    linear = any(kind in CORNERS for kind, _ in raw.cells)
+    notes = list(raw.notes)
+    if linear:
+        notes.append(
+            "linear elements are raised to quadratic ones on straight edges: finer elements, or "
+            "quadratic ones with their middle nodes on the profile, follow the flank better"
+        )
+    if turned:
+        notes.append(f"{turned} elements are numbered clockwise: taken the other way round")
+    return PlaneBody(nodes, cells, boundary_edges(cells), linear, tuple(notes))
+
+
+def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect]:
+    """Everything that is wrong with a mesh; what hides the rest comes alone.
+
+    Parameters
+    ----------
+    raw : RawMesh
+    one_material : bool
+        Groups of elements are one material all the same.
+
+    Yields
+    ------
+    Defect
+    """
+    mixed = _mixed_orders(raw)
+    if mixed is not None:
+        yield mixed
+        return
+    nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
+    checks = [_double_nodes(raw), _double_elements(raw), _middles_off(raw)]
+    inverted = _inverted(nodes, cells)
+    checks.append(inverted)
+    if inverted is None:
+        cells, _ = counter_clockwise(nodes, cells)
+        checks += [_folded(nodes, cells), _loose_parts(cells)]
+    if not one_material:
+        checks.append(_materials(raw))
+    yield from (defect for defect in checks if defect is not None)
+
+
+def _place(nodes: Floats, number: int | np.integer) -> str:
+    return f"x = {nodes[number, 0]:.4f}, y = {nodes[number, 1]:.4f} mm"
+
+
+def _mixed_orders(raw: RawMesh) -> Defect | None:
+    linear = sum(len(data) for kind, data in raw.cells if kind in CORNERS)
+    quadratic = sum(len(data) for kind, data in raw.cells if kind not in CORNERS)
+    if not linear or not quadratic:
+        return None
+    return Defect(
+        "elements of one order", f"{linear} linear elements beside {quadratic} quadratic ones"
+    )
+
+
+def _edge_lengths(nodes: Floats, cells: Cells) -> Floats:
+    """Lengths of all edges, corner to corner."""
+    parts = []
+    for kind, data in cells:
+        corners = data[:, : 3 if kind.startswith("triangle") else 4]
+        steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
+        parts.append(np.linalg.norm(steps, axis=2).ravel())
+    return np.concatenate(parts)
+
+
+def _double_nodes(raw: RawMesh) -> Defect | None:
+    from scipy.spatial import cKDTree
+
+    lengths = _edge_lengths(raw.nodes, raw.cells)
+    reach = SAME_PLACE * float(np.min(lengths[lengths > 0], initial=np.inf))
+    if not np.isfinite(reach):
+        return Defect("elements with an area", "only such that are shrunk to a point")
+    pairs = cKDTree(raw.nodes).query_pairs(reach, output_type="ndarray")
+    if not len(pairs):
+        return None
+    count = np.unique(pairs[:, 1]).size
+    return Defect(
+        "one node at a place (merge them in the mesher)",
+        f"{count} nodes that stand on others, the first at {_place(raw.nodes, pairs[0, 0])}",
+    )
+
+
+def _double_elements(raw: RawMesh) -> Defect | None:
+    twice = 0
+    first = -1
+    for _, data in raw.cells:
+        _, index, count = np.unique(
+            np.sort(data, axis=1), axis=0, return_index=True, return_counts=True
+        )
+        twice += int((count - 1).sum())
+        if (count > 1).any() and first < 0:
+            first = int(data[index[np.argmax(count > 1)], 0])
+    if not twice:
+        return None
+    return Defect(
+        "each element once", f"{twice} repeated elements, the first at {_place(raw.nodes, first)}"
+    )
+
+
+def _middles_off(raw: RawMesh) -> Defect | None:
+    """Middle nodes far from the middle of their edges: wrong order of nodes, or moved nodes."""
+    off, total, first = 0, 0, -1
+    for kind, data in raw.cells:
+        if kind in CORNERS:
+            continue
+        for a, b, m in EDGES["triangle6" if kind == "triangle6" else "quad9"]:
+            chord = raw.nodes[data[:, b]] - raw.nodes[data[:, a]]
+            away = raw.nodes[data[:, m]] - 0.5 * (raw.nodes[data[:, a]] + raw.nodes[data[:, b]])
+            square = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
+            bad = np.abs((away * chord).sum(axis=1)) > MIDDLE_TOLERANCE * square
+            off, total = off + int(bad.sum()), total + len(data)
+            if bad.any() and first < 0:
+                first = int(data[np.argmax(bad), m])
+    if not off:
+        return None
+    return Defect(
+        f"middle nodes within {MIDDLE_TOLERANCE:g} of an edge's length from its middle",
+        f"{off} of {total} further off, the first at {_place(raw.nodes, first)}",
+    )
+
+
+def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
+    """Elements that turn over in themselves, whichever way round they are numbered."""
+    count, total, where = 0, 0, ""
+    for kind, data in cells:
+        determinants = jacobians(nodes, kind, data)
+        clockwise = (determinants < 0).all(axis=1)
+        broken = ~clockwise & (determinants <= 0).any(axis=1)
+        count, total = count + int(broken.sum()), total + len(data)
+        if broken.any() and not where:
+            x, y = nodes[data[int(np.flatnonzero(broken)[0])]].mean(axis=0)
+            where = f"({kind}) at x = {x:.4f}, y = {y:.4f} mm"
+    if not count:
+        return None
+    return Defect(
+        "elements with a positive Jacobian", f"{count} inverted of {total}, the first {where}"
+    )
+
+
+def _folded(nodes: Floats, cells: Cells) -> Defect | None:
+    """Elements that lie on their neighbours: both pass their common edge the same way."""
+    edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
+    _, first, count = np.unique(edges[:, :2], axis=0, return_index=True, return_counts=True)
+    if (count == 1).all():
+        return None
+    place = edges[first[count > 1][0], 2]
+    return Defect(
+        "elements that do not lie on each other",
+        f"{int((count > 1).sum())} edges with two elements on the same side, the first at "
+        f"{_place(nodes, place)}",
+    )
+
+
+def _loose_parts(cells: Cells) -> Defect | None:
+    """One connected body; a part that nothing holds would fly away."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    numbers = np.cumsum([0, *(len(data) for _, data in cells)])
+    edges = np.vstack([data[:, edge[:2]] for kind, data in cells for edge in EDGES[kind]])
+    element = np.concatenate(
+        [
+            first + np.arange(len(data))
+            for first, (kind, data) in zip(numbers[:-1], cells, strict=True)
+            for _ in EDGES[kind]
+        ]
+    )
+    _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    # elements and edges as one graph: an element hangs on each of its edges
+    edge = edge.ravel() + numbers[-1]
+    size = int(edge.max()) + 1
+    graph = coo_matrix((np.ones(edge.size), (element, edge)), shape=(size, size))
+    _, part = connected_components(graph, directed=False)
+    _, counts = np.unique(part[: numbers[-1]], return_counts=True)
+    if counts.size == 1:
+        return None
+    sizes = sorted(counts.tolist(), reverse=True)
+    more = ", …" if len(sizes) > 4 else ""
+    return Defect(
+        "one connected body in a file",
+        f"{len(sizes)} parts that share no edge, of {', '.join(map(str, sizes[:4]))}{more} "
+        "elements",
+    )
+
+
+def _materials(raw: RawMesh) -> Defect | None:
+    if len(raw.materials) < 2:
+        return None
+    sizes = [f"{name} ({count} elements)" for name, count in sorted(raw.materials.items())]
+    return Defect(
+        "one material (one_material = true in the scene, where groups do not mean materials)",
+        f"{len(sizes)}: {', '.join(sizes[:4])}{', …' if len(sizes) > 4 else ''}",
+    )

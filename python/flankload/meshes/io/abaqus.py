@@ -1,0 +1,259 @@
+"""Abaqus' and CalculiX' .inp: nodes, plane elements, sets, surfaces and the names of materials.
+
+Keywords and names count without regard to case. What makes nodes or elements elsewhere (included
+files, generation, several parts) is refused by its line; steps, loads and the like are skipped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.meshes.io.abaqus_lines import Keyword, Row, keywords
+from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+#: Nodes → meshio's name, of plane elements.
+PLANE_OF = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
+#: Elements that carry names only: their nodes.
+LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
+#: Corners of the edges S1, S2, … of plane elements; the middle node of edge k is node corners + k.
+EDGE_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4}
+#: Generated sets that are longer are taken for garbage.
+LONGEST_RANGE = 10**7
+#: Keywords that would add nodes or elements.
+REFUSED = {
+    "INCLUDE": "a whole mesh in one file",
+    "NGEN": "every node written out",
+    "NFILL": "every node written out",
+    "NCOPY": "every node written out",
+    "NMAP": "every node written out",
+    "ELGEN": "every element written out",
+    "ELCOPY": "every element written out",
+    "SYSTEM": "nodes in one coordinate system",
+}
+
+
+def read_abaqus(path: Path) -> FileMesh:
+    """Read an .inp file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FileMesh
+
+    Raises
+    ------
+    BadFile
+        If it has no mesh, or one that this reader would get wrong; names the line.
+    """
+    reader = _Reader()
+    text = path.read_bytes().decode("utf-8", "replace")
+    for keyword in keywords(text.splitlines()):
+        reader.take(keyword)
+    return reader.file_mesh()
+
+
+@dataclass
+class _Reader:
+    """What was read so far, in the file's own numbers; names in upper case."""
+
+    nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    elements: dict[int, tuple[str, tuple[int, ...]]] = field(default_factory=dict)
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    element_sets: dict[str, list[int]] = field(default_factory=dict)
+    surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    sections: list[tuple[str, str]] = field(default_factory=list)
+    elastic: list[tuple[float, float]] = field(default_factory=list)
+    spelt: dict[str, str] = field(default_factory=dict)
+    reduced: set[str] = field(default_factory=set)
+    parts: int = 0
+
+    def take(self, keyword: Keyword) -> None:
+        """Take in a keyword with its data lines."""
+        name = keyword.name
+        if name in REFUSED:
+            raise keyword.refused(REFUSED[name])
+        if name in ("NODE", "ELEMENT", "NSET", "ELSET") and "INPUT" in keyword.options:
+            raise keyword.refused("a whole mesh in one file")
+        match name:
+            case "NODE":
+                self._take_nodes(keyword)
+            case "ELEMENT":
+                self._take_elements(keyword)
+            case "NSET":
+                self._take_node_set(keyword)
+            case "ELSET":
+                self._take_set(keyword, "ELSET", self.element_sets)
+            case "SURFACE":
+                self._take_surface(keyword)
+            case "SOLID SECTION" | "SOLIDSECTION":
+                if material := keyword.options.get("MATERIAL", "").upper():
+                    self.sections.append((keyword.options.get("ELSET", "").upper(), material))
+            case "ELASTIC" if keyword.data:
+                values = keyword.numbers(keyword.data[0])[:2]
+                if len(values) == 2:
+                    self.elastic.append((values[0], values[1]))
+            case "PART":
+                self.parts += 1
+                if self.parts > 1:
+                    raise keyword.refused("one part")
+            case "INSTANCE" if keyword.data:
+                raise keyword.refused("an instance that is not moved")
+
+    def _name(self, keyword: Keyword, option: str) -> str | None:
+        """Name that an option gives, in upper case; its spelling is kept."""
+        given = keyword.options.get(option)
+        if not given:
+            return None
+        self.spelt.setdefault(given.upper(), given)
+        return given.upper()
+
+    def _take_nodes(self, keyword: Keyword) -> None:
+        numbers = []
+        for row in keyword.data:
+            values = keyword.numbers(row)
+            (number,) = keyword.integers(Row(row.line, row.words[:1]))
+            x, y, z = (*values[1:4], 0.0, 0.0, 0.0)[:3]
+            if self.nodes.setdefault(number, (x, y, z)) != (x, y, z):
+                raise row.refused(f"node {number} once", "twice, at different places")
+            numbers.append(number)
+        if name := self._name(keyword, "NSET"):
+            self.node_sets.setdefault(name, []).extend(numbers)
+
+    def _take_elements(self, keyword: Keyword) -> None:
+        written = keyword.needed("TYPE").upper()
+        kind, size = self._kind(written)
+        numbers = []
+        for row in keyword.whole_rows(1 + size):
+            values = keyword.integers(row)
+            if len(values) != 1 + size:
+                raise row.refused(f"{size} nodes of an element {written}", f"{len(values) - 1}")
+            element = (kind, tuple(values[1:]))
+            if self.elements.setdefault(values[0], element) != element:
+                raise row.refused(f"element {values[0]} once", "twice, with different nodes")
+            numbers.append(values[0])
+        if name := self._name(keyword, "ELSET"):
+            self.element_sets.setdefault(name, []).extend(numbers)
+
+    def _kind(self, written: str) -> tuple[str, int]:
+        """meshio's name and number of nodes of an element type."""
+        if written in LINES:
+            size = LINES[written]
+            return ("line" if size == 2 else "line3"), size
+        # H (hybrid), I (incompatible modes), M (modified) and R (reduced) change the rule only
+        plain = written.rstrip("HIMRT")
+        if plain[:3] in ("CPE", "CPS") and plain[3:].isdigit() and int(plain[3:]) in PLANE_OF:
+            if plain != written:
+                self.reduced.add(written)
+            return PLANE_OF[int(plain[3:])], int(plain[3:])
+        raise BadFile("plane elements (CPE3/4/6/8, CPS3/4/6/8)", f"elements {written}")
+
+    def _take_node_set(self, keyword: Keyword) -> None:
+        source = self._name(keyword, "ELSET")
+        if source is None:
+            self._take_set(keyword, "NSET", self.node_sets)
+            return
+        target = self._name(keyword, "NSET") or ""
+        nodes = [n for e in self.element_sets.get(source, []) for n in self.elements[e][1]]
+        self.node_sets.setdefault(target, []).extend(nodes)
+
+    def _take_set(self, keyword: Keyword, option: str, sets: dict[str, list[int]]) -> None:
+        keyword.needed(option)
+        members = sets.setdefault(self._name(keyword, option) or "", [])
+        for row in keyword.data:
+            if "GENERATE" in keyword.options:
+                values = keyword.integers(row)
+                if len(values) not in (2, 3) or (len(values) == 3 and values[2] <= 0):
+                    raise row.refused("first, last and step", row.text)
+                if values[1] - values[0] > LONGEST_RANGE:
+                    raise row.refused("numbers that the file has", row.text)
+                members.extend(range(values[0], values[1] + 1, values[2] if values[2:] else 1))
+                continue
+            for word in filter(None, row.words):
+                if word.isdigit():
+                    members.append(int(word))
+                elif word.upper() in sets:
+                    members.extend(sets[word.upper()])
+                else:
+                    raise row.refused(f"numbers or sets of {option}", f"{word!r}")
+
+    def _take_surface(self, keyword: Keyword) -> None:
+        kind = keyword.options.get("TYPE", "ELEMENT").upper()
+        if kind not in ("ELEMENT", "NODE"):
+            return
+        name = self._name(keyword, "NAME")
+        if name is None:
+            raise keyword.refused("a surface with a name")
+        rows = self.surfaces.setdefault(name, [])
+        for row in keyword.data:
+            words = [word.upper() for word in row.words]
+            face = words[1] if len(words) > 1 else ""
+            rows.append((words[0], "NODE" if kind == "NODE" else face))
+
+    # --- from the file's numbers to places --------------------------------------------------------
+    def file_mesh(self) -> FileMesh:
+        """What was read, as a mesh."""
+        if not self.nodes:
+            raise BadFile("a readable mesh file", "no *NODE in it")
+        place_of = {number: place for place, number in enumerate(self.nodes)}
+        mesh = FileMesh(np.array(list(self.nodes.values())))
+        by_kind: dict[str, list[tuple[int, ...]]] = {}
+        for number, (kind, nodes) in self.elements.items():
+            if missing := [node for node in nodes if node not in place_of]:
+                raise BadFile(
+                    "elements on nodes that the file has", f"node {missing[0]} in element {number}"
+                )
+            by_kind.setdefault(kind, []).append(tuple(place_of[node] for node in nodes))
+        mesh.blocks = [(kind, np.array(rows, dtype=np.int64)) for kind, rows in by_kind.items()]
+        for name, listed in self._all_sets():
+            members = [place_of[node] for node in listed if node in place_of]
+            mesh.add_to_set(self.spelt.get(name, name), np.array(members, dtype=np.int64))
+        for section, material in self.sections:
+            count = sum(self._is_plane(element) for element in self.element_sets.get(section, []))
+            if count:
+                mesh.materials[material] = mesh.materials.get(material, 0) + count
+        if len(set(self.elastic)) == 1:
+            mesh.elastic = self.elastic[0]
+        if self.reduced:
+            mesh.notes.append(
+                f"elements {', '.join(sorted(self.reduced))} are taken fully integrated, without "
+                "their special rules"
+            )
+        return mesh
+
+    def _is_plane(self, element: int) -> bool:
+        return element in self.elements and self.elements[element][0] in PLANE_CELLS
+
+    def _all_sets(self) -> Iterable[tuple[str, list[int]]]:
+        yield from self.node_sets.items()
+        for name, members in self.element_sets.items():
+            known = (self.elements[e][1] for e in members if e in self.elements)
+            yield name, [node for nodes in known for node in nodes]
+        for name, rows in self.surfaces.items():
+            yield name, [node for row in rows for node in self._surface_nodes(*row)]
+
+    def _surface_nodes(self, target: str, face: str) -> Iterable[int]:
+        """Nodes of one line of a surface: of a node or node set, or of edges of elements."""
+        if face == "NODE":
+            yield from self.node_sets.get(target, [int(target)] if target.isdigit() else [])
+            return
+        elements = self.element_sets.get(target, [int(target)] if target.isdigit() else [])
+        for element in elements:
+            kind, nodes = self.elements.get(element, ("", ()))
+            if kind not in EDGE_CORNERS:
+                continue
+            corners = EDGE_CORNERS[kind]
+            if not face.startswith("S") or not face[1:].isdigit():
+                continue
+            k = int(face[1:]) - 1
+            if k < corners:
+                yield from (nodes[k], nodes[(k + 1) % corners], *nodes[corners + k :][:1])

@@ -1,0 +1,252 @@
+"""gmsh's .msh, versions 2.2 and 4.1, as text or binary.
+
+Physical groups become named sets: a group's nodes are those of its elements. A group without a name
+is called by its dimension and number ("line 2").
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flankload.meshes.io.gmsh_stream import INT, REAL, SIZE, Stream
+from flankload.meshes.io.parts import BadFile, FileMesh, Numbers, disjoint_groups
+
+#: gmsh's number of an element type → meshio's name and its number of nodes.
+ELEMENTS = {
+    1: ("line", 2),
+    2: ("triangle", 3),
+    3: ("quad", 4),
+    4: ("tetra", 4),
+    5: ("hexahedron", 8),
+    6: ("wedge", 6),
+    7: ("pyramid", 5),
+    8: ("line3", 3),
+    9: ("triangle6", 6),
+    10: ("quad9", 9),
+    11: ("tetra10", 10),
+    12: ("hexahedron27", 27),
+    13: ("wedge18", 18),
+    14: ("pyramid14", 14),
+    15: ("vertex", 1),
+    16: ("quad8", 8),
+    17: ("hexahedron20", 20),
+    18: ("wedge15", 15),
+    19: ("pyramid13", 13),
+}
+DIMENSION_NAMES = ("point", "line", "surface", "volume")
+
+#: A line of $PhysicalNames.
+NAME = re.compile(r'([0-3])\s+(\d{1,9})\s+"(.*)"')
+
+
+def read_gmsh(path: Path) -> FileMesh:
+    """Read a .msh file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    FileMesh
+
+    Raises
+    ------
+    BadFile
+        If it is no such file, or not whole.
+    """
+    return _Reader(Stream(path.read_bytes())).read()
+
+
+class _Reader:
+    def __init__(self, stream: Stream) -> None:
+        self._stream = stream
+        self._names: dict[tuple[int, int], str] = {}
+        self._groups_of: dict[tuple[int, int], list[int]] = {}
+        #: numbers of the nodes, ascending, and their places
+        self._tags = self._order = np.empty(0, dtype=np.int64)
+        self._points = np.empty((0, 3))
+        #: (kind, nodes (E, k), groups as (dimension, number)) of elements, in the file's numbers
+        self._found: list[tuple[str, Numbers, list[tuple[int, int]]]] = []
+
+    def read(self) -> FileMesh:
+        stream = self._stream
+        version = 0.0
+        while section := stream.next_section():
+            if section == "MeshFormat":
+                version = self._read_format()
+            elif not version:
+                break
+            elif section == "PhysicalNames":
+                self._read_names(stream.lines())
+            elif section == "Entities" and version > 4:
+                self._numbers(self._read_entities)
+            elif section == "Nodes":
+                self._numbers(self._read_nodes if version > 4 else self._read_nodes_2)
+            elif section == "Elements":
+                self._numbers(self._read_elements if version > 4 else self._read_elements_2)
+            else:
+                stream.close_numbers()
+        if not version:
+            raise BadFile("a readable mesh file", "a file that is no gmsh mesh")
+        if not len(self._points) or not self._found:
+            missing = "$Nodes" if not len(self._points) else "$Elements"
+            raise BadFile("a readable mesh file", f"no section {missing}")
+        return self._file_mesh()
+
+    def _numbers(self, read: Any) -> None:
+        self._stream.open_numbers()
+        read()
+        self._stream.close_numbers()
+
+    def _read_format(self) -> float:
+        line = self._stream.lines()
+        words = line[0].split() if line else []
+        if len(words) < 3 or words[0] not in ("2", "2.1", "2.2", "4.1") or words[2] != "8":
+            raise BadFile(
+                "a gmsh mesh of version 2.2 or 4.1", f"version {' '.join(words) or 'none'}"
+            )
+        self._stream.text = words[1] == "0"
+        return float(words[0])
+
+    def _read_names(self, lines: list[str]) -> None:
+        for line in lines[1:]:
+            parts = NAME.fullmatch(line.strip())
+            if parts is None:
+                raise BadFile('dimension, number and "name" in $PhysicalNames', f"{line[:40]!r}")
+            self._names[int(parts[1]), int(parts[2])] = parts[3]
+
+    def _group_name(self, group: tuple[int, int]) -> str:
+        dimension, number = group
+        return self._names.get(group, f"{DIMENSION_NAMES[dimension]} {number}")
+
+    # --- version 4.1 ------------------------------------------------------------------------------
+    def _read_entities(self) -> None:
+        take = self._stream
+        for dimension, count in enumerate(take.take(SIZE, 4)):
+            for _ in range(int(count)):
+                entity = take.one(INT)
+                take.take(REAL, 3 if dimension == 0 else 6)
+                groups = take.take(INT, take.one(SIZE))
+                self._groups_of[dimension, entity] = [int(group) for group in groups]
+                if dimension:
+                    take.take(INT, take.one(SIZE))
+
+    def _read_nodes(self) -> None:
+        take = self._stream
+        blocks = int(take.take(SIZE, 4)[0])
+        tags, points = [], []
+        for _ in range(blocks):
+            dimension, _, parametric = (int(word) for word in take.take(INT, 3))
+            count = take.one(SIZE)
+            tags.append(take.take(SIZE, count).astype(np.int64))
+            width = 3 + (dimension if parametric else 0)
+            points.append(take.take(REAL, width * count).reshape(count, width)[:, :3])
+        if tags:
+            self._keep_nodes(np.concatenate(tags), np.vstack(points))
+
+    def _read_elements(self) -> None:
+        take = self._stream
+        for _ in range(int(take.take(SIZE, 4)[0])):
+            dimension, entity, number = (int(word) for word in take.take(INT, 3))
+            kind, size = _element(number)
+            count = take.one(SIZE)
+            data = take.take(SIZE, count * (1 + size)).reshape(count, 1 + size)
+            groups = self._groups_of.get((dimension, entity), [])
+            # a negative number marks a group that takes the entity the other way round
+            named = [(dimension, abs(group)) for group in groups]
+            self._found.append((kind, data[:, 1:].astype(np.int64), named))
+
+    # --- version 2.2 ------------------------------------------------------------------------------
+    def _read_nodes_2(self) -> None:
+        take = self._stream
+        if take.text:
+            count = take.one(INT)
+            table = take.take(REAL, 4 * count).reshape(count, 4)
+            if not (np.abs(table[:, 0]) < 2**53).all():
+                raise BadFile("node numbers", "a number that is none")
+            self._keep_nodes(table[:, 0].astype(np.int64), table[:, 1:])
+            return
+        count = take.count_line()
+        records = take.take("u1", 28 * count).reshape(count, 28)
+        points = np.ascontiguousarray(records[:, 4:]).view(REAL)
+        self._keep_nodes(np.ascontiguousarray(records[:, :4]).view(INT)[:, 0], points)
+
+    def _read_elements_2(self) -> None:
+        take = self._stream
+        count = take.one(INT) if take.text else take.count_line()
+        by_group: dict[tuple[str, int, int], list[Numbers]] = {}
+        while count > 0:
+            # as text each element has its own head; in binary elements of a type share one
+            if take.text:
+                _, number, n_tags = (int(word) for word in take.take(INT, 3))
+                together = 1
+            else:
+                number, together, n_tags = (int(word) for word in take.take(INT, 3))
+            kind, size = _element(number)
+            width = n_tags + size + (0 if take.text else 1)
+            rows = take.take(INT, width * together).reshape(together, width)[:, -n_tags - size :]
+            count -= together
+            for row in rows:
+                group = abs(int(row[0])) if n_tags else 0
+                by_group.setdefault((kind, _dimension(kind), group), []).append(row[n_tags:])
+        for (kind, dimension, group), members in by_group.items():
+            nodes = np.array(members, dtype=np.int64)
+            self._found.append((kind, nodes, [(dimension, group)] if group else []))
+
+    # --- what both have in common -----------------------------------------------------------------
+    def _keep_nodes(self, tags: Numbers, points: Any) -> None:
+        order = np.argsort(tags, kind="stable")
+        self._tags, self._order = np.asarray(tags, dtype=np.int64)[order], order
+        self._points = np.array(points, dtype=float)
+
+    def _places(self, tags: Numbers) -> Numbers:
+        at = np.searchsorted(self._tags, tags)
+        at[at == self._tags.size] = 0
+        if (strange := self._tags[at] != tags).any():
+            raise BadFile("elements on nodes that the file has", f"node {tags[strange][0]}")
+        return np.asarray(self._order[at], dtype=np.int64)
+
+    def _file_mesh(self) -> FileMesh:
+        mesh = FileMesh(self._points)
+        surfaces: dict[str, list[Numbers]] = {}
+        count = 0
+        known: dict[tuple[int, ...], int] = {}
+        for kind, tags, groups in self._found:
+            nodes = self._places(tags)
+            for group in groups:
+                mesh.add_to_set(self._group_name(group), nodes)
+            if _dimension(kind) != 2:
+                mesh.blocks.append((kind, nodes))
+                continue
+            # version 2.2 writes an element once for each of its groups
+            numbers, new = [], []
+            for row, key in enumerate(map(tuple, np.sort(nodes, axis=1).tolist())):
+                repeated = key in known and bool(groups)
+                if not repeated:
+                    known[key] = count
+                    count += 1
+                    new.append(row)
+                numbers.append(known[key])
+            mesh.blocks.append((kind, nodes[new]))
+            for group in groups:
+                surfaces.setdefault(self._group_name(group), []).append(np.array(numbers))
+        members = {name: np.concatenate(parts) for name, parts in surfaces.items()}
+        mesh.materials = disjoint_groups(members, count)
+        return mesh
+
+
+def _element(number: int) -> tuple[str, int]:
+    if number not in ELEMENTS:
+        raise BadFile("elements of first or second order", f"gmsh's element type {number}")
+    return ELEMENTS[number]
+
+
+def _dimension(kind: str) -> int:
+    if kind.startswith(("line", "vertex")):
+        return int(kind != "vertex")
+    return 2 if kind.startswith(("triangle", "quad")) else 3

@@ -1,0 +1,330 @@
+"""Files of named arrays: .npz, and .csv of one table; the only room that opens them.
+
+Nothing in a file is ever executed: pickled arrays are refused. What comes out are plain arrays by
+name; whether they make sense is for who asks for them, with `NamedArrays` to say what is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os.path import isdir, isfile
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flankload.base.array_archive import BadArchive, Member, read_members
+from flankload.errors import ComplianceFileError, SceneError
+
+#: Columns of a table in front of the matrix: which tooth is displaced, and the place.
+LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
+PLAIN = "a .npz file of plain arrays"
+#: Along an axis: more than nodes of any flank, less than would fill the memory.
+MOST_ROWS = 100000
+MOST_CHARACTERS = 10000
+#: Beyond any length, stiffness or compliance in mm and N; powers of it stay within a double.
+LARGEST = 1e30
+
+
+@dataclass(frozen=True)
+class NamedArrays:
+    """Arrays of one file, asked for by name; each is read when it is asked for.
+
+    Attributes
+    ----------
+    file : Path
+    members : mapping of str to Member
+    """
+
+    file: Path
+    members: Mapping[str, Member]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.members
+
+    def refuse(self, name: str, expected: str, found: object) -> NoReturn:
+        """Raise: an array is not what it should be."""
+        raise ComplianceFileError(file=self.file, key=name, expected=expected, found=found)
+
+    def check_names(self, *known: str) -> None:
+        """Refuse arrays that nobody asks for: a misspelt one would go unnoticed."""
+        for name in self.members:
+            if name not in known:
+                self.refuse(
+                    name, "an array of this format (" + ", ".join(known) + ")", "an unknown name"
+                )
+
+    def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
+        """An array of finite numbers; None in the shape stands for any length up to MOST_ROWS."""
+        member = self._member(name, "numbers")
+        wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
+        if member.dtype.kind not in "fiu":
+            self.refuse(name, "real numbers", f"values of type {member.dtype}")
+        fits = len(member.shape) == len(shape) and all(
+            n in (None, m) for n, m in zip(shape, member.shape, strict=True)
+        )
+        if not fits:
+            self.refuse(name, f"an array of shape {wanted}", f"shape {member.shape}")
+        if max(member.shape, default=0) > MOST_ROWS:
+            self.refuse(name, f"at most {MOST_ROWS} entries along an axis", f"{member.shape}")
+        result = self._read(name).astype(np.float64)
+        strange = np.argwhere(~(np.abs(result) <= LARGEST))
+        if len(strange):
+            place = f"[{', '.join(map(str, strange[0]))}]" if result.ndim else ""
+            value = result[tuple(strange[0])]
+            wanted = f"numbers of at most {LARGEST:g}" if np.isfinite(value) else "finite numbers"
+            self.refuse(f"{name}{place}", wanted, f"{value:g}")
+        return result
+
+    def number(
+        self,
+        name: str,
+        *,
+        above: float | None = None,
+        least: float | None = None,
+        most: float | None = None,
+    ) -> float:
+        """A single number in a range."""
+        value = float(self.numbers(name))
+        if above is not None and value <= above:
+            self.refuse(name, f"a number > {above:g}", f"{value:g}")
+        if least is not None and value < least:
+            self.refuse(name, f"a number >= {least:g}", f"{value:g}")
+        if most is not None and value > most:
+            self.refuse(name, f"a number <= {most:g}", f"{value:g}")
+        return value
+
+    def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
+        """An array of whole numbers."""
+        values = self.numbers(name, *shape)
+        if (values != np.round(values)).any():
+            self.refuse(name, "whole numbers", f"{values[values != np.round(values)][0]:g}")
+        return values.astype(np.int64)
+
+    def integer(self, name: str, *, least: int, most: int) -> int:
+        """A single whole number in a range."""
+        value = int(self.integers(name))
+        if not least <= value <= most:
+            self.refuse(name, f"an integer from {least} to {most}", value)
+        return value
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """A list of words."""
+        member = self._member(name, "text")
+        count = member.shape[0] if len(member.shape) == 1 else MOST_ROWS + 1
+        if count > MOST_ROWS or (count and not _is_text(member)):
+            self.refuse(name, "a list of texts", f"shape {member.shape} of type {member.dtype}")
+        return tuple(str(value) for value in self._read(name))
+
+    def text(self, name: str, *choices: str) -> str:
+        """A single word, one of the choices where there are any."""
+        member = self._member(name, "text")
+        is_text = member.shape == () and _is_text(member)
+        value = str(self._read(name)) if is_text else ""
+        if not is_text or (choices and value not in choices):
+            expected = " or ".join(f"'{choice}'" for choice in choices) or "a text"
+            found = f"'{value[:60]}'" if is_text else f"an array of type {member.dtype}"
+            self.refuse(name, expected, found)
+        return value
+
+    def flags(self, name: str, count: int) -> NDArray[np.bool_]:
+        """So many times true or false."""
+        member = self._member(name, "true or false")
+        if member.shape != (count,) or member.dtype != np.bool_:
+            self.refuse(
+                name, f"{count} times true or false", f"shape {member.shape} of type {member.dtype}"
+            )
+        return self._read(name)
+
+    def dimensions(self, name: str) -> int:
+        """Number of axes of an array; 0 where there is none."""
+        return len(self.members[name].shape) if name in self else 0
+
+    def _member(self, name: str, what: str) -> Member:
+        if name not in self.members:
+            self.refuse(name, what, "nothing: the file has " + ", ".join(self.members))
+        return self.members[name]
+
+    def _read(self, name: str) -> NDArray[Any]:
+        try:
+            return self.members[name].read()
+        except BadArchive as error:
+            self.refuse(name, PLAIN, error.found)
+
+
+def read_arrays(path: str | Path, key: str) -> NamedArrays:
+    """Read a file of named arrays.
+
+    Parameters
+    ----------
+    path : path
+        .npz, or .csv (a table of places and a matrix, with names and values in comments).
+    key : str
+        The scene's key that names the file, for messages.
+
+    Returns
+    -------
+    NamedArrays
+
+    Raises
+    ------
+    ComplianceFileError
+        If the file is missing, unreadable, pickled, or its rows are ragged.
+    """
+    path = Path(path)
+    if not isfile(path):  # no error either of a name that is too long
+        found = "a folder" if isdir(path) else "no such file"
+        raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
+    suffix = path.suffix.lower()
+    if suffix not in (".npz", ".csv"):
+        raise ComplianceFileError(
+            file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
+        )
+    if suffix == ".csv":
+        arrays = _read_csv(path, key)
+        return NamedArrays(path, {name: _held(value) for name, value in arrays.items()})
+    try:
+        return NamedArrays(path, read_members(path))
+    except BadArchive as error:
+        raise ComplianceFileError(
+            file=path, key=error.name or key, expected=PLAIN, found=error.found
+        ) from None
+
+
+def _is_text(member: Member) -> bool:
+    """Of a length that texts have."""
+    return member.dtype.kind == "U" and member.dtype.itemsize <= 4 * MOST_CHARACTERS
+
+
+def _held(array: NDArray[Any]) -> Member:
+    return Member(array.shape, array.dtype, lambda: array)
+
+
+def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[np.float64]:
+    """Read a table of numbers.
+
+    Parameters
+    ----------
+    path : path
+        .csv: rows of numbers, with or without the names of the columns in the first one; lines
+        that begin with # are passed over.
+    key : str
+        The scene's key that names the file, for messages.
+    names : tuple of str
+        Names of the columns.
+
+    Returns
+    -------
+    (rows, columns) array
+
+    Raises
+    ------
+    SceneError
+        If the file is missing, unreadable, or a cell is no finite number; names the line.
+    """
+    path = Path(path)
+    wanted = f"a .csv file with the columns {', '.join(names)}"
+    if not isfile(path) or path.suffix.lower() != ".csv":
+        found = f"no file {path.name}" if not isfile(path) else path.name
+        raise SceneError(key=key, expected=wanted, found=found)
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError):
+        raise SceneError(key=key, expected=wanted, found="other bytes than UTF-8") from None
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, start=1):
+        cells = [cell.strip() for cell in line.split(",")]
+        if line.strip().startswith("#") or not line.strip():
+            continue
+        if not rows and tuple(cells) == names:
+            continue
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            row = []
+        if len(row) != len(names) or not np.isfinite(row).all():
+            raise SceneError(
+                file=path,
+                key=f"line {number}",
+                expected=f"{len(names)} numbers: {', '.join(names)}",
+                found=f"'{line.strip()[:40]}'",
+            )
+        rows.append(row)
+    return np.array(rows).reshape(-1, len(names))
+
+
+def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:
+    """Comments `# name = value`, then rows: offset, x, y and a row of the matrix."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError):
+        raise ComplianceFileError(
+            file=path, key=key, expected="a table as text in UTF-8", found="other bytes"
+        ) from None
+    arrays: dict[str, NDArray[Any]] = {}
+    rows: list[tuple[int, list[str]]] = []
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        if text.startswith("#"):
+            name, equals, value = (part.strip() for part in text[1:].partition("="))
+            if equals:
+                arrays[name] = _value_of(value)
+        elif text:
+            rows.append((number, [cell.strip() for cell in text.split(",")]))
+    if rows and rows[0][1][0] == LEADING_COLUMNS[0]:
+        del rows[0]
+    return arrays | _tables_of(path, rows)
+
+
+def _value_of(text: str) -> NDArray[Any]:
+    try:
+        return np.array(float(text))
+    except ValueError:
+        return np.array(text)
+
+
+def _tables_of(path: Path, rows: list[tuple[int, list[str]]]) -> dict[str, NDArray[Any]]:
+    """Offsets (k,), points (n, 2) and compliance (k, n, n) of the rows of a table."""
+
+    def refuse(number: int, expected: str, found: str) -> NoReturn:
+        raise ComplianceFileError(
+            file=path, key=f"line {number}", expected=expected, found=found
+        ) from None
+
+    if not rows:
+        refuse(1, "rows of " + ", ".join(LEADING_COLUMNS) + ", c_1, c_2, …", "no rows")
+    width = len(rows[0][1])
+    values = np.empty((len(rows), width))
+    for k, (number, cells) in enumerate(rows):
+        if len(cells) != width:
+            refuse(number, f"{width} columns as in line {rows[0][0]}", f"{len(cells)}")
+        for j, cell in enumerate(cells):
+            try:
+                values[k, j] = float(cell)
+            except ValueError:
+                refuse(number, f"a number in column {j + 1}", f"'{cell[:40]}'")
+    lead = len(LEADING_COLUMNS)
+    points = width - lead
+    if points < 1 or len(rows) % points:
+        refuse(
+            rows[-1][0],
+            f"{points} rows for each offset, as many as the matrix has columns (behind "
+            + ", ".join(LEADING_COLUMNS)
+            + ")",
+            f"{len(rows)} rows",
+        )
+    blocks = values.reshape(-1, points, width)
+    for k, block in enumerate(blocks):
+        for i, row in enumerate(block):
+            number = rows[k * points + i][0]
+            if row[0] != block[0, 0]:
+                refuse(number, f"offset {block[0, 0]:g}, {points} rows each", f"{row[0]:g}")
+            if (row[1:lead] != blocks[0, i, 1:lead]).any():
+                refuse(number, f"the place of line {rows[i][0]}", f"{row[1]:g}, {row[2]:g}")
+    return {
+        "offsets": blocks[:, 0, 0],
+        "points": blocks[0, :, 1:lead],
+        "compliance": blocks[:, :, lead:],
+    }

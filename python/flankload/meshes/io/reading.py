@@ -1,0 +1,120 @@
+"""From a mesh file to a plane mesh with named sets: which reader, and what any file must hold."""
+
+from __future__ import annotations
+
+from os.path import isdir, isfile
+from pathlib import Path
+
+import numpy as np
+
+from flankload.errors import MeshError
+from flankload.meshes.io.abaqus import read_abaqus
+from flankload.meshes.io.gmsh import read_gmsh
+from flankload.meshes.io.others import known_to_meshio, read_with_meshio
+from flankload.meshes.io.parts import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh, RawMesh
+
+#: Nodes may stand this far out of the plane, relative to the size of the mesh.
+PLANE_TOLERANCE = 1e-9
+
+#: Coordinates beyond it are garbage.
+LARGEST_MM = 1e9
+
+READERS = {".msh": read_gmsh, ".inp": read_abaqus}
+
+
+def is_mesh_name(path: Path) -> bool:
+    """Whether a file is a mesh, as its name says."""
+    suffix = path.suffix.lower()
+    if suffix in ("", ".toml"):
+        return False
+    return suffix in READERS or known_to_meshio(suffix)
+
+
+def read_mesh(path: str | Path, key: str = "") -> RawMesh:
+    """Read a plane mesh with its named sets.
+
+    Parameters
+    ----------
+    path : path
+        gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or what else meshio reads.
+    key : str
+        The scene's key that names the file, for error messages.
+
+    Returns
+    -------
+    RawMesh
+
+    Raises
+    ------
+    MeshError
+        If the file is missing, cannot be read, or is no plane mesh of triangles and quadrilaterals.
+    """
+    path = Path(path)
+    if not isfile(path):  # no error either of a name that is too long
+        found = "a folder" if isdir(path) else "no such file"
+        raise MeshError(file=path, key=key, expected="a mesh file", found=found)
+    try:
+        found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)
+        _check(found_mesh)
+    except (ValueError, LookupError, OverflowError) as error:
+        # a damaged file: numbers that do not fit together
+        reason = f"numbers that do not fit together ({' '.join(str(error).split())[:80]})"
+        raise MeshError(file=path, key=key, expected="a readable mesh file", found=reason) from None
+    except BadFile as error:
+        raise MeshError(file=path, key=key, expected=error.expected, found=error.found) from None
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        raise MeshError(file=path, key=key, expected="a mesh file to read", found=reason) from None
+    return _plane_mesh(found_mesh, path)
+
+
+def _check(mesh: FileMesh) -> None:
+    """Plane elements only, and all of them in one plane."""
+    strange: dict[str, int] = {}
+    for kind, data in mesh.blocks:
+        if kind not in PLANE_CELLS + LOWER_CELLS and len(data):
+            strange[kind] = strange.get(kind, 0) + len(data)
+    kinds = {kind for kind, data in mesh.blocks if len(data)}
+    if strange or not kinds & set(PLANE_CELLS):
+        found = ", ".join(f"{count} {kind}" for kind, count in sorted(strange.items()))
+        raise BadFile(
+            "plane elements (" + ", ".join(PLANE_CELLS) + ")",
+            found or ", ".join(sorted(kinds)) or "no elements",
+        )
+    strange_places = ~(np.abs(mesh.points) <= LARGEST_MM)
+    if strange_places.any():
+        raise BadFile(f"coordinates up to {LARGEST_MM:g} mm", f"{mesh.points[strange_places][0]:g}")
+    used = np.unique(np.concatenate([d.ravel() for kind, d in mesh.blocks if kind in PLANE_CELLS]))
+    points = mesh.points[used]
+    size = float(np.ptp(points, axis=0).max())
+    if points.shape[1] == 3 and np.ptp(points[:, 2]) > PLANE_TOLERANCE * size:
+        raise BadFile(
+            "all nodes in one plane z = const",
+            f"z from {points[:, 2].min():g} to {points[:, 2].max():g}",
+        )
+
+
+def _plane_mesh(mesh: FileMesh, path: Path) -> RawMesh:
+    """Plane elements, the nodes that they use, and the sets in the new numbers."""
+    cells = [(kind, data) for kind, data in mesh.blocks if kind in PLANE_CELLS and len(data)]
+    used = np.unique(np.concatenate([data.ravel() for _, data in cells]))
+    new_number = np.full(len(mesh.points), -1)
+    new_number[used] = np.arange(used.size)
+    sets = {}
+    for name, parts in mesh.sets.items():
+        kept = new_number[np.concatenate(parts)]
+        if (kept >= 0).any():
+            sets[name] = np.unique(kept[kept >= 0])
+    kinds = list(dict.fromkeys(kind for kind, _ in cells))
+    return RawMesh(
+        file=path,
+        nodes=mesh.points[used, :2].copy(),
+        cells=tuple(
+            (kind, new_number[np.vstack([data for k, data in cells if k == kind])])
+            for kind in kinds
+        ),
+        sets=sets,
+        materials=mesh.materials,
+        elastic=mesh.elastic,
+        notes=tuple(mesh.notes),
+    )

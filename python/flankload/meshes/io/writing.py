@@ -1,0 +1,128 @@
+"""Plane meshes as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.files import write_atomically
+from flankload.errors import MeshError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import meshio
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Suffixes that can be written.
+WRITERS = (".msh", ".vtu", ".inp")
+#: Abaqus' names of plane-strain elements; the centre nodes of nine-node ones are left out.
+ABAQUS_TYPES = {"triangle6": ("CPE6", 6), "quad8": ("CPE8", 8), "quad9": ("CPE8", 8)}
+
+
+def write_mesh(
+    path: str | Path,
+    nodes: Floats,
+    cells: tuple[tuple[str, Numbers], ...],
+    edge_sets: Mapping[str, Numbers],
+) -> None:
+    """Write a plane mesh of quadratic elements with named sets of edges.
+
+    Parameters
+    ----------
+    path : path
+        Its suffix decides the format: .msh (gmsh 2.2, sets as physical groups), .vtu (sets as 0/1
+        point data) or .inp (Abaqus, node sets; nine-node elements without their centre nodes, which
+        reading puts back).
+    nodes : (N, 2) array
+        mm.
+    cells : ((kind, (E, k) array), ...)
+    edge_sets : mapping of str to (m, 3) array
+        First, last and middle node of each edge.
+
+    Raises
+    ------
+    MeshError
+        If the suffix is not known.
+    """
+    path = Path(path)
+    if path.suffix not in WRITERS:
+        raise MeshError(
+            file=path, key="", expected=" or ".join(WRITERS), found=path.suffix or "no suffix"
+        )
+    points = np.column_stack([nodes, np.zeros(len(nodes))])
+    if path.suffix == ".inp":
+        content = _abaqus_text(points, cells, edge_sets).encode("ascii")
+    else:
+        content = _by_meshio(path.suffix, points, cells, edge_sets)
+    write_atomically(path, content)
+
+
+def _by_meshio(
+    suffix: str,
+    points: Floats,
+    cells: tuple[tuple[str, Numbers], ...],
+    edges: Mapping[str, Numbers],
+) -> bytes:
+    """Content of a .vtu or .msh file; meshio writes to files only."""
+    import meshio
+
+    if suffix == ".vtu":
+        out = meshio.Mesh(points, list(cells))
+        for name, members in edges.items():
+            marks = np.zeros(len(points), dtype=np.int32)
+            marks[members] = 1
+            out.point_data[name] = marks
+        options: dict[str, Any] = {"file_format": "vtu"}
+    else:
+        out = _gmsh_mesh(points, cells, edges)
+        options = {"file_format": "gmsh22", "binary": False}
+    with TemporaryDirectory(prefix="flankload_") as folder:
+        file = Path(folder) / f"mesh{suffix}"
+        meshio.write(file, out, **options)
+        return file.read_bytes()
+
+
+def _gmsh_mesh(
+    points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
+) -> meshio.Mesh:
+    import meshio
+
+    blocks = [*cells, *(("line3", members) for members in edges.values())]
+    tags = [1] * len(cells) + list(range(2, 2 + len(edges)))
+    marks = [np.full(len(data), tag) for (_, data), tag in zip(blocks, tags, strict=True)]
+    names = {"BODY": np.array([1, 2])}
+    names |= {name: np.array([tag, 1]) for tag, name in enumerate(edges, start=2)}
+    return meshio.Mesh(
+        points,
+        blocks,
+        cell_data={"gmsh:physical": marks, "gmsh:geometrical": marks},
+        field_data=names,
+    )
+
+
+def _abaqus_text(
+    points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
+) -> str:
+    """An .inp file: numbers from 1, all elements in the set BODY."""
+    kept = [(*ABAQUS_TYPES[kind], data) for kind, data in cells]
+    used = np.unique(np.concatenate([data[:, :size].ravel() for _, size, data in kept]))
+    lines = ["** coordinates in mm", "*NODE"]
+    lines += [f"{k + 1}, {float(points[k, 0])!r}, {float(points[k, 1])!r}" for k in used.tolist()]
+    number = 0
+    for name, size, data in kept:
+        lines.append(f"*ELEMENT, TYPE={name}, ELSET=BODY")
+        for row in (data[:, :size] + 1).tolist():
+            number += 1
+            lines.append(", ".join(map(str, [number, *row])))
+    for name, members in edges.items():
+        nodes = (np.unique(members) + 1).tolist()
+        lines.append(f"*NSET, NSET={name}")
+        lines += [", ".join(map(str, nodes[k : k + 12])) for k in range(0, len(nodes), 12)]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,302 @@
+"""Motion of a follower that lies on its cam: where it stands at each angle of the cam.
+
+The axis of the follower is O1 = (0, 0), that of the cam O2 = (centre distance, 0). The follower
+turns counter-clockwise onto the cam; the first place that it meets is where it stands. All
+candidates are places of the profile at which roller or flat would be tangent: the first of them on
+the way is met without overlap, whatever the profile does elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import Roller
+from flankload.errors import SceneError
+from flankload.pairing.cam_search import (
+    Places,
+    cross,
+    dot,
+    first_of,
+    places_of,
+    polar,
+    samples_of,
+    turned,
+    wrapped,
+    zeros_on,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body, Flat
+    from flankload.flank import FlankCurve
+
+    Floats = NDArray[np.float64]
+
+#: Positions that are looked at at once: bounds the memory.
+BLOCK = 256
+#: Lever of the force about the follower's axis, over its distance from there: below, a force line
+#: passes too near to the axis to carry the torque.
+LEAST_LEVER = 0.1
+#: Part of its radius by which a roller must be smaller than the hollow it rolls in.
+HOLLOW = 0.98
+
+
+@dataclass(frozen=True)
+class CamMotion:
+    """A follower on its cam.
+
+    Attributes
+    ----------
+    cam : FlankCurve
+        Closed, in the frame of the cam.
+    head : Roller or Flat
+        In the frame of the follower.
+    center_distance_mm : float
+    sense : int
+        1 where the cam turns counter-clockwise, -1 where clockwise.
+    """
+
+    cam: FlankCurve
+    head: Roller | Flat
+    center_distance_mm: float
+    sense: int
+
+    def cam_turns(self, position_rad: Floats) -> Floats:
+        """Turns (P,) of the cam's frame: at position 0 its angle 0 points from O2 to O1."""
+        return np.pi + self.sense * np.asarray(position_rad, dtype=float)
+
+    def stand(self, position_rad: Floats) -> Stand:
+        """Where the follower stands.
+
+        Parameters
+        ----------
+        position_rad : (P,) array
+            Angles by which the cam has turned.
+
+        Returns
+        -------
+        Stand
+
+        Raises
+        ------
+        SceneError
+            If at a position it meets no place of the cam, or only with an end of its flat.
+        """
+        position = np.atleast_1d(np.asarray(position_rad, dtype=float))
+        turn_2 = self.cam_turns(position)
+        parts = [
+            self._stand_of(turn_2[k : k + BLOCK], position[k : k + BLOCK])
+            for k in range(0, position.size, BLOCK)
+        ]
+        s, turn_1 = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+        return Stand(self, position, turn_1, turn_2, s)
+
+    def _stand_of(self, turn_2: Floats, position: Floats) -> tuple[Floats, Floats]:
+        s, turn_1 = first_of(turn_2.size, *self._tangent_places(turn_2))
+        if isinstance(self.head, Roller):
+            _refuse_where(
+                np.isnan(turn_1),
+                position,
+                "body_1.arm_mm",
+                "arm and roller that reach the cam",
+                lambda k: "none",
+            )
+            return s, turn_1
+        ends = [self._end_places(turn_2, end) for end in self.head.ends_mm]
+        _, at_end = first_of(
+            turn_2.size, *(np.concatenate([one, two]) for one, two in zip(*ends, strict=True))
+        )
+        first = np.fmin(turn_1, at_end)
+        _refuse_where(
+            np.isnan(first), position, "body_1.flat_to_mm", "a flat that reaches the cam",
+            lambda k: "none",
+        )  # fmt: skip
+        _refuse_where(
+            np.isnan(turn_1) | (at_end < turn_1),
+            position,
+            "body_1.flat_to_mm",
+            "a flat that reaches over every place of contact",
+            lambda k: "a contact beyond its ends",
+        )
+        return s, turn_1
+
+    @cached_property
+    def samples(self) -> Places:
+        """Places all around the cam, in its frame."""
+        return samples_of(self.cam)
+
+    def apart(self, turn_2: Floats) -> Floats:
+        """From O1 to O2 (P, 2) in the frame of the cam, mm."""
+        return self.center_distance_mm * np.stack([np.cos(turn_2), -np.sin(turn_2)], axis=1)
+
+    def _zeros(
+        self, turn_2: Floats, rest: Callable[[Places], tuple[Floats, Floats]]
+    ) -> tuple[NDArray[np.int64], Places]:
+        """Positions and places, seen from O1, at which a function changes its sign."""
+        apart = self.apart(turn_2)
+        k, s = zeros_on(self.cam, self.samples, apart, rest)
+        return k, places_of(self.cam, s).seen_from(apart[k])
+
+    def _tangent_places(self, turn_2: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Positions, arc lengths and turns of the follower of all places where it is tangent."""
+        head = self.head
+        if isinstance(head, Roller):
+            radius, arm = head.radius_mm, head.arm_mm
+
+            def from_arm(at: Places) -> tuple[Floats, Floats]:
+                centre = at.point + radius * at.normal
+                bend = 1 + radius * at.curvature
+                return dot(centre, centre) - arm**2, 2 * bend * dot(centre, at.tangent)
+
+            k, at = self._zeros(turn_2, from_arm)
+            return k, at.s, polar(at.point + radius * at.normal, turn_2[k])
+        offset, (low, high) = head.offset_mm, head.ends_mm
+
+        def from_line(at: Places) -> tuple[Floats, Floats]:
+            return -dot(at.normal, at.point) - offset, -at.curvature * dot(at.point, at.tangent)
+
+        k, at = self._zeros(turn_2, from_line)
+        # the flat points against the cam's tangent
+        along = -dot(at.point, at.tangent)
+        there = (along >= low) & (along <= high)
+        return k[there], at.s[there], polar(-at.tangent, turn_2[k])[there]
+
+    def _end_places(self, turn_2: Floats, end: float) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """The same of all places where an end of the flat lies on the cam."""
+        assert not isinstance(self.head, Roller)
+        offset = self.head.offset_mm
+
+        def from_end(at: Places) -> tuple[Floats, Floats]:
+            return dot(at.point, at.point) - end**2 - offset**2, 2 * dot(at.point, at.tangent)
+
+        k, at = self._zeros(turn_2, from_end)
+        return k, at.s, wrapped(polar(at.point, turn_2[k]) - np.arctan2(offset, end))
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Where a follower stands at P positions.
+
+    Attributes
+    ----------
+    motion : CamMotion
+    position_rad : (P,) array
+    turn_1, turn_2 : (P,) arrays
+        Turns of both frames, rad.
+    arc_length_mm : (P,) array
+        Place of contact on the cam.
+    """
+
+    motion: CamMotion
+    position_rad: Floats
+    turn_1: Floats
+    turn_2: Floats
+    arc_length_mm: Floats
+
+    def contact(self) -> tuple[Floats, Floats]:
+        """Places (P, 2) of contact, from O1, and the cam's normals there, in the common frame."""
+        at = places_of(self.motion.cam, self.arc_length_mm)
+        point = at.point + self.motion.apart(self.turn_2)
+        return turned(point, self.turn_2), turned(at.normal, self.turn_2)
+
+    def rate(self) -> Floats:
+        """Turn (P,) of the follower for each rad of the cam's: along the normal both move alike."""
+        point, normal = self.contact()
+        centre = np.array([self.motion.center_distance_mm, 0.0])
+        return self.motion.sense * cross(point - centre, normal) / cross(point, normal)
+
+    def levers(self) -> Floats:
+        """Levers (P,) of the force on the follower about its axis, mm; it turns it clockwise."""
+        point, normal = self.contact()
+        return -cross(point, normal)
+
+    def check(self) -> None:
+        """Refuse a follower whose force cannot hold a torque, or whose arm is in the way.
+
+        Raises
+        ------
+        SceneError
+            Names the position.
+        """
+        head = self.motion.head
+        point, normal = self.contact()
+        lever, radius = self.levers(), np.hypot(*point.T)
+        if isinstance(head, Roller):
+            angle = wrapped(np.arctan2(-normal[:, 1], -normal[:, 0]) - self.turn_1)
+            _refuse_where(
+                angle > head.angles_rad[1],
+                self.position_rad,
+                "body_1.arm_width_mm",
+                "an arm that leaves the roller free where it touches",
+                lambda k: f"contact {np.degrees(np.pi - angle[k]):.2f} deg from the arm's middle",
+            )
+        _refuse_where(
+            lever < LEAST_LEVER * radius,
+            self.position_rad,
+            "pair.center_distance_mm",
+            f"a force line that stays off the follower's axis by {LEAST_LEVER:g} of the distance "
+            "of the contact",
+            lambda k: f"{lever[k]:.4f} mm off at a contact {radius[k]:.4f} mm from that axis",
+        )
+
+
+def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotion:
+    """Put a follower and its cam together.
+
+    Parameters
+    ----------
+    follower, cam : Body
+    center_distance_mm : float
+
+    Returns
+    -------
+    CamMotion
+
+    Raises
+    ------
+    SceneError
+        If the cam would sweep over the follower's axis, or the roller cannot follow a hollow.
+    """
+    head = follower.touches
+    assert head is not None
+    motion = CamMotion(cam.curve, head, center_distance_mm, -1 if cam.turns_clockwise else 1)
+    reach = float(np.hypot(*motion.samples.point.T).max())
+    hub = float(np.hypot(*follower.outline.T).min())
+    if center_distance_mm <= reach + hub:
+        raise SceneError(
+            key="pair.center_distance_mm",
+            expected=f"more than the cam's largest radius {reach:.4f} and the follower's hub "
+            f"{hub:g} together",
+            found=f"{center_distance_mm:g}",
+        )
+    hollow = float(motion.samples.curvature.min())
+    if isinstance(head, Roller) and -hollow * head.radius_mm > HOLLOW:
+        raise SceneError(
+            key="body_1.roller_radius_mm",
+            expected=f"less than the least concave radius of the cam, {-1 / hollow:.4f}",
+            found=f"{head.radius_mm:g}",
+        )
+    return motion
+
+
+def _refuse_where(
+    wrong: NDArray[np.bool_],
+    position: Floats,
+    key: str,
+    expected: str,
+    found: Callable[[int], str],
+) -> None:
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise SceneError(
+            key=key,
+            expected=expected,
+            found=f"{found(k)} at a cam angle of {np.degrees(position[k]):.3f} deg",
+        )

@@ -1,0 +1,153 @@
+"""Places of a closed profile at which something vanishes, at many positions at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.flank import FlankCurve
+
+    Floats = NDArray[np.float64]
+
+#: Samples on each interval of the profile, between which zeros are looked for.
+SAMPLES = 4
+MOST_STEPS = 40
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places of a profile, (m,) of them.
+
+    Attributes
+    ----------
+    s : (m,) array
+        Arc lengths, mm.
+    point, tangent, normal : (m, 2) arrays
+        In the frame of the profile, from its axis or another point.
+    curvature : (m,) array
+        1/mm, positive where convex.
+    """
+
+    s: Floats
+    point: Floats
+    tangent: Floats
+    normal: Floats
+    curvature: Floats
+
+    def seen_from(self, apart: Floats) -> Places:
+        """The same with points counted from another place: `apart` (m, 2) or (2,) is added."""
+        return Places(self.s, self.point + apart, self.tangent, self.normal, self.curvature)
+
+    def repeated(self, count: int) -> Places:
+        """All places, so many times one after the other."""
+        return Places(
+            np.tile(self.s, count),
+            np.tile(self.point, (count, 1)),
+            np.tile(self.tangent, (count, 1)),
+            np.tile(self.normal, (count, 1)),
+            np.tile(self.curvature, count),
+        )
+
+
+def places_of(curve: FlankCurve, s: Floats) -> Places:
+    """Places of a curve at arc lengths s (m,)."""
+    return Places(s, curve.point(s), curve.tangent(s), curve.normal(s), curve.curvature(s))
+
+
+def samples_of(curve: FlankCurve) -> Places:
+    """Places all around a closed curve, the last of which is the first."""
+    part = np.arange(SAMPLES) / SAMPLES
+    inner = curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * part
+    return places_of(curve, np.append(inner.ravel(), curve.length_mm))
+
+
+def zeros_on(
+    curve: FlankCurve,
+    samples: Places,
+    apart: Floats,
+    rest: Callable[[Places], tuple[Floats, Floats]],
+) -> tuple[NDArray[np.int64], Floats]:
+    """Places at which a function changes its sign, at each position.
+
+    Parameters
+    ----------
+    curve : FlankCurve
+        Closed.
+    samples : Places
+        Of the curve, from `samples_of`.
+    apart : (P, 2) array
+        What is added to the points at each position.
+    rest : callable
+        Places (m,) to the function and its growth with the arc length, each (m,).
+
+    Returns
+    -------
+    position : (k,) array
+        Which of the P positions.
+    s : (k,) array
+        Arc length, to rounding.
+    """
+    count, n = len(apart), samples.s.size
+    value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))
+    value = value.reshape(count, n)
+    value[:, -1] = value[:, 0]
+    position, i = np.nonzero((value[:, :-1] < 0) != (value[:, 1:] < 0))
+    low, high, below = samples.s[i], samples.s[i + 1], value[position, i] < 0
+    s = 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        # Newton between two ends that enclose the zero, else the middle
+        found, slope = rest(places_of(curve, s).seen_from(apart[position]))
+        left = (found < 0) == below
+        low, high = np.where(left, s, low), np.where(left, high, s)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            new = s - found / slope
+        new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+        done = np.abs(new - s).max(initial=0.0) <= 1e-15 * curve.length_mm
+        s = new
+        if done:
+            break
+    return position, s
+
+
+def first_of(
+    count: int, position: NDArray[np.int64], s: Floats, turn: Floats
+) -> tuple[Floats, Floats]:
+    """Arc length and turn of the least turn at each of `count` positions; NaN where is none."""
+    order = np.lexsort((turn, position))
+    known, first = np.unique(position[order], return_index=True)
+    found = np.full((2, count), np.nan)
+    found[:, known] = s[order][first], turn[order][first]
+    return found[0], found[1]
+
+
+def wrapped(angle: Floats) -> Floats:
+    """Angles in (-pi, pi]."""
+    return np.asarray(np.pi - (np.pi - angle) % (2 * np.pi))
+
+
+def polar(vectors: Floats, turn: Floats) -> Floats:
+    """Polar angles in (-pi, pi] of vectors (m, 2) of a frame that is turned."""
+    return wrapped(np.arctan2(vectors[:, 1], vectors[:, 0]) + turn)
+
+
+def turned(vectors: Floats, turn: Floats) -> Floats:
+    """Vectors (m, 2) turned by angles (m,)."""
+    (x, y), c, s = vectors.T, np.cos(turn), np.sin(turn)
+    return np.stack([c * x - s * y, s * x + c * y], axis=1)
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products (m,) of vectors (m, 2)."""
+    return np.asarray((a * b).sum(axis=1))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """z components (m,) of the vector products of vectors (m, 2)."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -1,0 +1,196 @@
+"""Friction of a scene at the sites of its pairing: coefficients along flank 1, and who drives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.pairing.pairing import Pairing
+    from flankload.scene import Scene
+
+KEY = "effects.friction_coefficient"
+
+#: A coefficient over the roll position is laid out over the arc length with so many steps between
+#: two rows: the arc length grows with the square of the roll position, lines become parabolas.
+STEPS = 32
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction at S sites.
+
+    Attributes
+    ----------
+    places_mm : (n,) array
+        Arc lengths on flank 1, ascending.
+    coefficients : (n, S) array
+        At these places; linear between them, even beyond.
+    sense : int
+        1 where body 1 drives and turns in the sense of its torque, -1 where it is driven against
+        it.
+    """
+
+    places_mm: NDArray[np.float64]
+    coefficients: NDArray[np.float64]
+    sense: int = 1
+
+    @property
+    def driver(self) -> str:
+        """The body that drives."""
+        return "body_1" if self.sense > 0 else "body_2"
+
+    def speeds(self, pairing: Pairing, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Speeds (2, P) of both bodies, rad per rad of the position, as they really turn."""
+        return self.sense * np.array(pairing.speeds(position_rad))
+
+
+@dataclass(frozen=True)
+class FrictionArguments:
+    """Friction in the layout of the core's sweep; everything is empty without friction.
+
+    Attributes
+    ----------
+    speeds : (2, P) array
+        Of both bodies, rad per rad of the position.
+    table : (n,) and (n * S,) arrays
+        Arc lengths on flank 1, mm, and coefficients there, site by site.
+    """
+
+    speeds: NDArray[np.float64]
+    table: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+    @classmethod
+    def of(
+        cls,
+        friction: Friction | None,
+        pairing: Pairing,
+        position_rad: NDArray[np.float64],
+    ) -> FrictionArguments:
+        """Arguments of a sweep."""
+        if friction is None:
+            none = np.empty(0)
+            return cls(np.empty((2, 0)), (none, none))
+        coefficients = friction.coefficients
+        if pairing.coast is not None:  # the coast flank of a tooth is as rough as its working one
+            coefficients = np.hstack([coefficients, coefficients])
+        return cls(
+            friction.speeds(pairing, position_rad),
+            (friction.places_mm, coefficients.ravel(order="F")),
+        )
+
+    @property
+    def present(self) -> bool:
+        """Whether there is friction."""
+        return self.table[0].size > 0
+
+    def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
+        """Speeds and coefficients at some of the positions, in the order of the core's door."""
+        speeds = self.speeds[:, which] if self.present else self.speeds
+        return speeds.shape[1], speeds.ravel(order="F"), *self.table
+
+
+def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:
+    """Friction of a scene at the sites of its pairing.
+
+    Parameters
+    ----------
+    scene : Scene
+    body_1 : Body
+    pairing : Pairing
+
+    Returns
+    -------
+    Friction, or None where the scene has none or all its coefficients are 0
+
+    Raises
+    ------
+    SceneError
+        If a list has not one coefficient per tooth, or if a table over the roll position is given
+        for flanks that have none.
+    """
+    if not scene.has_friction:
+        return None
+    asked = scene.effects.friction_coefficient
+    sense = 1 if scene.positions.driver == "body_1" else -1
+    ones = np.ones(pairing.sites.size)
+    if not isinstance(asked, tuple):
+        return Friction(np.zeros(1), (asked or 0.0) * ones[None], sense)
+    if isinstance(asked[0], tuple):
+        rows = np.array(asked, dtype=float)
+        places, values = _along_flank(rows, body_1, pairing)
+        return Friction(places, values[:, None] * ones, sense)
+    # entry k is that of the k-th tooth to come into contact, as with pitch errors; on a spline of
+    # tooth k
+    entries = pairing.sites if pairing.whole_circle else -pairing.sites
+    by_tooth = np.array(coefficients_by_tooth(scene, body_1))
+    return Friction(np.zeros(1), by_tooth[entries % body_1.teeth][None], sense)
+
+
+def coefficients_by_tooth(scene: Scene, body_1: Body) -> tuple[float, ...]:
+    """One coefficient per tooth of body 1, where the scene has such a list; else none.
+
+    Raises
+    ------
+    SceneError
+        If the list has another length.
+    """
+    asked = scene.effects.friction_coefficient
+    if not isinstance(asked, tuple) or isinstance(asked[0], tuple):
+        return ()
+    if len(asked) != body_1.teeth:
+        raise SceneError(
+            key=KEY,
+            expected=f"one coefficient per tooth of body_1: {body_1.teeth}",
+            found=f"{len(asked)} entries",
+        )
+    return tuple(float(value) for value in asked if not isinstance(value, tuple))
+
+
+def _along_flank(
+    rows: NDArray[np.float64], body: Body, pairing: Pairing
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Arc lengths (n,) and coefficients (n,) from rows of roll position and coefficient (k, 2)."""
+    if pairing.mesh is None or body.involute is None:
+        raise SceneError(
+            key=KEY,
+            expected="a number, or one per tooth of body_1: only pairs of involutes have a roll "
+            "position",
+            found="a table over the roll position",
+        )
+    steps = np.arange(STEPS * (len(rows) - 1) + 1) / STEPS
+    roll = np.interp(steps, np.arange(len(rows)), rows[:, 0])
+    base = body.involute.base_radius_mm
+    pitch_radius = pairing.center_distance_mm * pairing.ratio / (1.0 + pairing.ratio)
+    at_pitch_point = np.sqrt(max(0.0, pitch_radius**2 - base**2))
+    radius = np.hypot(base, np.maximum(at_pitch_point + roll, 0.0))
+    s = _arc_lengths(body, radius)
+    # rows beyond the flank's ends fall together there
+    kept = np.append(True, np.diff(s) > 0.0)
+    return s[kept], np.interp(steps, np.arange(len(rows)), rows[:, 1])[kept]
+
+
+def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Arc lengths on the flank at distances from the axis; ends of the flank beyond them."""
+    curve = body.curve
+    s = np.linspace(body.mode_range_mm[0], curve.length_mm, 4001)
+    distance = np.maximum.accumulate(np.hypot(*curve.point(s).T))
+    return np.asarray(np.interp(radius, distance, s))
+
+
+def friction_notes(friction: Friction | None, pairing: Pairing) -> tuple[str, ...]:
+    """What a user must know of the friction of a pair."""
+    if friction is None or pairing.center_distance_mm > 0.0:
+        return ()
+    note = (
+        "on common axes both bodies turn together and no flank slides: friction does nothing "
+        "(pair.center_offset_mm parts the axes)"
+    )
+    return (note,)

@@ -1,0 +1,333 @@
+"""Two involute bodies on their centre distance (DIN 3960): working geometry, checked.
+
+One set of equations serves a gear beside another and a gear inside another: with the sense s = 1 or
+-1 of body 2 (its teeth stand outwards or inwards) radii of body 2 count s times, and a circle of
+radius r about O2 cuts the line of centres at the distance s (a - r) from O1, on the side of the
+pitch point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, cos, degrees, hypot, pi, sqrt, tan
+from typing import TYPE_CHECKING
+
+from flankload.bodies.involute.involute import roll_of_involute_angle
+
+from flankload.bodies.profile_deviation import deviation_at
+from flankload.errors import SceneError
+from flankload.pairing.interference import overlapping_flanks, root_contacts
+
+if TYPE_CHECKING:
+    from flankload.bodies.involute.involute import Involute
+
+    from flankload.bodies.body import Body
+
+#: Flanks that overlap by more than this part of the base pitch at the pitch circle cannot mesh;
+#: less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only a
+#: warning.
+LARGEST_OVERLAP = 0.01
+
+#: Two gears mesh when their base pitches agree to this relative difference.
+PITCH_TOLERANCE = 1e-6
+
+DISTANCE = "pair.center_distance_mm"
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Geometry of a pair of involute gears on its centre distance.
+
+    Attributes
+    ----------
+    pressure_angle_rad : float
+        Working pressure angle.
+    pitch_radius_1_mm, pitch_radius_2_mm : float
+        Working pitch circles.
+    base_pitch_mm : float
+    path_start_mm, path_end_mm : float
+        Ends of the theoretical path of contact, counted from the pitch point in the sense of
+        motion.
+    contact_ratio : float
+        Length of that path over the base pitch.
+    usable_contact_ratio : float
+        The same of the part on which both flanks are involutes: from the form circles, where an
+        undercut or a fillet ends, to the tip roundings or chamfers. Relieved flanks count.
+    backlash_mm : float
+        Circular backlash on the working pitch circles; negative where the flanks overlap.
+    """
+
+    pressure_angle_rad: float
+    pitch_radius_1_mm: float
+    pitch_radius_2_mm: float
+    base_pitch_mm: float
+    path_start_mm: float
+    path_end_mm: float
+    contact_ratio: float
+    usable_contact_ratio: float
+    backlash_mm: float
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Both involutes, their teeth and how they stand."""
+
+    one: Involute
+    two: Involute
+    teeth: tuple[int, int]
+    distance: float
+
+    @property
+    def sense(self) -> int:
+        return self.two.outward
+
+    @property
+    def base_pitch(self) -> float:
+        return 2 * pi * self.one.base_radius_mm / self.teeth[0]
+
+    def on_centers(self, radius_2: float) -> float:
+        """Where a circle about O2 cuts the line of centres: distance from O1, mm."""
+        return self.sense * (self.distance - radius_2)
+
+    def bound(self, value: float, *, least: bool) -> str:
+        """A bound of the centre distance in words; inside body 2 a least one is a largest one."""
+        return f"{'more' if least == (self.sense > 0) else 'less'} than {value:.4f} mm"
+
+
+def gear_mesh(
+    body_1: Body,
+    body_2: Body,
+    distance: float,
+    warnings: list[str],
+    *,
+    coast_flanks: bool = False,
+) -> Mesh:
+    """Working geometry of two bodies with involute flanks.
+
+    Parameters
+    ----------
+    body_1, body_2 : Body
+        With an involute; the teeth of body 1 stand outwards.
+    distance : float
+        Centre distance, mm.
+    warnings : list of str
+        What a user must know is appended.
+    coast_flanks : bool
+        They can carry, too.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    SceneError
+        If they cannot mesh; says by how much.
+    """
+    assert body_1.involute is not None
+    assert body_2.involute is not None
+    pair = _Pair(body_1.involute, body_2.involute, (body_1.teeth, body_2.teeth), distance)
+    one, two = pair.one, pair.two
+    _check_teeth(pair)
+    least = _check_distance(pair)
+    angle = acos(least / distance)
+    radius_1, radius_2 = one.base_radius_mm / cos(angle), two.base_radius_mm / cos(angle)
+    backlash = _backlash(pair, radius_1, radius_2, warnings, coast_flanks=coast_flanks)
+    _check_clearances(pair)
+    tangent_1, tangent_2 = (r * tan(angle) for r in (one.base_radius_mm, two.base_radius_mm))
+    start = pair.sense * (tangent_2 - _length_at_tip(two))
+    end = _length_at_tip(one) - tangent_1
+    if end <= start:
+        raise SceneError(
+            key=DISTANCE,
+            expected="a distance at which the tip circles overlap along the line of action",
+            found=f"{distance:g} mm: the path of contact is {end - start:.4f} mm long",
+        )
+    contact_ratio = (end - start) / pair.base_pitch
+    if contact_ratio < 1.0:
+        warnings.append(
+            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
+        )
+    usable = _usable_path(pair.sense, body_1, body_2, (tangent_1, tangent_2)) / pair.base_pitch
+    usable = min(usable, contact_ratio)
+    if usable < 1.0 <= contact_ratio:
+        warnings.append(
+            f"both flanks are involutes over {usable:.3f} of the contact ratio of "
+            f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
+        )
+    deepest = (tangent_1 + start, tangent_2 - pair.sense * end)
+    warnings += [
+        *root_contacts((one, two), deepest),
+        *overlapping_flanks(body_1, body_2, (radius_1, radius_2), distance),
+    ]
+    return Mesh(
+        pressure_angle_rad=angle,
+        pitch_radius_1_mm=radius_1,
+        pitch_radius_2_mm=radius_2,
+        base_pitch_mm=pair.base_pitch,
+        path_start_mm=start,
+        path_end_mm=end,
+        contact_ratio=contact_ratio,
+        usable_contact_ratio=usable,
+        backlash_mm=backlash,
+    )
+
+
+def _length_at_tip(involute: Involute) -> float:
+    """Distance along the line of action from the base circle to the tip circle, mm."""
+    return sqrt(max(0.0, involute.tip_radius_mm**2 - involute.base_radius_mm**2))
+
+
+def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[float, float]) -> float:
+    """Length of the path of contact on which both flanks are involutes, mm.
+
+    `tangents_mm` are the lengths along the line of action from both base circles to the pitch
+    point; what grows on body 1 falls on body 2, or grows where body 2 stands around it.
+    """
+    (root_1, tip_1), (root_2, tip_2) = (_ends_of_involute(body) for body in (body_1, body_2))
+    start = max(root_1 - tangents_mm[0], sense * (tangents_mm[1] - tip_2))
+    end = min(tip_1 - tangents_mm[0], sense * (tangents_mm[1] - root_2))
+    return max(0.0, end - start)
+
+
+def _ends_of_involute(body: Body) -> tuple[float, float]:
+    """Lengths along the line of action at which a flank's involute begins (root) and ends (tip)."""
+    involute, curve = body.involute, body.curve
+    assert involute is not None
+    active = {"flank", "relief"}.intersection(curve.labels)
+    end = curve.range_of(*active)[1] if active else curve.length_mm
+    at_tip = float(deviation_at(involute, curve.point([end]))[0][0])
+    return involute.base_radius_mm * involute.roll_at(involute.form_radius_mm), at_tip
+
+
+def _check_teeth(pair: _Pair) -> None:
+    """Same base pitch; what turns inside has fewer teeth and fits into the root circle."""
+    pitch_1, pitch_2 = pair.base_pitch, 2 * pi * pair.two.base_radius_mm / pair.teeth[1]
+    if abs(pitch_2 / pitch_1 - 1) > PITCH_TOLERANCE:
+        raise SceneError(
+            key="body_2.module_mm",
+            expected=f"the base pitch of body_1, {pitch_1:.6f} mm (module times cos of the "
+            "pressure angle)",
+            found=f"{pitch_2:.6f} mm",
+        )
+    if pair.sense > 0:
+        return
+    if pair.teeth[0] >= pair.teeth[1]:
+        raise SceneError(
+            key="body_1.teeth",
+            expected=f"fewer than the {pair.teeth[1]} teeth of body_2, inside which it turns",
+            found=f"{pair.teeth[0]}",
+        )
+    if pair.one.tip_radius_mm >= pair.two.root_radius_mm:
+        raise SceneError(
+            key="body_1.tip_diameter_mm",
+            expected=f"less than the root diameter {2 * pair.two.root_radius_mm:g} of body_2, "
+            "inside which it turns",
+            found=f"{2 * pair.one.tip_radius_mm:g}",
+        )
+
+
+def _check_distance(pair: _Pair) -> float:
+    """Distance at which the line of action is at right angles to that of the centres, mm."""
+    one, two, distance, name = pair.one, pair.two, pair.distance, "sum"
+    if pair.sense < 0:
+        name = "difference"
+    least = abs(one.base_radius_mm + pair.sense * two.base_radius_mm)
+    if distance <= least:
+        raise SceneError(
+            key=DISTANCE,
+            expected=f"more than the {name} of the base radii, {least:.4f} mm",
+            found=f"{distance:g} mm, {least - distance:.4f} mm too small",
+        )
+    apart = pair.on_centers(two.tip_radius_mm) - one.tip_radius_mm
+    if apart >= 0.0:
+        reach = abs(one.tip_radius_mm + pair.sense * two.tip_radius_mm)
+        raise SceneError(
+            key=DISTANCE,
+            expected=f"{'less' if pair.sense > 0 else 'more'} than the {name} of the tip radii, "
+            f"{reach:.4f} mm",
+            found=f"{distance:g} mm: the tips pass each other {apart:.4f} mm apart",
+        )
+    return least
+
+
+def _backlash(
+    pair: _Pair, radius_1: float, radius_2: float, warnings: list[str], *, coast_flanks: bool
+) -> float:
+    """Circular backlash on the working pitch circles, mm."""
+    thickness = 2 * (
+        radius_1 * pair.one.tooth_half_angle_at(radius_1)
+        + radius_2 * pair.two.tooth_half_angle_at(radius_2)
+    )
+    backlash = 2 * pi * radius_1 / pair.teeth[0] - thickness
+    if backlash < -LARGEST_OVERLAP * pair.base_pitch:
+        found = f"{pair.distance:g} mm with a backlash of {backlash:.4f} mm: the teeth overlap"
+        enough = _distance_without_backlash(pair)
+        if enough is None:
+            raise SceneError(
+                key="body_2.profile_shift",
+                expected="spaces of body_2 into which the teeth of body_1 fit at some centre "
+                "distance",
+                found=f"teeth too thick for all of them ({found})",
+            )
+        raise SceneError(
+            key=DISTANCE,
+            expected=f"{enough:.4f} mm or {'more' if pair.sense > 0 else 'less'}, where the teeth "
+            "have no negative backlash",
+            found=found,
+        )
+    if backlash <= 0.0 and not coast_flanks:
+        warnings.append(
+            f"the backlash on the working pitch circle is {1000 * backlash:.2f} um: only the "
+            "working flanks are looked at (effects.coast_flank)"
+        )
+    return backlash
+
+
+def _distance_without_backlash(pair: _Pair) -> float | None:
+    """Centre distance (mm) at which both flanks of a tooth touch; None where there is none.
+
+    The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum of r_b times (half
+    angle of the tooth at the base, less inv(alpha_w) or more where it stands inwards) of both
+    bodies is half of a base pitch.
+    """
+    radii = (pair.one.base_radius_mm, pair.sense * pair.two.base_radius_mm)
+    filled = sum(
+        radius * (involute.base_half_angle_rad - involute.tooth_center_rad)
+        for radius, involute in zip(radii, (pair.one, pair.two), strict=True)
+    )
+    value = (filled - 0.5 * pair.base_pitch) / sum(radii)
+    return abs(sum(radii)) * hypot(1.0, roll_of_involute_angle(value)) if value > 0.0 else None
+
+
+def _check_clearances(pair: _Pair) -> None:
+    """Each tip circle clears the mate's root circle."""
+    one, two, distance = pair.one, pair.two, pair.distance
+    for name, other, clearance in (
+        ("1", "2", pair.on_centers(two.root_radius_mm) - one.tip_radius_mm),
+        ("2", "1", pair.on_centers(two.tip_radius_mm) - one.root_radius_mm),
+    ):
+        if clearance <= 0.0:
+            side = "small" if pair.sense > 0 else "large"
+            raise SceneError(
+                key=DISTANCE,
+                expected=f"{pair.bound(distance - pair.sense * clearance, least=True)}, where the "
+                f"tip of body_{name} clears the root of body_{other}",
+                found=f"{distance:g} mm, {-clearance:.4f} mm too {side}",
+            )
+
+
+def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:
+    """What a gear engineer checks first, as (name, value with unit) rows."""
+    return (
+        ("working pressure angle", f"{degrees(mesh.pressure_angle_rad):.4f} deg"),
+        (
+            "working pitch diameters",
+            f"{2 * mesh.pitch_radius_1_mm:.4f} / {2 * mesh.pitch_radius_2_mm:.4f} mm",
+        ),
+        ("base pitch", f"{mesh.base_pitch_mm:.4f} mm"),
+        ("contact ratio", f"{mesh.contact_ratio:.4f}"),
+        ("of it, both flanks involutes", f"{mesh.usable_contact_ratio:.4f}"),
+        ("backlash on the pitch circle", f"{mesh.backlash_mm:.4f} mm"),
+        ("backlash, normal", f"{mesh.backlash_mm * cos(mesh.pressure_angle_rad):.4f} mm"),
+    )

@@ -1,0 +1,189 @@
+"""Flanks that would meet where they should not: in a fillet, or anywhere off the path of contact.
+
+A place p of flank 1 and a place q of flank 2 can meet only where a circle about O1 through p cuts
+one about O2 through q, above or below the line of centres. Body 1 turns until p is there; how far
+q is then still ahead, as an angle about O2, is the margin of both places: 0 where they touch,
+negative where one stands in the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.bodies.involute.involute import Involute
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+    Floats = NDArray[np.float64]
+
+#: Places looked at on each interval of a flank's curve.
+PLACES = 6
+
+#: Less than this part of the flank's length is no overlap (1 um of a gear of module 4.5): no
+#: profile is made better, and any torque bridges it.
+LEAST_PART = 1e-4
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """The deepest overlap of a part of the flanks.
+
+    Attributes
+    ----------
+    depth_mm : float
+        Along the circumference.
+    radius_1_mm, radius_2_mm : float
+        Where: distances from the bodies' own axes.
+    at_tips : bool
+        Both places lie on the outer half of their flanks.
+    """
+
+    depth_mm: float
+    radius_1_mm: float
+    radius_2_mm: float
+    at_tips: bool
+
+
+def root_contacts(
+    involutes: tuple[Involute, Involute], lengths_mm: tuple[float, float]
+) -> Iterator[str]:
+    """Say where the mate's tip does not meet the involute but the fillet.
+
+    Parameters
+    ----------
+    involutes : two Involute
+    lengths_mm : (float, float)
+        Where each path of contact ends at the root: length along the line of action from the base
+        circle.
+
+    Yields
+    ------
+    str
+        A warning.
+    """
+    for name, involute, length in zip("12", involutes, lengths_mm, strict=True):
+        deepest = hypot(involute.base_radius_mm, max(0.0, length))
+        depth = involute.outward * (involute.form_radius_mm - deepest)
+        if length < 0.0 or depth > 0.0:
+            side = "below" if involute.outward > 0 else "beyond"
+            yield (
+                f"the mate's tip reaches {depth:.3f} mm {side} the form circle of body_{name} "
+                f"(diameter {2 * involute.form_radius_mm:.3f} mm): it meets the root fillet"
+            )
+
+
+def overlapping_flanks(
+    body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
+) -> Iterator[str]:
+    """Say how deep flanks overlap off the path of contact.
+
+    Parameters
+    ----------
+    body_1, body_2, pitch_radii_mm, distance_mm
+        As for `overlaps_of`.
+
+    Yields
+    ------
+    str
+        A warning, where a root pushes a tip back.
+
+    Raises
+    ------
+    SceneError
+        Where tips cannot pass each other.
+    """
+    for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
+        where = (
+            f"at the diameters {2 * overlap.radius_1_mm:.3f} mm of body_1 and "
+            f"{2 * overlap.radius_2_mm:.3f} mm of body_2"
+        )
+        if overlap.at_tips:
+            raise SceneError(
+                key="body_2.tip_diameter_mm",
+                expected="tips that clear each other on their way out of the mesh (shorter teeth, "
+                f"or more than {body_2.teeth - body_1.teeth} teeth of difference)",
+                found=f"{2 * (body_2.tip_radius_mm or 0.0):g}, where the tips overlap by "
+                f"{overlap.depth_mm:.4f} mm {where}",
+            )
+        yield (
+            f"the flanks overlap by up to {overlap.depth_mm:.4f} mm off the path of contact, "
+            f"{where}: the motion is not even, the root pushes the tip back"
+        )
+
+
+def overlaps_of(
+    body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
+) -> Iterator[Overlap]:
+    """The deepest overlap at the tips, and the deepest one elsewhere, where there are any.
+
+    Parameters
+    ----------
+    body_1, body_2 : Body
+        With involutes; body 1 turns in the sense of its torque.
+    pitch_radii_mm : (float, float)
+        Of the working pitch circles: there pair 0 touches at position zero.
+    distance_mm : float
+        Centre distance.
+
+    Yields
+    ------
+    Overlap
+    """
+    (r_1, angle_1, tip_1), (r_2, angle_2, tip_2) = (
+        _places(body, radius) for body, radius in zip((body_1, body_2), pitch_radii_mm, strict=True)
+    )
+    depth = -r_2 * _margins(
+        (r_1[:, None], angle_1[:, None]), (r_2, angle_2), body_1, body_2, distance_mm
+    )
+    at_tips = tip_1[:, None] & tip_2
+    for part in (True, False):
+        chosen = np.where(at_tips == part, depth, -np.inf)
+        i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
+        if chosen[i, j] > LEAST_PART * body_1.curve.length_mm:
+            yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
+
+
+def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Radii and angles of places on a flank, the latter from its place on the pitch circle."""
+    curve, involute = body.curve, body.involute
+    assert involute is not None
+    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
+    s = np.append(ends.T.ravel(), curve.breaks[-1])
+    x, y = curve.point(s).T
+    angle = np.arctan2(y, x) - involute.polar_angle_at(pitch_radius)
+    return (
+        np.hypot(x, y),
+        (angle + np.pi) % (2 * np.pi) - np.pi,
+        s > 0.5 * sum(body.mode_range_mm),
+    )
+
+
+def _margins(
+    place_1: tuple[Floats, Floats],
+    place_2: tuple[Floats, Floats],
+    body_1: Body,
+    body_2: Body,
+    distance: float,
+) -> Floats:
+    """Lesser margin of both meeting places, rad about O2; inf where the circles do not meet."""
+    (r_1, angle_1), (r_2, angle_2) = place_1, place_2
+    sense, ratio = body_2.outward, body_1.teeth / body_2.teeth
+    cosine_1 = sense * (distance**2 + r_1**2 - r_2**2) / (2 * distance * r_1)
+    cosine_2 = (distance**2 + r_2**2 - r_1**2) / (2 * distance * r_2)
+    meet = (np.abs(cosine_1) < 1.0) & (np.abs(cosine_2) < 1.0)
+    theta_1, theta_2 = (np.arccos(np.clip(c, -1.0, 1.0)) for c in (cosine_1, cosine_2))
+    least = np.full(meet.shape, np.inf)
+    for side in (1.0, -1.0):
+        margin = ratio * (side * theta_1 - angle_1) - side * theta_2 - sense * angle_2
+        least = np.minimum(least, np.where(meet, margin, np.inf))
+    return least

@@ -1,0 +1,320 @@
+"""The two bodies together: ratio, position zero, mating flanks.
+
+Body 1 turns about O1 = (0, 0) counter-clockwise, in the sense of its torque; body 2 turns about
+O2 = (centre distance, 0), the other way where its teeth stand outwards, the same way where they
+stand inwards. Pair 0 stands at the pitch point at position zero; pair j lies j pitches further
+along the path of contact (j > 0: further into recess). The pitch point lies between both axes, or,
+where body 1 turns inside body 2, beyond O1.
+
+On a spline every tooth is a site: pair j is tooth j, counted in the sense of the torque from tooth
+0, which stands on the line of centres at position zero, away from O1 on the side of O2.
+
+A cam has one site. Positions are angles by which the cam has turned, and the follower (body 1)
+stands where it lies on the cam.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan, pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.rounding import round_down, round_up
+from flankload.errors import SceneError
+from flankload.pairing.cam_motion import CamMotion, cam_motion
+from flankload.pairing.coast_sites import CoastSites, coast_sites
+from flankload.pairing.gear_pair import Mesh, gear_mesh
+from flankload.pairing.period import Period, period_of
+from flankload.pairing.spline_fit import SplineFit, spline_fit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+#: Sites looked at to both sides of pair 0 where the path of contact is not known.
+UNKNOWN_PATH_SITES = 3
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """Where the bodies stand and which flanks can meet; S sites.
+
+    Attributes
+    ----------
+    center_distance_mm : float
+    turns_at_zero_rad : (float, float)
+        Turn of both bodies' frames at position zero.
+    ratio : float
+        Teeth of body 1 over teeth of body 2; negative where both turn the same way. NaN where no
+        ratio is constant.
+    period : Period
+        What positions repeat after.
+    sites : (S,) array
+        Pair numbers.
+    site_teeth : two (S,) arrays
+        Tooth of each body at each site.
+    site_angles_rad : two (S,) arrays
+        Angle of that tooth in the frame of its body.
+    site_deviations_mm : two (S,) arrays
+        Metal that touches early, along the base tangent.
+    mesh : Mesh or None
+        Gear geometry of the pair; None where a body has no involute, and for splines.
+    warnings : tuple of str
+    fit : SplineFit or None
+        Geometry of a spline.
+    motion : CamMotion or None
+        Of a follower on its cam.
+    coast : CoastSites or None
+        Coast flanks of the same pair numbers, where they can carry.
+    """
+
+    center_distance_mm: float
+    turns_at_zero_rad: tuple[float, float]
+    ratio: float
+    period: Period
+    sites: NDArray[np.int64]
+    site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
+    site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
+    site_deviations_mm: tuple[NDArray[np.float64], NDArray[np.float64]]
+    mesh: Mesh | None
+    warnings: tuple[str, ...]
+    fit: SplineFit | None = None
+    motion: CamMotion | None = None
+    coast: CoastSites | None = None
+
+    @property
+    def pitch_rad(self) -> float:
+        """One tooth pitch of body 1."""
+        return self.period.pitch_rad
+
+    @property
+    def period_rad(self) -> float:
+        """Turn of body 1 after which all repeats."""
+        return self.period.rad
+
+    @property
+    def whole_circle(self) -> bool:
+        """Whether every tooth is a site, so that the last pair stands beside pair 0."""
+        return self.fit is not None
+
+    def turns(
+        self, position_rad: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Turns of both bodies' frames at positions (angle of body 1, or of a cam, rad)."""
+        if self.motion is not None:
+            stand = self.motion.stand(position_rad)
+            stand.check()
+            return stand.turn_1, stand.turn_2
+        turn_1, turn_2 = self.turns_at_zero_rad
+        return turn_1 + position_rad, turn_2 - position_rad * self.ratio
+
+    def speeds(
+        self, position_rad: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Speeds of both bodies' frames at positions, rad per rad of the position.
+
+        As the positions count: in the sense of body 1's torque, whoever drives; a cam in its own.
+        """
+        if self.motion is not None:
+            stand = self.motion.stand(position_rad)
+            return stand.rate(), np.full(stand.turn_1.shape, float(self.motion.sense))
+        one = np.ones_like(np.asarray(position_rad, dtype=float))
+        return one, -self.ratio * one
+
+
+def pair_bodies(
+    body_1: Body,
+    body_2: Body,
+    *,
+    center_distance_mm: float,
+    position_rad: NDArray[np.float64],
+    coast_flanks: bool = False,
+) -> Pairing:
+    """Put two bodies together.
+
+    Parameters
+    ----------
+    body_1, body_2 : Body
+    center_distance_mm : float
+        Of a spline: the offset of its axes.
+    position_rad : (P,) array
+        Positions that will be asked for; they decide how many sites are looked at.
+    coast_flanks : bool
+        Coast flanks can carry, too: flanks may overlap without load.
+
+    Returns
+    -------
+    Pairing
+
+    Raises
+    ------
+    SceneError
+        If the flanks cannot mesh on this centre distance; says by how much.
+    """
+    if body_1.kind == "spline_shaft":
+        return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
+    if body_1.kind == "follower":
+        return _pair_cam(body_1, body_2, center_distance_mm, position_rad)
+    if body_1.outward < 0:
+        raise SceneError(
+            key="body_1",
+            expected="a body whose teeth stand outwards: the one around it is body_2",
+            found="flanks whose radius falls from root to tip",
+        )
+    sense = body_2.outward
+    warnings: list[str] = []
+    mesh = None
+    if body_1.involute is not None and body_2.involute is not None:
+        mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings, coast_flanks=coast_flanks)
+    # the pitch point follows from the ratio, also where the mate stands by its file
+    circles = abs(body_1.teeth + sense * body_2.teeth) or 1
+    turns = (
+        _turn_to_pitch_point(
+            body_1, center_distance_mm * body_1.teeth / circles, 0.0 if sense > 0 else pi
+        ),
+        _turn_to_pitch_point(body_2, center_distance_mm * body_2.teeth / circles, pi),
+    )
+    sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
+    sites = _with_flanks(sites, body_1, body_2)
+    # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
+    # on body 1; on body 2 at a smaller one, or a greater one where it turns the same way.
+    teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
+    angles = (
+        # the tooth after pair 0 meets as pair -1
+        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, -sites) + _own_turns(body_1, teeth[0]),
+        -sense * 2 * pi * sites / body_2.teeth
+        + _pitch_turns(body_2, -sites)
+        + _own_turns(body_2, teeth[1]),
+    )
+    return Pairing(
+        center_distance_mm=center_distance_mm,
+        turns_at_zero_rad=turns,
+        ratio=sense * body_1.teeth / body_2.teeth,
+        period=period_of(body_1, body_2),
+        sites=sites,
+        site_teeth=teeth,
+        site_angles_rad=angles,
+        site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
+        mesh=mesh,
+        warnings=tuple(warnings),
+        coast=coast_sites(sites, body_1, body_2) if coast_flanks else None,
+    )
+
+
+def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -> Pairing:
+    """Every tooth of the shaft in its space of the hub."""
+    warnings: list[str] = []
+    fit = spline_fit(shaft, hub, offset, warnings, coast_flanks=coast_flanks)
+    sites = np.arange(shaft.teeth)
+    angles = 2 * pi * sites / shaft.teeth
+    return Pairing(
+        center_distance_mm=offset,
+        turns_at_zero_rad=(0.0, fit.turn_rad),
+        ratio=-1.0,
+        period=period_of(shaft, hub),
+        sites=sites,
+        site_teeth=(sites, sites),
+        site_angles_rad=(angles + _pitch_turns(shaft, sites), angles + _pitch_turns(hub, sites)),
+        site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
+        mesh=None,
+        warnings=tuple(warnings),
+        fit=fit,
+        coast=coast_sites(sites, shaft, hub) if coast_flanks else None,
+    )
+
+
+def _pair_cam(
+    follower: Body, cam: Body, distance: float, position_rad: NDArray[np.float64]
+) -> Pairing:
+    """A follower on its cam."""
+    motion = cam_motion(follower, cam, distance)
+    motion.stand(position_rad).check()
+    start = motion.stand(np.zeros(1))
+    none, site = np.zeros(1), np.zeros(1, dtype=np.int64)
+    return Pairing(
+        center_distance_mm=distance,
+        turns_at_zero_rad=(float(start.turn_1[0]), float(start.turn_2[0])),
+        ratio=nan,
+        period=period_of(follower, cam),
+        sites=site,
+        site_teeth=(site, site),
+        site_angles_rad=(none, none),
+        site_deviations_mm=(none, none),
+        mesh=None,
+        warnings=(),
+        motion=motion,
+    )
+
+
+def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> float:
+    """Turn that brings tooth 0's flank to the pitch point; 0 where the file stands as it is."""
+    if not body.flank_angle_known or body.involute is None:
+        return 0.0
+    return direction - body.involute.polar_angle_at(pitch_radius)
+
+
+def _sites(
+    mesh: Mesh | None,
+    teeth_1: int,
+    teeth_2: int,
+    position_rad: NDArray[np.float64],
+    *,
+    coast_flanks: bool,
+) -> NDArray[np.int64]:
+    """Pairs that come near the path of contact at any position, one to spare at each end.
+
+    Coast flanks follow half a pitch behind, which may be one more.
+    """
+    pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
+    start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
+    if mesh is not None:
+        start, end = mesh.path_start_mm / mesh.base_pitch_mm, mesh.path_end_mm / mesh.base_pitch_mm
+        spare = 1
+    first = round_down(start - pitches) - spare
+    last = round_up(end - pitches) + spare + int(coast_flanks)
+    # positions may stand turns apart
+    runs = set(zip(first.tolist(), last.tolist(), strict=True))
+    sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))
+    extra = sites.size - min(teeth_1, teeth_2)
+    if extra > 0 and np.ptp(pitches) < 1.0:
+        sites = sites[extra // 2 : sites.size - (extra - extra // 2)]
+    return sites
+
+
+def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArray[np.int64]:
+    """Sites at which both bodies have a flank."""
+    there = np.ones(sites.size, dtype=bool)
+    for body, teeth in (
+        (body_1, sites % body_1.teeth),
+        (body_2, -body_2.outward * sites % body_2.teeth),
+    ):
+        if body.named_teeth:
+            there &= np.isin(teeth, body.named_teeth)
+    if not there.any():
+        raise SceneError(
+            key="positions",
+            expected="positions at which teeth stand in mesh that have a flank in the files",
+            found="teeth without a flank at all of them",
+        )
+    return sites[there]
+
+
+def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turns (S,) of flanks that do not stand at equal shares of the body."""
+    turns = body.flank_turns_rad
+    return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
+
+
+def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turns (S,) of the flanks by pitch errors, rad; `entries` says which error a site has.
+
+    An error along the base tangent turns its flank about the axis: counter-clockwise where the
+    metal touches early, clockwise where the material lies beyond the flank.
+    """
+    if not body.pitch_errors_um:
+        return np.zeros(entries.size)
+    errors_mm = np.asarray(body.pitch_errors_um)[entries % body.teeth] / 1000.0
+    return body.outward * errors_mm / (body.base_radius_mm or body.reference_radius_mm)

@@ -1,0 +1,234 @@
+"""A spline's shaft in its hub: which dimensions must agree, what must clear what.
+
+Both have the same base circle, so flanks without errors lie on each other from the hub's tip circle
+to the shaft's, once the backlash is turned out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, degrees
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from flankload.bodies.involute.involute import Involute
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+    Floats = NDArray[np.float64]
+
+#: Modules, angles and widths that differ by less are equal but for rounding.
+ROUNDING = 1e-9
+
+#: Teeth wider than their spaces by more than this part of the base pitch are no press fit.
+LARGEST_OVERLAP = 0.01
+
+#: Less than this part of the flank's length is no overlap of a tip and a fillet (0.3 um of a spline
+#: of module 2).
+LEAST_PART = 1e-4
+
+#: Places looked at on each interval of a flank's curve.
+PLACES = 12
+
+
+@dataclass(frozen=True)
+class SplineFit:
+    """How shaft and hub fit.
+
+    Attributes
+    ----------
+    pressure_angle_rad : float
+        On the pitch circle.
+    pitch_radius_mm, base_radius_mm : float
+    active_radii_mm : (float, float)
+        Tip circles of hub and shaft, between which flanks lie on each other.
+    turn_rad : float
+        Turn of the hub at which flanks without errors touch on common axes.
+    backlash_mm : float
+        On the pitch circle.
+    offset_mm : float
+        Distance of the axes.
+    """
+
+    pressure_angle_rad: float
+    pitch_radius_mm: float
+    base_radius_mm: float
+    active_radii_mm: tuple[float, float]
+    turn_rad: float
+    backlash_mm: float
+    offset_mm: float
+
+    @property
+    def normal_backlash_mm(self) -> float:
+        """Backlash along the base tangent."""
+        return self.backlash_mm * cos(self.pressure_angle_rad)
+
+
+def spline_fit(
+    shaft: Body, hub: Body, offset: float, warnings: list[str], *, coast_flanks: bool = False
+) -> SplineFit:
+    """Geometry of a shaft in its hub.
+
+    Parameters
+    ----------
+    shaft, hub : Body
+    offset : float
+        Distance of their axes, mm.
+    warnings : list of str
+        What a user must know is appended.
+    coast_flanks : bool
+        They can carry, too: the tooth may be wider than its space by `LARGEST_OVERLAP`.
+
+    Returns
+    -------
+    SplineFit
+
+    Raises
+    ------
+    SceneError
+        If they cannot be put together; names the key.
+    """
+    assert shaft.involute is not None
+    assert hub.involute is not None
+    one, two = shaft.involute, hub.involute
+    _check_teeth(shaft, hub)
+    _check_circles(one, two, offset)
+    angle = np.arccos(one.base_radius_mm / one.reference_radius_mm)
+    room = two.base_half_angle_rad - one.base_half_angle_rad
+    wider = -2 * room * one.reference_radius_mm
+    widest = LARGEST_OVERLAP * 2 * np.pi * one.base_radius_mm / shaft.teeth
+    if coast_flanks and wider > widest:
+        raise SceneError(
+            key="body_1.profile_shift",
+            expected=f"a tooth wider than its space by at most {widest:.4f} mm on the pitch circle "
+            f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
+            found=f"{wider:.4f} mm",
+        )
+    if room < -ROUNDING and not coast_flanks:
+        raise SceneError(
+            key="body_1.profile_shift",
+            expected="at most that of body_2, so that the tooth is no wider than the space (or "
+            "effects.coast_flank = true)",
+            found=f"a tooth that is {wider:.4f} mm wider on the pitch circle",
+        )
+    fit = SplineFit(
+        pressure_angle_rad=float(angle),
+        pitch_radius_mm=one.reference_radius_mm,
+        base_radius_mm=one.base_radius_mm,
+        active_radii_mm=(two.tip_radius_mm, one.tip_radius_mm),
+        turn_rad=-room,
+        backlash_mm=2 * room * one.reference_radius_mm,
+        offset_mm=offset,
+    )
+    _check_roots(shaft, hub, fit)
+    if 2 * offset > fit.normal_backlash_mm and not coast_flanks:
+        warnings.append(
+            f"the normal backlash of {1000 * fit.normal_backlash_mm:.1f} um is less than twice "
+            f"the offset of {1000 * offset:.1f} um: before all teeth carry, coast flanks would "
+            "touch, too; only the working flanks are looked at"
+        )
+    return fit
+
+
+def _check_teeth(shaft: Body, hub: Body) -> None:
+    """Same number of teeth, module and pressure angle."""
+    if shaft.teeth != hub.teeth:
+        raise SceneError(
+            key="body_2.teeth",
+            expected=f"{shaft.teeth}, as in body_1.teeth",
+            found=f"{hub.teeth}",
+        )
+    (module_1, angle_1), (module_2, angle_2) = (
+        _module_and_angle(body.involute, body.teeth) for body in (shaft, hub)
+    )
+    if abs(module_2 / module_1 - 1) > ROUNDING:
+        raise SceneError(
+            key="body_2.module_mm",
+            expected=f"{module_1:g}, as in body_1.module_mm",
+            found=f"{module_2:g}",
+        )
+    if abs(angle_2 - angle_1) > ROUNDING:
+        raise SceneError(
+            key="body_2.pressure_angle_deg",
+            expected=f"{angle_1:g}, as in body_1.pressure_angle_deg",
+            found=f"{angle_2:g}",
+        )
+
+
+def _module_and_angle(involute: Involute | None, teeth: int) -> tuple[float, float]:
+    """Module (mm) and pressure angle (deg)."""
+    assert involute is not None
+    radius = involute.reference_radius_mm
+    return 2 * radius / teeth, degrees(np.arccos(involute.base_radius_mm / radius))
+
+
+def _check_circles(one: Involute, two: Involute, offset: float) -> None:
+    """Tips reach over each other and clear the roots, on the offset, too."""
+    if one.tip_radius_mm - offset <= two.tip_radius_mm:
+        raise SceneError(
+            key="body_1.tip_diameter_mm",
+            expected=f"more than {2 * (two.tip_radius_mm + offset):g}, body_2.tip_diameter_mm "
+            "(and twice the offset), so that flanks lie on each other",
+            found=f"{2 * one.tip_radius_mm:g}",
+        )
+    for key, tip, mate, root, side in (
+        ("body_1", one.tip_radius_mm, "body_2", two.root_radius_mm, 1),
+        ("body_2", two.tip_radius_mm, "body_1", one.root_radius_mm, -1),
+    ):
+        if side * (root - tip) <= offset:
+            word = "less" if side > 0 else "more"
+            raise SceneError(
+                key=f"{key}.tip_diameter_mm",
+                expected=f"{word} than {2 * (root - side * offset):.4f}, where the tip clears the "
+                f"root circle of {mate}" + (f" on an offset of {offset:g} mm" if offset else ""),
+                found=f"{2 * tip:g}",
+            )
+
+
+def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
+    """No tip stands in the mate's root fillet when the flanks touch."""
+    (r_1, angle_1), (r_2, angle_2) = (_places(body) for body in (shaft, hub))
+    low, high = fit.active_radii_mm
+    radius = np.unique(np.concatenate([r_1, r_2]))
+    radius = radius[(radius >= low) & (radius <= high)]
+    gap = np.interp(radius, r_2, angle_2) + fit.turn_rad - np.interp(radius, r_1, angle_1)
+    depth = -gap * radius
+    worst = int(np.argmax(depth))
+    if depth[worst] <= LEAST_PART * shaft.curve.length_mm:
+        return
+    at_hub_tip = radius[worst] < 0.5 * (low + high)
+    (key, tip), mate = (("body_2", low), shaft) if at_hub_tip else (("body_1", high), hub)
+    form = 2 * (mate.involute.form_radius_mm if mate.involute else 0.0)
+    raise SceneError(
+        key=f"{key}.tip_diameter_mm",
+        expected=f"a tip that clears the root fillet of {'body_1' if at_hub_tip else 'body_2'}, "
+        f"which begins at the diameter {form:.4f}",
+        found=f"{2 * tip:g}, where they overlap by {depth[worst]:.4f} mm",
+    )
+
+
+def _places(body: Body) -> tuple[Floats, Floats]:
+    """Radii, ascending, and polar angles of places on a flank."""
+    curve = body.curve
+    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
+    x, y = curve.point(np.append(ends.T.ravel(), curve.breaks[-1])).T
+    radius, angle = np.hypot(x, y), np.arctan2(y, x)
+    order = np.argsort(radius, kind="stable")
+    return radius[order], angle[order]
+
+
+def describe_fit(fit: SplineFit) -> tuple[tuple[str, str], ...]:
+    """What an engineer checks first, as (name, value with unit) rows."""
+    low, high = fit.active_radii_mm
+    return (
+        ("pressure angle", f"{degrees(fit.pressure_angle_rad):.4f} deg"),
+        ("pitch diameter", f"{2 * fit.pitch_radius_mm:.4f} mm"),
+        ("active flank between", f"{2 * low:.4f} and {2 * high:.4f} mm"),
+        ("backlash on the pitch circle", f"{fit.backlash_mm:.4f} mm"),
+        ("backlash, normal", f"{fit.normal_backlash_mm:.4f} mm"),
+    )

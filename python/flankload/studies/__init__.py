@@ -1,0 +1,1 @@
+"""Many runs: plans, tolerance control, accuracy studies and verification."""

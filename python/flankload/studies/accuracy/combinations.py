@@ -1,0 +1,106 @@
+"""The cheapest combination of knobs that meets a tolerance: a guess, then coarser step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flankload.studies.accuracy.knobs import ADAPTIVE, ADAPTIVE_START
+
+if TYPE_CHECKING:
+    from flankload.setting import Setting
+    from flankload.studies.accuracy.knobs import Knobs
+    from flankload.studies.accuracy.runs import Run
+    from flankload.studies.accuracy.truth import Truth
+
+#: Part of a tolerance that each knob may use up in the first guess.
+FIRST_PART = 0.5
+#: A guess that fails is made finer so often, by this part of the tolerance each time.
+GUESSES, FINER = 3, 0.4
+#: Knobs that are tried a step coarser, the dearest first; more modes ask for finer elements, so
+#: that both go together, too.
+STEPS = (
+    ("flank_element_mm",),
+    ("flank_element_mm", "modes"),
+    ("modes",),
+    ("count",),
+    ("strips_per_half_width",),
+    ("zone_half_widths",),
+)
+
+
+def search(
+    tolerance: float,
+    knobs: Knobs,
+    truth: Truth,
+    measures: Sequence[str],
+    run: Callable[[Setting], Run],
+) -> None:
+    """Run combinations around the cheapest that meets a tolerance.
+
+    Parameters
+    ----------
+    tolerance : float
+    knobs : Knobs
+    truth : Truth
+    measures : sequence of str
+        Errors that count.
+    run : callable
+    """
+
+    if truth.doubt(measures) > tolerance:  # of no run could be said that it meets it
+        return
+
+    def meets(setting: Setting) -> bool:
+        error = truth.within(run(setting), measures)
+        return error is not None and error <= tolerance
+
+    guesses = (
+        guess(tolerance * FIRST_PART * FINER**n, knobs, truth, measures) for n in range(GUESSES)
+    )
+    setting = next((found for found in guesses if found is not None and meets(found)), None)
+    tried = {setting}
+    while setting is not None:
+        others = (coarser(setting, names, knobs) for names in STEPS)
+        fresh = [other for other in others if other is not None and other not in tried]
+        tried.update(fresh)
+        setting = next((other for other in fresh if meets(other)), None)
+
+
+def coarser(setting: Setting, names: tuple[str, ...], knobs: Knobs) -> Setting | None:
+    """The setting with knobs a step coarser; None where one has none."""
+    if names == ("count",) and setting.adaptive is not None:
+        looser = [tolerance for tolerance in ADAPTIVE if tolerance > setting.adaptive]
+        return replace(setting, count=ADAPTIVE_START, adaptive=min(looser)) if looser else None
+    return knobs.coarser(setting, *names)
+
+
+def guess(part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]) -> Setting | None:
+    """Each knob as cheap as its own ladder allows; None where one does not go so far.
+
+    Parameters
+    ----------
+    part : float
+        What each knob may leave.
+    knobs, truth, measures
+        As of `search`.
+
+    Returns
+    -------
+    Setting or None
+    """
+    setting = knobs.finest
+    for knob in knobs.ladders:
+        enough = [
+            run
+            for run in truth.steps(knob)
+            if (error := truth.largest(run, measures, knob)) is not None and error <= part
+        ]
+        if not enough:
+            return None
+        cheapest = min(enough, key=lambda run: run.cpu_s).setting
+        setting = replace(setting, **{knob: getattr(cheapest, knob)})
+        if knob == "count":
+            setting = replace(setting, adaptive=cheapest.adaptive)
+    return setting

@@ -1,0 +1,231 @@
+"""A study: the finest run, a ladder for each knob, levels, combinations, while the budget lasts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from time import process_time
+from typing import TYPE_CHECKING
+
+from flankload.errors import SceneError
+from flankload.plan import choose_effects
+from flankload.setting import Setting
+from flankload.studies.accuracy.combinations import search
+from flankload.studies.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
+from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
+from flankload.studies.accuracy.observed import MEASURES
+from flankload.studies.accuracy.runs import Run, Runs
+from flankload.studies.accuracy.study import Row, Study
+from flankload.studies.accuracy.truth import Truth, at_default, ladder
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from flankload.scene import Scene
+
+    Progress = Callable[[str, int, int], None]
+
+#: Tolerances for which combinations are looked for.
+TOLERANCES = (0.01, 0.003, 0.001, 0.0003, 0.0001)
+#: Steps of the progress.
+TOLD = 100
+
+
+class OutOfBudgetError(Exception):
+    """The next run is not begun any more."""
+
+
+def accuracy(
+    scene: Scene,
+    quantities: Sequence[str] = ("transmission_error", "peak_pressure"),
+    budget_s: float = 60.0,
+    *,
+    progress: Progress | None = None,
+    resume: str | Path | None = None,
+) -> Study:
+    """What accuracy costs: errors of a scene beside seconds and memory, knob by knob.
+
+    A ladder over each knob with the others at their finest, other levels, and combinations that
+    meet tolerances as cheaply as can be, all against the finest setting and the limits that the
+    ladders lead to. Finite elements are shared by runs that differ in cells and positions alone,
+    and counted as if each run were alone. Seconds are those of all threads of the process.
+
+    Parameters
+    ----------
+    scene : Scene
+    quantities : sequence of str
+        Of "transmission_error" (at each position, mean, peak to peak), "load_share",
+        "peak_pressure" (off sharp corners) and "stiffness".
+    budget_s : float
+        CPU seconds after which no further run is begun.
+    progress : callable, optional
+        Called as progress(stage, done, total). What it raises ends the study.
+    resume : path, optional
+        File of finished runs: read where it is there, written after each run.
+
+    Returns
+    -------
+    Study
+        Interrupted (Ctrl-C) it holds what was finished.
+
+    Raises
+    ------
+    SceneError
+        If the scene is impossible or has no torque, or an argument is wrong; `PremiseError` if it
+        breaks a premise of the model.
+    """
+    _check(scene, quantities, budget_s)
+    scene, _ = choose_effects(scene)
+    making = _Making(
+        scene, quantities, budget_s, progress, None if resume is None else Path(resume)
+    )
+    stopped, interrupted = None, False
+    try:
+        making.all_runs()
+    except OutOfBudgetError:
+        stopped = f"the budget of {budget_s:g} CPU seconds is spent: further runs are left out"
+    except KeyboardInterrupt:
+        if not making.groups:
+            raise
+        stopped, interrupted = "interrupted: further runs are left out", True
+    return making.study(stopped, interrupted=interrupted)
+
+
+def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
+    known = ", ".join(MEASURES)
+    if not quantities:
+        raise SceneError(key="quantities", expected=f"some of {known}", found="none")
+    for quantity in quantities:
+        if quantity not in MEASURES:
+            raise SceneError(key="quantities", expected=f"some of {known}", found=f"'{quantity}'")
+    if not budget_s > 0:
+        raise SceneError(key="budget", expected="CPU seconds > 0", found=f"{budget_s:g}")
+    if not all(torque > 0 for torque in scene.torques_Nm):
+        raise SceneError(
+            key="load.torque_Nm",
+            expected="torques > 0, since without load nothing is approximated",
+            found="0",
+            file=scene.file,
+        )
+
+
+class _Making:
+    """Runs of a study in their order."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        quantities: Sequence[str],
+        budget_s: float,
+        progress: Progress | None,
+        resume: Path | None,
+    ) -> None:
+        self.scene, self.quantities = scene, quantities
+        self.measures = [name for quantity in quantities for name in MEASURES[quantity]]
+        self.knobs = knobs_of(scene)
+        self.runs = Runs(scene, resume)
+        self.groups: dict[Setting, str] = {}
+        self._budget_s, self._began, self._progress = budget_s, process_time(), progress
+
+    def all_runs(self) -> None:
+        """Everything that the budget pays."""
+        self._warm_up()
+        base = self.run("default", self.knobs.base)
+        self.knobs = affordable(self.knobs, base.stages, self._budget_s)
+        self.run("as it stands", Setting())
+        self.run("finest", self.knobs.finest)
+        for knob in sorted(self.knobs.ladders, key="count".__eq__):
+            for setting in ladder(self.knobs, knob):
+                self.run(knob, setting)
+        for knob in self.knobs.ladders:
+            for setting in at_default(self.knobs, knob):
+                self.run("default but for one knob", setting)
+        for setting in self._levels():
+            self.run(setting.level, setting)
+        truth = Truth(self.runs.done, self.knobs)
+        alone = [MEASURES[quantity] for quantity in self.quantities]
+        for measures in (self.measures, *(alone if len(alone) > 1 else ())):
+            for tolerance in TOLERANCES:
+                search(tolerance, self.knobs, truth, measures, self._combination)
+        if can_be_nodal(self.scene):  # last, since it is the dearest of all
+            self.run("nodes", self._nodes(None))
+
+    def _combination(self, setting: Setting) -> Run:
+        return self.run("combination", setting)
+
+    def run(self, group: str, setting: Setting) -> Run:
+        """A run; it belongs to the first group that asks for it."""
+        if setting not in self.runs.done:
+            if self._spent() >= self._budget_s:
+                raise OutOfBudgetError
+            self._tell(group)
+        found = self.runs.at(setting, lambda *_: self._tell(group))
+        self.groups.setdefault(setting, group)
+        return found
+
+    def _warm_up(self) -> None:
+        """Loads what the first run would be charged with."""
+        if self.knobs.base not in self.runs.done:
+            self._tell("warming up")
+            Runs(self.scene).at(self.knobs.base)
+
+    def _spent(self) -> float:
+        return process_time() - self._began
+
+    def _tell(self, group: str) -> None:
+        if self._progress is not None:
+            done = int(TOLD * min(1.0, self._spent() / self._budget_s))
+            self._progress(group.replace("_", " "), done, TOLD)
+
+    def _levels(self) -> Iterator[Setting]:
+        """Other levels at the default, with finer elements, and at more positions."""
+        base, ladders = self.knobs.base, self.knobs.ladders
+        if can_lump(self.scene):
+            plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)
+            yield plain
+            if len(ladders.get("flank_element_mm", ())) > 2:
+                yield replace(plain, flank_element_mm=ladders["flank_element_mm"][2])
+            if len(ladders.get("count", ())) > 1:
+                yield replace(plain, count=int(ladders["count"][-2]))
+        if can_be_nodal(self.scene) and base.flank_element_mm is not None:
+            yield self._nodes(self.knobs.finest.flank_element_mm)
+
+    def _nodes(self, apart_mm: float | None) -> Setting:
+        """Forces at plain nodes, which know neither modes nor strips; by themselves if None."""
+        return Setting("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
+
+    def study(self, stopped: str | None, *, interrupted: bool) -> Study:
+        """What has been found so far."""
+        truth = Truth(self.runs.done, self.knobs)
+        done = self.runs.done
+
+        def row(setting: Setting, *knobs: str) -> Row:
+            alone = truth.errors(done[setting], *knobs) if knobs else {}
+            return Row(self.groups[setting], done[setting], truth.errors(done[setting]), alone)
+
+        steps = {
+            knob: tuple(row(step, knob) for step in ladder(self.knobs, knob) if step in self.groups)
+            for knob in self.knobs.ladders
+        }
+        rows = tuple(
+            row(setting, *({group} & steps.keys())) for setting, group in self.groups.items()
+        )
+        return Study(
+            name=self.scene.name,
+            tolerance=self.scene.accuracy.tolerance,
+            measures=tuple(self.measures),
+            rows=rows,
+            steps=steps,
+            limits=truth.limits,
+            knobs=self.knobs,
+            doubts=truth.doubts,
+            notes=(
+                *limit_notes(rows),
+                *corner_notes(steps.get("strips_per_half_width", ())),
+                *file_notes(self.scene),
+                *failure_notes(rows),
+            ),
+            stopped=stopped,
+            interrupted=interrupted,
+        )

@@ -1,0 +1,261 @@
+"""What a run found of the quantities of a study, and how far it is from something better."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.studies.accuracy.ladder import Limit, limit_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+    Floats = NDArray[np.float64]
+
+#: Quantities that can be asked for, and the errors that each of them has.
+MEASURES = {
+    "transmission_error": (
+        "transmission_error",
+        "transmission_error_mean",
+        "transmission_error_peak_to_peak",
+    ),
+    "load_share": ("load_share",),
+    "peak_pressure": ("peak_pressure",),
+    "stiffness": ("stiffness",),
+}
+#: Head of the column of each error, in a table.
+HEADS = {
+    "transmission_error": "TE",
+    "transmission_error_mean": "mean",
+    "transmission_error_peak_to_peak": "p-to-p",
+    "load_share": "share",
+    "peak_pressure": "pressure",
+    "stiffness": "stiffness",
+}
+#: What the columns mean.
+MEANINGS = {
+    "transmission_error": "largest at a position, of the largest transmission error",
+    "transmission_error_mean": "of its mean",
+    "transmission_error_peak_to_peak": "of its peak to peak",
+    "load_share": "largest, in parts of the load",
+    "peak_pressure": "largest off sharp corners, of the largest pressure there",
+    "stiffness": "of the mean secant or tangent stiffness, the larger",
+}
+#: Arrays over positions, and over positions and sites.
+OVER_POSITIONS = ("transmission_error",)
+OVER_SITES = ("load_share", "peak_pressure")
+#: Numbers of a torque.
+NUMBERS = (
+    "transmission_error_mean",
+    "transmission_error_peak_to_peak",
+    "largest_pressure",
+    "stiffness_secant",
+    "stiffness_tangent",
+)
+#: Of a torque, but nothing that converges.
+CORNER = "corner_pressure"
+#: A transmission error that varies less has no peak to peak.
+LEAST_VARIATION_UM = 1e-3
+#: Positions closer than this are one, rad.
+SAME_RAD = 1e-9
+
+#: Arrays by name: `position_rad` (P,), `sites` (S,), for T torques those over positions (T, P),
+#: over sites (T, P, S) and the numbers (T,); NaN where there is none.
+Observed = dict[str, "Floats"]
+
+
+def observed(results: Result | Sequence[Result]) -> Observed:
+    """What results hold of all quantities.
+
+    Parameters
+    ----------
+    results : Result or sequence of Result
+        Of one scene, one per torque.
+
+    Returns
+    -------
+    dict of arrays
+    """
+    parts = results if isinstance(results, Sequence) else (results,)
+    sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own
+
+    def over_sites(r: Result, values: Floats) -> Floats:
+        whole = np.zeros((len(values), sites.size))
+        whole[:, np.searchsorted(sites, r.sites)] = values
+        return whole
+
+    smooth = [over_sites(r, np.where(r.corner_contact, np.nan, r.peak_pressure_MPa)) for r in parts]
+
+    def summary(key: str) -> Floats:
+        return np.array([r.summary[key] for r in parts], dtype=float)
+
+    return {
+        "position_rad": parts[0].position_rad,
+        "sites": sites.astype(float),
+        "transmission_error": np.array([r.transmission_error_um for r in parts]),
+        "load_share": np.array([over_sites(r, r.load_share) for r in parts]),
+        "peak_pressure": np.array(smooth),
+        "transmission_error_mean": summary("transmission_error_mean_um"),
+        "transmission_error_peak_to_peak": summary("transmission_error_peak_to_peak_um"),
+        "largest_pressure": summary("peak_pressure_off_corners_MPa"),
+        "stiffness_secant": summary("stiffness_secant_mean_Nm_per_rad"),
+        "stiffness_tangent": summary("stiffness_tangent_mean_Nm_per_rad"),
+        CORNER: np.array([r.peak_pressure_MPa[r.corner_contact].max(initial=0.0) for r in parts]),
+    }
+
+
+def common(runs: Sequence[Observed]) -> list[Observed]:
+    """The same at the positions and sites that all have; sites that one has not carry nothing."""
+    keys = [np.round(run["position_rad"] / SAME_RAD).astype(np.int64) for run in runs]
+    shared = keys[0]
+    for key in keys[1:]:
+        shared = np.intersect1d(shared, key)
+    sites = np.unique(np.concatenate([run["sites"] for run in runs]))
+    found = []
+    for run, key in zip(runs, keys, strict=True):
+        order = np.argsort(key, kind="stable")
+        rows = order[np.searchsorted(key, shared, sorter=order)]
+        there = np.searchsorted(sites, run["sites"])
+        part = dict(run)
+        part["position_rad"], part["sites"] = run["position_rad"][rows], sites
+        for name in OVER_POSITIONS:
+            part[name] = run[name][:, rows]
+        for name in OVER_SITES:
+            whole = np.zeros((*run[name].shape[:1], rows.size, sites.size))
+            whole[:, :, there] = run[name][:, rows]
+            part[name] = whole
+        found.append(part)
+    return found
+
+
+def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Limit]:
+    """Limits of a ladder of runs, the finest first.
+
+    Parameters
+    ----------
+    sizes : sequence of float
+        Ascending.
+    runs : sequence of Observed
+
+    Returns
+    -------
+    dict of Limit, by the names of arrays and numbers
+    """
+    parts = common(runs[:3])
+    return {
+        name: limit_of(sizes, [part[name] for part in parts])
+        for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS)
+    }
+
+
+def with_numbers(
+    limits: Mapping[str, Limit], truth: Observed, before: Observed
+) -> dict[str, Limit]:
+    """Limits of which the numbers are those of a run that knows better, and their last change."""
+    known = {
+        name: replace(limits[name], value=truth[name], left=truth[name] - before[name])
+        for name in NUMBERS
+    }
+    return {**limits, **known}
+
+
+def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observed) -> Observed:
+    """A run, moved by as much as ladders move their finest step to its limit."""
+    parts = dict(run)
+    for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
+        for ladder in ladders:
+            if ladder[name].value.shape == finest[name].shape == run[name].shape:
+                parts[name] = parts[name] + (ladder[name].value - finest[name])
+    return parts
+
+
+def off_by(run: Observed, ladder: Mapping[str, Limit]) -> Observed:
+    """A run, off by what the limits of a ladder leave."""
+    parts = dict(run)
+    for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
+        if ladder[name].left.shape == run[name].shape:
+            parts[name] = run[name] + ladder[name].left
+    return parts
+
+
+def errors_of(run: Observed, truth: Observed) -> dict[str, float]:
+    """Errors of a run, the largest over the torques.
+
+    Parameters
+    ----------
+    run, truth : Observed
+
+    Returns
+    -------
+    dict
+        By the names of `HEADS`; without those that the truth has not.
+    """
+    one, two = common([run, truth])
+    found: dict[str, list[float]] = {}
+    for t in range(truth["transmission_error"].shape[0]):
+        for name, error in _errors(one, two, t).items():
+            found.setdefault(name, []).append(error)
+    return {name: max(errors) for name, errors in found.items()}
+
+
+def _errors(one: Observed, two: Observed, t: int) -> dict[str, float]:
+    """Of one torque."""
+
+    def change(name: str) -> float:
+        return abs(float(one[name][t] - two[name][t]))
+
+    curve = two["transmission_error"][t]
+    found = {
+        "transmission_error": _part(
+            float(np.abs(one["transmission_error"][t] - curve).max()), float(np.abs(curve).max())
+        ),
+        "transmission_error_mean": _part(
+            change("transmission_error_mean"), abs(float(two["transmission_error_mean"][t]))
+        ),
+        "load_share": _greatest(one["load_share"][t] - two["load_share"][t]),
+    }
+    span = float(two["transmission_error_peak_to_peak"][t])
+    if span > LEAST_VARIATION_UM:
+        found["transmission_error_peak_to_peak"] = change("transmission_error_peak_to_peak") / span
+    highest = float(two["largest_pressure"][t])
+    if highest > 0:
+        local = _greatest(one["peak_pressure"][t] - two["peak_pressure"][t])
+        found["peak_pressure"] = max(local, change("largest_pressure")) / highest
+    stiffness = [
+        change(name) / abs(float(two[name][t]))
+        for name in ("stiffness_secant", "stiffness_tangent")
+        if np.isfinite(two[name][t]) and np.isfinite(one[name][t])
+    ]
+    if stiffness:
+        found["stiffness"] = max(stiffness)
+    return found
+
+
+def _greatest(values: Floats) -> float:
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+
+
+def _part(change: float, whole: float) -> float:
+    return change / whole if whole > 0 else 0.0
+
+
+def to_tree(run: Observed) -> dict[str, Any]:
+    """As JSON has it: null for what is no number."""
+    return {name: _lists(values) for name, values in run.items()}
+
+
+def _lists(values: Floats) -> list[Any]:
+    whole = values.astype(object)
+    whole[~np.isfinite(values)] = None
+    nested: list[Any] = whole.tolist()
+    return nested
+
+
+def from_tree(tree: Mapping[str, Any]) -> Observed:
+    """What `to_tree` has written."""
+    return {name: np.array(values, dtype=float) for name, values in tree.items()}

@@ -1,0 +1,203 @@
+"""Runs of a study: each once, with what it cost as if it were alone; finished ones are kept."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from importlib.metadata import version
+from os.path import isfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flankload.analysis.runner import solve_with
+from flankload.base.files import write_atomically
+from flankload.cost import Account
+from flankload.errors import FlankloadError, PremiseError, SceneError
+from flankload.setting import Setting, scene_at
+from flankload.steering import first_scene
+from flankload.studies.accuracy.observed import Observed, from_tree, observed, to_tree
+
+if TYPE_CHECKING:
+    from flankload.analysis.runner import Progress
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.scene import Scene
+
+    Kept = dict[int, tuple[BodyCompliance, Account]]
+
+#: Runs that take less are measured twice.
+REPEATED_BELOW_S = 0.5
+#: Elements that take longer are solved once for all numbers of modes: fewer modes are a block of
+#: more, and cost as much to a few percent.
+SHARED_ABOVE_S = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished run.
+
+    Attributes
+    ----------
+    setting : Setting
+    cpu_s : float
+        CPU seconds of all its stages, elements included.
+    memory_bytes : int
+        Arrays of all stages, and the largest workspace.
+    values : Observed or None
+        None where it has no answer.
+    failure : str or None
+        Why it has none.
+    stages : dict
+        CPU seconds by stage.
+    outside : tuple of str
+        Premises of the model that it breaks.
+    """
+
+    setting: Setting
+    cpu_s: float
+    memory_bytes: int
+    values: Observed | None
+    failure: str | None = None
+    stages: dict[str, float] = field(default_factory=dict)
+    outside: tuple[str, ...] = ()
+
+
+def fingerprint(scene: Scene) -> str:
+    """What tells a scene from another: bodies, what is asked for, the files that it names."""
+    parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
+    parts.append(repr((scene.effects, scene.accuracy)))
+    parts += [
+        sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if isfile(path)
+    ]
+    return sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+
+class Runs:
+    """Finished runs of a scene, in memory and in a file.
+
+    Parameters
+    ----------
+    scene : Scene
+    file : Path or None
+        Where finished runs are read from and written to.
+    """
+
+    def __init__(self, scene: Scene, file: Path | None = None) -> None:
+        self.scene = scene
+        self._file = file
+        self._head = {"runs_of_flankload": version("flankload"), "scene": fingerprint(scene)}
+        self._lines: list[str] = []
+        self._kept: dict[object, Kept] = {}
+        self.done: dict[Setting, Run] = {}
+        if file is not None and file.exists():
+            self._read(file)
+
+    def _read(self, file: Path) -> None:
+        try:
+            lines = file.read_text(encoding="utf-8").splitlines()
+            head = json.loads(lines[0]) if lines else self._head
+            trees = [json.loads(line) for line in lines[1:]]
+            runs = [_from_tree(tree) for tree in trees]
+        except (ValueError, KeyError, TypeError):
+            head, runs, lines = {}, [], []
+        if head != self._head:
+            raise SceneError(
+                key="--resume",
+                expected="a file of finished runs of this very scene and version, or none yet",
+                found=f"{file}, which is another one",
+            )
+        self._lines = lines[1:]
+        self.done = {run.setting: run for run in runs}
+
+    def at(self, setting: Setting, progress: Progress | None = None) -> Run:
+        """The run at a setting, solved where it is not there yet."""
+        if setting not in self.done:
+            run = self._solved(setting, progress)
+            self.done[setting] = run
+            if self._file is not None:
+                self._lines.append(json.dumps(_to_tree(run), separators=(",", ":")))
+                text = "\n".join([json.dumps(self._head), *self._lines]) + "\n"
+                write_atomically(self._file, text)
+        return self.done[setting]
+
+    def _solved(self, setting: Setting, progress: Progress | None) -> Run:
+        as_it_is = first_scene(self.scene) if setting.as_it_stands else self.scene
+        scene = scene_at(as_it_is, setting)
+        try:
+            run = _measured(setting, scene, self._compliances(setting), progress)
+            if run.cpu_s < REPEATED_BELOW_S:
+                again = _measured(setting, scene, {}, progress)
+                stages = {key: min(run.stages[key], again.stages[key]) for key in run.stages}
+                run = replace(run, stages=stages, cpu_s=sum(stages.values()))
+        except PremiseError:  # whatever the setting
+            raise
+        except FlankloadError as error:
+            return Run(setting, 0.0, 0, None, failure=str(error))
+        return run
+
+    def _compliances(self, setting: Setting) -> Kept:
+        """Of the same elements and modes; or of more modes, where that is worth it."""
+        if setting.as_it_stands:
+            return {}
+        elements = (setting.level == "nodes", setting.flank_element_mm)
+        kept = self._kept.setdefault((elements, setting.modes), {})
+        if kept or setting.modes is None:
+            return kept
+        for key, other in self._kept.items():
+            if isinstance(key, tuple) and key[0] == elements and (key[1] or 0) > setting.modes:
+                fewer = {z: _with_modes(*body, setting.modes) for z, body in other.items()}
+                if all(body is not None for body in fewer.values()):
+                    kept.update({z: body for z, body in fewer.items() if body is not None})
+                    break
+        return kept
+
+
+def _with_modes(
+    compliance: BodyCompliance, account: Account, modes: int
+) -> tuple[BodyCompliance, Account] | None:
+    """The block of the lower modes; None where it is cheap to solve them alone."""
+    if compliance.closed or account.cpu_s < SHARED_ABOVE_S:
+        return None
+    while compliance.smooth.shape[1] > modes:
+        compliance = compliance.fewer_modes()
+    return compliance, account
+
+
+def _measured(setting: Setting, scene: Scene, kept: Kept, progress: Progress | None) -> Run:
+    results = solve_with(scene, kept, progress)
+    several = results if isinstance(results, tuple) else (results,)
+    cost = several[0].cost
+    stages = {name: stage["cpu_s"] for name, stage in cost["stages"].items()}
+    largest = max(stage["workspace_bytes"] for stage in cost["stages"].values())
+    return Run(
+        setting=setting,
+        cpu_s=sum(stages.values()),
+        memory_bytes=int(cost["bytes"] + largest),
+        values=observed(results),
+        stages=stages,
+        outside=tuple(sorted({name for result in several for name in result.outside_limits})),
+    )
+
+
+def _to_tree(run: Run) -> dict[str, Any]:
+    return {
+        "setting": run.setting.as_dict(),
+        "cpu_s": run.cpu_s,
+        "memory_bytes": run.memory_bytes,
+        "failure": run.failure,
+        "stages": run.stages,
+        "outside": list(run.outside),
+        "values": None if run.values is None else to_tree(run.values),
+    }
+
+
+def _from_tree(tree: dict[str, Any]) -> Run:
+    return Run(
+        setting=Setting.from_dict(tree["setting"]),
+        cpu_s=float(tree["cpu_s"]),
+        memory_bytes=int(tree["memory_bytes"]),
+        values=None if tree["values"] is None else from_tree(tree["values"]),
+        failure=tree["failure"],
+        stages=tree["stages"],
+        outside=tuple(tree.get("outside", ())),
+    )

@@ -1,0 +1,228 @@
+"""The table of a study as text."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from flankload.studies.accuracy.knobs import KINKS
+from flankload.studies.accuracy.observed import HEADS, MEANINGS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from flankload.studies.accuracy.study import Row, Study
+
+#: Knobs in words.
+KNOBS = {
+    "flank_element_mm": "flank elements, mm",
+    "modes": "pressure modes",
+    "strips_per_half_width": "strips on the half-width",
+    "zone_half_widths": "half-width of the zone",
+    "count": "positions",
+}
+#: Other groups, in their order.
+GROUPS = {
+    "as it stands": "the scene as it stands",
+    "default": "default",
+    "finest": "the finest",
+    "lumped": "lumped Hertz contact",
+    "nodes": "plain nodal loads",
+    "combination": "combinations",
+}
+#: Tolerances for which the cheapest setting is named.
+NAMED = (1e-2, 1e-3, 1e-4)
+WIDTH = 40
+#: What errors are measured against, and how well it is known.
+LIMIT = "the limit itself, in doubt by"
+#: In place of seconds, where the limit is in doubt by more than the tolerance.
+IN_DOUBT = "?"
+#: Head of the seconds of a step where the other knobs stand at their default.
+DEFAULT_SECONDS = "default"
+
+
+def text_of(study: Study) -> str:
+    """Tables of ladders, levels and combinations, then the cheapest settings.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    str
+    """
+    return "\n".join(_lines(study))
+
+
+def _lines(study: Study) -> Iterator[str]:
+    names = [m for m in HEADS if any(m in row.errors for row in study.rows)]
+    yield f"{study.name}: what accuracy costs"
+    yield "CPU seconds and memory of a run alone, elements included; errors in %"
+    yield "ladders: other knobs at their finest, errors against the limit of this knob; beside, the"
+    yield "seconds with the others at their default; all else: errors against the limit of all"
+    if not study.has_errors:
+        yield "the finest setting was not run: errors are not known"
+    for name in names:
+        counts = "" if name in study.measures else "; not asked for"
+        yield f"  {HEADS[name]:10s}{MEANINGS[name]}{counts}"
+    yield ""
+    for knob, words in KNOBS.items():
+        if study.steps.get(knob):
+            yield from _ladder(study, knob, words, names)
+    yield from _others(study, names)
+    for note in study.notes:
+        yield f"note: {note}"
+    if study.stopped is not None:
+        yield f"note: {study.stopped}"
+    if study.has_errors:
+        yield ""
+        yield from _cheapest(study, names)
+
+
+def _ladder(study: Study, knob: str, words: str, names: Sequence[str]) -> Iterator[str]:
+    """Against the limit of this knob, the others at their finest; coarse steps first."""
+    yield _head(f"{words} (others finest)", names, DEFAULT_SECONDS)
+    steps = study.steps[knob]
+    adaptive = [row for row in steps if row.setting.adaptive is not None]
+    for row in (*(row for row in reversed(steps) if row not in adaptive), *adaptive):
+        label = f"{getattr(row.setting, knob):g}{' (finest)' * (row.group == 'finest')}"
+        if row.setting.adaptive is not None:
+            label = f"adaptive from {row.setting.count}, to {row.setting.adaptive:g}"
+        seconds = study.seconds_at_default(row, knob)
+        beside = "-" if seconds is None else f"{seconds:.3f}"
+        yield _row(label, row, row.alone, names, beside)
+    yield from _orders(study, knob)
+    yield ""
+
+
+def _orders(study: Study, knob: str) -> Iterator[str]:
+    limits = study.limits.get(knob)
+    if limits is None:
+        return
+    if knob == "count" and any(row.setting.adaptive == KINKS for row in study.rows):
+        yield "  kinks leave no order: measured against the last line"
+        return
+    orders = [
+        f"{limit.order:.1f} ({_named(name)})"
+        for name, limit in limits.items()
+        if limit.order is not None
+    ]
+    if orders:
+        yield f"  order {', '.join(orders)}"
+    erratic = [name for name, limit in limits.items() if not limit.monotone]
+    slow = [name for name, limit in limits.items() if limit.monotone and limit.slow]
+    for what, found in (("does not converge monotonically", erratic), ("converges slowly", slow)):
+        if found:
+            yield f"  {what} in {', '.join(map(_named, found))}: no limit but the finest step"
+
+
+def _named(name: str) -> str:
+    return HEADS.get(name) or name.replace("stiffness_", "").replace("_", " ")
+
+
+def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
+    for group, words in GROUPS.items():
+        rows = [row for row in study.rows if row.group == group and row.run.failure is None]
+        if group == "combination":
+            rows = [row for row in study.front() if row.group == group]
+            words = "combinations on the Pareto front"
+        if not rows:
+            continue
+        yield _head(words, names)
+        for row in rows:
+            yield _row(_label(row), row, row.errors, names)
+        if group == "finest":
+            cells = "".join(f"{_percent(study.doubts.get(name)):>10s}" for name in names)
+            yield f"  {LIMIT:{WIDTH - 2}s}{'':15s}{cells}"
+        yield ""
+
+
+def _label(row: Row) -> str:
+    setting = row.setting
+    if setting.as_it_stands:
+        return "all knobs as the scene has them"
+    parts = []
+    if setting.level == "nodes" and setting.flank_element_mm is None:
+        parts.append("nodes by the contact's width")
+    if setting.flank_element_mm is not None:
+        parts.append(f"{setting.flank_element_mm:g} mm")
+    if setting.modes is not None:
+        parts.append(f"{setting.modes} m")
+    if setting.strips_per_half_width is not None:
+        parts.append(f"{setting.strips_per_half_width:g} s")
+    if setting.zone_half_widths is not None:
+        parts.append(f"{setting.zone_half_widths:g} z")
+    if setting.count is not None:
+        even = setting.adaptive is None
+        parts.append(f"{setting.count} p" if even else f"{setting.count} p to {setting.adaptive:g}")
+    return ", ".join(parts)
+
+
+def _head(words: str, names: Sequence[str], further: str | None = None) -> str:
+    columns = "".join(f"{HEADS[name]:>10s}" for name in names)
+    beside = "" if further is None else f"{further:>10s}"
+    return f"{words:{WIDTH}s}{'CPU s':>8s}{beside}{'MB':>7s}{columns}"
+
+
+def _row(
+    label: str,
+    row: Row,
+    errors: Mapping[str, float],
+    names: Sequence[str],
+    further: str | None = None,
+) -> str:
+    if row.run.failure is not None:
+        return f"  {label:{WIDTH - 2}s}no answer"
+    cells = "".join(f"{_percent(errors.get(name)):>10s}" for name in names)
+    beside = "" if further is None else f"{further:>10s}"
+    memory = row.run.memory_bytes / 1e6
+    return f"  {label:{WIDTH - 2}s}{row.run.cpu_s:8.3f}{beside}{memory:7.1f}{cells}"
+
+
+def _percent(error: float | None) -> str:
+    if error is None:
+        return "-"
+    return "0" if error == 0 else f"{100 * error:.2g}"
+
+
+def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
+    yield "CPU seconds of the cheapest setting"
+    columns = "".join(f"{HEADS[name]:>10s}" for name in names)
+    yield f"  {'to':8s}{columns}{'all asked':>12s}"
+    for tolerance in NAMED:
+        texts = [_seconds(study, tolerance, name) for name in names]
+        texts.append(_seconds(study, tolerance))
+        inner = "".join(f"{text:>10s}" for text in texts[:-1])
+        yield f"  {100 * tolerance:g} %".ljust(10) + f"{inner}{texts[-1]:>12s}"
+    for tolerance in NAMED:
+        row = study.cheapest(tolerance)
+        if row is None:
+            yield f"{100 * tolerance:g} %: {_why_none(study, tolerance)}"
+            continue
+        yield f"{100 * tolerance:g} %: {row.run.cpu_s:.3f} CPU s"
+        lines = row.setting.lines() or "the scene as it stands"
+        yield from (f"    {line}" for line in lines.splitlines())
+
+
+def _seconds(study: Study, tolerance: float, *names: str) -> str:
+    row = study.cheapest(tolerance, *names)
+    if row is not None:
+        return f"{row.run.cpu_s:.3f}"
+    return IN_DOUBT if _is_in_doubt(study, tolerance, *names) else "none"
+
+
+def _is_in_doubt(study: Study, tolerance: float, *names: str) -> bool:
+    doubt = study.doubt(*names)
+    return doubt is not None and doubt > tolerance
+
+
+def _why_none(study: Study, tolerance: float) -> str:
+    if not _is_in_doubt(study, tolerance):
+        return "not reached by any of these"
+    worst = max(
+        (name for name in study.measures if name in study.doubts), key=study.doubts.__getitem__
+    )
+    doubt = study.doubts[worst]
+    known = f"by {_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "of any size"
+    return f"not reached ({IN_DOUBT}): the limit itself is in doubt {known}"

@@ -1,0 +1,285 @@
+"""CalculiX: find it, run it on a deck, read what it found."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from math import isfinite
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import OtherProgramError
+from flankload.studies.verification.deck import surface_name
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.studies.verification.deck import Deck
+
+    Floats = NDArray[np.float64]
+
+#: Name of the job: deck.inp, deck.dat, deck.sta.
+JOB = "deck"
+#: What CalculiX reads and writes, and the log.
+SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
+PACKAGE = "calculix-ccx"
+STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all contact elements"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What CalculiX found; S pairs.
+
+    Attributes
+    ----------
+    version : str
+    rotation_rad : float
+        Of body 1.
+    force_N_per_mm : (S,) array
+        Normal force of each pair of the deck.
+    moment_N : float
+        Sum of their moments about O1 on the undeformed bodies, N mm/mm; the torque, but for
+        that deformation.
+    pressure_MPa : (S,) array
+        Largest contact pressure at a point of integration; with friction the largest median of
+        a side's points, since single points near the ends of slid sides are far off there.
+    iterations : int
+    cpu_s, wall_s : float
+        NaN where nothing was run.
+    """
+
+    version: str
+    rotation_rad: float
+    force_N_per_mm: Floats
+    moment_N: float
+    pressure_MPa: Floats
+    iterations: int
+    cpu_s: float
+    wall_s: float
+
+
+def files_of_deck(folder: Path) -> tuple[Path, ...]:
+    """Files that a run writes into a folder."""
+    return tuple(folder / f"{JOB}{suffix}" for suffix in SUFFIXES)
+
+
+def find_program(program: str) -> str:
+    """Full name of the program.
+
+    Parameters
+    ----------
+    program : str
+        Its name or path.
+
+    Raises
+    ------
+    OtherProgramError
+        If it is not there; says which package has it.
+    """
+    found = shutil.which(program)
+    if found is None:
+        raise OtherProgramError(
+            f"the program {program!r} of CalculiX is not there: apt install {PACKAGE} "
+            "(Debian, Ubuntu), or see www.calculix.de"
+        )
+    return os.path.abspath(found)  # it runs in another folder
+
+
+def version_of(program: str) -> str:
+    """Version of CalculiX, as it says itself; "unknown" where it says none."""
+    try:
+        done = subprocess.run(
+            [program, "-v"], capture_output=True, text=True, timeout=30.0, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return "unknown"
+    found = re.search(r"Version\s+(\S+)", done.stdout)
+    return found.group(1) if found else "unknown"
+
+
+def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
+    """Run CalculiX on folder/deck.inp and read its answer.
+
+    Parameters
+    ----------
+    program : str
+    folder : Path
+        All of its files go there, deck.log among them.
+    deck : Deck
+        What the file says.
+    time_limit_s : float or None
+        Wall-clock seconds after which it is ended.
+
+    Returns
+    -------
+    Answer
+
+    Raises
+    ------
+    OtherProgramError
+        If it does not converge, does not end in time or writes no answer.
+    """
+    for old in files_of_deck(folder):
+        if old.suffix != ".inp":
+            old.unlink(missing_ok=True)
+    environment = {"OMP_NUM_THREADS": "1", **os.environ}
+    wall, cpu = perf_counter(), _children_cpu_s()
+    log = folder / f"{JOB}.log"
+    try:
+        code = _run([program, "-i", JOB], folder, log, environment, time_limit_s)
+    except subprocess.TimeoutExpired:
+        raise OtherProgramError(
+            f"CalculiX did not end within {time_limit_s:g} s and was stopped", folder=folder
+        ) from None
+    except OSError as error:
+        raise OtherProgramError(
+            f"CalculiX could not be started: {(error.strerror or str(error)).lower()}",
+            folder=folder,
+        ) from None
+    wall, cpu = perf_counter() - wall, _children_cpu_s() - cpu
+    said = log.read_text(encoding="utf-8", errors="replace")
+    if code != 0 or "Job finished" not in said:
+        raise OtherProgramError(_why(code, said), folder=folder)
+    return read_answer(folder, deck, version=version_of(program), cpu_s=cpu, wall_s=wall)
+
+
+def read_answer(
+    folder: Path,
+    deck: Deck,
+    *,
+    version: str = "unknown",
+    cpu_s: float = float("nan"),
+    wall_s: float = float("nan"),
+) -> Answer:
+    """Read deck.dat and deck.sta of a run that ended well.
+
+    Parameters
+    ----------
+    folder : Path
+    deck : Deck
+    version : str
+    cpu_s, wall_s : float
+
+    Returns
+    -------
+    Answer
+
+    Raises
+    ------
+    OtherProgramError
+        If something is missing in them.
+    """
+    try:
+        text = (folder / f"{JOB}.dat").read_text(encoding="utf-8", errors="replace")
+        turned = _last_block(text, "displacements (vx,vy,vz) for set AXIS_1")
+        rotation = deck.start_rad + float(turned.split()[1])
+        if not isfinite(rotation):
+            raise ValueError("the rotation is not a number")
+        forces, moments = zip(*(_force(text, site) for site in deck.sites), strict=True)
+        stress = _last_block(text, STRESS_TITLE)
+        pressures = _pressures(stress, deck)
+        iterations = _iterations(folder / f"{JOB}.sta")
+    except (OSError, LookupError, ValueError) as error:
+        raise OtherProgramError(
+            f"the output of CalculiX cannot be read: {error}", folder=folder
+        ) from None
+    return Answer(
+        version=version,
+        rotation_rad=rotation,
+        force_N_per_mm=np.array(forces),
+        moment_N=float(sum(moments)),
+        pressure_MPa=pressures,
+        iterations=iterations,
+        cpu_s=cpu_s,
+        wall_s=wall_s,
+    )
+
+
+def _run(
+    command: list[str],
+    folder: Path,
+    log: Path,
+    environment: dict[str, str],
+    time_limit_s: float | None,
+) -> int:
+    """Exit code of a program; it does not outlive this call, whatever ends it."""
+    with log.open("w", encoding="utf-8") as out:
+        process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            return process.wait(time_limit_s)
+        finally:
+            process.kill()
+            process.wait()
+
+
+def _children_cpu_s() -> float:
+    times = os.times()
+    return times.children_user + times.children_system
+
+
+def _why(code: int, said: str) -> str:
+    """Last complaint of a run that ended badly."""
+    if "increment size smaller than minimum" in said or "too many cutbacks" in said:
+        return "CalculiX did not converge"
+    complaints = re.findall(r"\*ERROR[^\n]*(?:\n +[^\s*][^\n]*)?", said)
+    last = " ".join(complaints[-1].split()) if complaints else "no message"
+    return f"CalculiX ended without an answer (exit code {code}): {last}"
+
+
+def _last_block(text: str, title: str) -> str:
+    """Lines under the last heading of this title, without the empty ones around them."""
+    found = list(re.finditer(rf"^ *{re.escape(title)} and time +\S+ *$", text, re.MULTILINE))
+    if not found:
+        raise LookupError(f"no lines {title!r} in {JOB}.dat")
+    return re.split(r"\n\s*\n", text[found[-1].end() :].lstrip("\n "), maxsplit=1)[0]
+
+
+def _force(text: str, site: int) -> tuple[float, float]:
+    """Size of a pair's force and its moment about O1."""
+    slave, master = surface_name(site, 1), surface_name(site, 2)
+    title = rf"statistics for slave set {slave}, master set {master} and time"
+    found = list(re.finditer(title, text))
+    if not found:
+        return 0.0, 0.0
+    block = text[found[-1].end() :]
+    moment = _numbers_after(block, "moment about the origin (mx,my,mz)", 6)[5]
+    normal = _numbers_after(block, "area,  normal force (+ = tension)", 2)[1]
+    return (-normal, abs(moment)) if normal < 0 else (0.0, 0.0)
+
+
+def _numbers_after(block: str, heading: str, count: int) -> list[float]:
+    """The first numbers under a heading."""
+    lines = block[block.index(heading) :].splitlines()[1:]
+    return [float(x) for x in next(line for line in lines if line.strip()).split()[:count]]
+
+
+def _pressures(stress: str, deck: Deck) -> Floats:
+    """Largest pressure of each pair."""
+    rows = np.array([[float(x) for x in line.split()[:3]] for line in stress.splitlines()])
+    of_side = np.max if deck.rubbing is None else np.median
+    found = np.zeros(len(deck.sites))
+    for k, faces in enumerate(deck.parts[0].flanks):
+        for element in np.intersect1d(rows[:, 0], faces[:, 0] + 1):
+            pressure = float(of_side(rows[rows[:, 0] == element, 2]))
+            found[k] = max(found[k], pressure)
+    return found
+
+
+def _iterations(path: Path) -> int:
+    """Sum of the fourth column of deck.sta."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[2:]
+    return sum(int(line.split()[3]) for line in lines if len(line.split()) >= 4)

@@ -1,0 +1,235 @@
+"""One position by flankload and by nonlinear finite elements, side by side."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.analysis.runner import solve
+from flankload.base.files import write_atomically
+from flankload.errors import OtherProgramError, SceneError
+from flankload.plan import choose_effects
+from flankload.steering import first_scene
+from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
+from flankload.studies.verification.deck import deck_text
+from flankload.studies.verification.model import check_bodies, model_of
+from flankload.studies.verification.report import json_of, text_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """One position by both programs; S pairs that may touch.
+
+    Attributes
+    ----------
+    name : str
+        Of the scene.
+    position : int
+        Index of the position.
+    position_rad, torque_Nm, face_width_mm, reference_radius_mm : float
+    sites : (S,) array
+        Pair numbers.
+    rotation_rad : float
+        Of body 1, by flankload.
+    site_force_N, peak_pressure_MPa : (S,) arrays
+        By flankload.
+    corner_contact : (S,) bool array
+        The pair works on a sharp corner, where no peak pressure means anything.
+    job_cpu_s, position_cpu_s : float
+        Flankload's CPU seconds for all positions of the scene, finite elements included, and for
+        one more position.
+    positions : int
+        How many positions the job had.
+    nodes, elements : int
+        Of the deck.
+    finest_mm : float
+        Length of its elements at the contacts.
+    deck : Path or None
+        The input file; None where it was in a temporary folder that is gone.
+    calculix : Answer or None
+        What CalculiX found, per mm of width; None where it was not asked.
+    """
+
+    name: str
+    position: int
+    position_rad: float
+    torque_Nm: float
+    face_width_mm: float
+    reference_radius_mm: float
+    sites: NDArray[np.int64]
+    rotation_rad: float
+    site_force_N: Floats
+    peak_pressure_MPa: Floats
+    corner_contact: NDArray[np.bool_]
+    job_cpu_s: float
+    position_cpu_s: float
+    positions: int
+    nodes: int
+    elements: int
+    finest_mm: float
+    deck: Path | None
+    calculix: Answer | None
+
+    @property
+    def rotation_difference(self) -> float:
+        """Flankload's rotation over that of CalculiX, less one; NaN where it was not asked."""
+        if self.calculix is None:
+            return float("nan")
+        return self.rotation_rad / self.calculix.rotation_rad - 1.0
+
+    @property
+    def share_difference(self) -> Floats:
+        """(S,) Flankload's load shares less those of CalculiX; NaN where it was not asked."""
+        if self.calculix is None:
+            return np.full(self.sites.size, np.nan)
+        other = self.calculix.force_N_per_mm
+        return np.asarray(self.site_force_N / self.site_force_N.sum() - other / other.sum())
+
+    def to_json(self) -> str:
+        """Return everything as strict JSON (null for what is not a number)."""
+        return json_of(self)
+
+    def table(self) -> str:
+        """Return both programs side by side as text."""
+        return text_of(self)
+
+
+def verify(
+    scene: Scene,
+    *,
+    position: int = 0,
+    folder: str | Path | None = None,
+    run: bool = True,
+    time_limit_s: float | None = None,
+    elements_per_half_width: float = 6.0,
+    large_displacement: bool = False,
+    program: str = "ccx",
+) -> Verification:
+    """Solve one position of a scene by nonlinear finite elements, too.
+
+    Both whole bodies go to CalculiX as they stand at that position, with elements that are fine at
+    the contacts; it knows neither pressure modes nor influence numbers, and its own output says
+    rotation, forces and pressures. Flankload's answer decides only how fine the elements are and
+    which flanks are near enough to be watched.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of a list of torques the largest one counts.
+    position : int
+        Index into the scene's positions.
+    folder : path, optional
+        Where deck.inp and the files of CalculiX go and stay; absent: a temporary folder, which
+        stays only where CalculiX was not asked or gave no answer.
+    run : bool
+        False: the deck is written and not solved.
+    time_limit_s : float, optional
+        Wall-clock seconds that CalculiX may take.
+    elements_per_half_width : float
+        Elements on the half-width of a Hertz contact.
+    large_displacement : bool
+        CalculiX follows the deformation of the geometry.
+    program : str
+        Name or path of CalculiX.
+
+    Returns
+    -------
+    Verification
+
+    Raises
+    ------
+    SceneError
+        If there is no such position, a body has no elements, or no torque loads it.
+    OtherProgramError
+        If CalculiX is missing or has no answer; its files stay where `folder` of the error says.
+    """
+    scene, _ = choose_effects(first_scene(scene))
+    check_bodies(scene)
+    result = _result(scene, position)
+    model = model_of(
+        scene,
+        result,
+        position,
+        elements_per_half_width=elements_per_half_width,
+        large_displacement=large_displacement,
+    )
+    place = Path(folder) if folder is not None else Path(tempfile.mkdtemp(prefix="flankload_"))
+    place.mkdir(parents=True, exist_ok=True)
+    path = place / f"{JOB}.inp"
+    write_atomically(path, deck_text(model.deck).encode("ascii", errors="replace"))
+    answer = None
+    if run:
+        try:
+            found = find_program(program)
+        except OtherProgramError as error:
+            raise OtherProgramError(str(error), folder=place) from None
+        try:
+            answer = run_deck(found, place, model.deck, time_limit_s=time_limit_s)
+        except KeyboardInterrupt:
+            if folder is None:
+                shutil.rmtree(place)
+            raise
+        if folder is None:
+            shutil.rmtree(place)
+    sites = np.array(model.deck.sites)
+    column = {site: s for s, site in enumerate(result.sites.tolist())}
+    rows = [column.get(site, -1) for site in sites.tolist()]
+
+    def of_sites(values: NDArray[Any]) -> NDArray[Any]:
+        return np.append(values[position], np.zeros(1, values.dtype))[rows]
+
+    stages = result.cost["stages"]
+    return Verification(
+        name=result.name,
+        position=position,
+        position_rad=float(result.position_rad[position]),
+        torque_Nm=result.torque_Nm,
+        face_width_mm=result.face_width_mm,
+        reference_radius_mm=result.reference_radius_mm,
+        sites=sites,
+        rotation_rad=float(result.rotation_rad[position]),
+        site_force_N=of_sites(result.site_force_N),
+        peak_pressure_MPa=of_sites(result.peak_pressure_MPa),
+        corner_contact=of_sites(result.corner_contact),
+        job_cpu_s=sum(stage["cpu_s"] for stage in stages.values()),
+        position_cpu_s=stages["sweep"]["cpu_s"]
+        / (result.position_rad.size * len(scene.torques_Nm)),
+        positions=result.position_rad.size,
+        nodes=model.deck.node_count,
+        elements=sum(len(part.cells) for part in model.deck.parts),
+        finest_mm=model.finest_mm,
+        deck=path if answer is None or folder is not None else None,
+        calculix=answer,
+    )
+
+
+def _result(scene: Scene, position: int) -> Result:
+    """Flankload's own answer for the largest torque."""
+    if not any(scene.torques_Nm):
+        raise SceneError(
+            file=scene.file, key="load.torque_Nm", expected="a torque to hold", found="0"
+        )
+    found = solve(scene)
+    result = max(found, key=lambda r: r.torque_Nm) if isinstance(found, tuple) else found
+    count = result.position_rad.size
+    if not 0 <= position < count:
+        raise SceneError(
+            file=scene.file,
+            key="position",
+            expected=f"an index from 0 to {count - 1}, since there are {count} positions",
+            found=f"{position}",
+        )
+    return result

@@ -1,0 +1,166 @@
+"""Where flanks may touch at a position, how wide, and how fine the elements must be there.
+
+Seen from the exact curves alone: both flanks are sampled, and the gap is the angle about O1 between
+them on the same radius.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import FlankloadError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies import Material
+    from flankload.flank import FlankCurve
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+
+    Floats = NDArray[np.float64]
+
+#: Places on a flank at which the gap is looked at.
+SAMPLES = 600
+#: The zone of fine elements reaches as far as half-widths of a contact that carries the load.
+ZONE_HALF_WIDTHS = 1.6
+#: A flank that carries nothing by the other reckoning is meshed for this part of the whole load.
+LEAST_PART = 0.25
+#: Fine elements are at most this part of a flank's length.
+LARGEST_PART = 1.0 / 24.0
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a pair of flanks may touch.
+
+    Attributes
+    ----------
+    site : int
+        Pair number.
+    gap_rad : float
+        Least gap: angle by which body 1 must turn until the flanks touch.
+    element_mm : float
+        Wanted length of the elements there.
+    points : (k, 2) array
+        Places about which elements are fine, no further apart than they are long, mm.
+    """
+
+    site: int
+    gap_rad: float
+    element_mm: float
+    points: Floats
+
+
+def contact_places(
+    pair: BodyPair,
+    turns: tuple[float, float],
+    *,
+    force_N_per_mm: dict[int, float],
+    rotation_rad: float,
+    reach: float,
+    elements_per_half_width: float,
+    plane: str,
+) -> tuple[Place, ...]:
+    """Places where flanks can touch before body 1 has turned far beyond its rotation.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    turns : (float, float)
+        Turns of both bodies' frames, rad.
+    force_N_per_mm : dict of int to float
+        About what each pair carries; decides how fine elements are.
+    rotation_rad : float
+        About how far body 1 turns.
+    reach : float
+        Flanks further apart than this many times the way from the first touch are left out.
+    elements_per_half_width : float
+        Of a Hertz contact under that force.
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    tuple of Place
+        By ascending pair number.
+
+    Raises
+    ------
+    FlankloadError
+        If no flanks meet.
+    """
+    pairing = pair.pairing
+    total = sum(force_N_per_mm.values())
+    give = sum(_give(body.material, plane) for body in (pair.body_1, pair.body_2))
+    seen = []
+    for number, site in enumerate(pairing.sites.tolist()):
+        curves = [
+            body.curve.rotated(turn + float(angles[number]))
+            for body, turn, angles in zip(
+                (pair.body_1, pair.body_2), turns, pairing.site_angles_rad, strict=True
+            )
+        ]
+        flank = _gaps(curves[0], curves[1], pairing.center_distance_mm, pairing.period_rad)
+        if flank is not None:
+            seen.append((site, curves, *flank))
+    if not seen:
+        raise FlankloadError("no flanks meet at this position")
+    touch = min(float(gaps.min()) for _, _, gaps, _, _ in seen)
+    places = []
+    for site, curves, gaps, s_1, points in seen:
+        best = int(gaps.argmin())
+        if gaps[best] > touch + reach * (rotation_rad - touch):
+            continue
+        force = max(force_N_per_mm.get(site, 0.0), LEAST_PART * total / len(force_N_per_mm))
+        lever = abs(float(_cross(points[best], curves[0].normal([s_1[best]])[0])))
+        s_2 = curves[1].arc_length_of(points[best] - [pairing.center_distance_mm, 0.0])[0]
+        bend = float(curves[0].curvature([s_1[best]])[0] + curves[1].curvature(s_2)[0])
+        longest = LARGEST_PART * min(curve.length_mm for curve in curves)
+        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch all over
+        width = np.sqrt(2 * force * give / bend) if bend > 0 else np.inf
+        size = min(width / elements_per_half_width, longest)
+        near = (gaps - gaps[best]) * lever <= ZONE_HALF_WIDTHS**2 * force * give
+        places.append(
+            Place(site, float(gaps[best]), float(size), _spread(points[near], points[best], size))
+        )
+    return tuple(places)
+
+
+def _give(material: Material, plane: str) -> float:
+    """c0 of a half-plane, mm²/N."""
+    ratio = material.poisson_ratio if plane == "strain" else 0.0
+    return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)
+
+
+def _cross(a: Floats, b: Floats) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])
+
+
+def _gaps(
+    curve_1: FlankCurve, curve_2: FlankCurve, distance_mm: float, pitch_rad: float
+) -> tuple[Floats, Floats, Floats] | None:
+    """Gap angles, arc lengths on flank 1 and places of its samples that have a mate opposite."""
+    s = np.linspace(0.0, curve_1.length_mm, SAMPLES)
+    points = curve_1.point(s)
+    mate = curve_2.point(np.linspace(0.0, curve_2.length_mm, SAMPLES))
+    mate[:, 0] += distance_mm
+    radius, mate_radius = np.hypot(*points.T), np.hypot(*mate.T)
+    angle, mate_angle = np.arctan2(*points.T[::-1]), np.unwrap(np.arctan2(*mate.T[::-1]))
+    begin, step = mate_radius[:-1], np.diff(mate_radius)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = (radius[:, None] - begin) / step
+        crossing = mate_angle[:-1] + part * np.diff(mate_angle)
+    gap = (crossing - angle[:, None] + np.pi) % (2 * np.pi) - np.pi
+    there = (part >= 0) & (part <= 1) & (np.abs(gap) < 0.5 * pitch_rad)
+    gap = np.where(there, gap, np.inf).min(axis=1)
+    found = np.isfinite(gap)
+    return (gap[found], s[found], points[found]) if found.any() else None
+
+
+def _spread(points: Floats, middle: Floats, size: float) -> Floats:
+    """Some of the points, about `size` apart, and the middle one."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    chosen = np.unique((along / size).astype(int), return_index=True)[1]
+    return np.vstack([points[chosen], points[-1:], middle[None]])

@@ -1,0 +1,261 @@
+"""The deck: both bodies in quadratic plane elements, contact, supports and torque, for CalculiX.
+
+Everything is per mm of face width. Names that the reader of the output looks for stand here: node
+set AXIS_1 (its first component is the rotation of body 1), surfaces PAIR_<j>_BODY_<z>.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.studies.verification.triangles import quadratic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies import Material
+    from flankload.studies.verification.triangles import Triangles
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Contact pressure per mm of overlap, MPa/mm: 1000 MPa overlap by 0.01 um.
+PENALTY = 1e8
+#: Shear stress per mm of slip before flanks slide, MPa/mm: 150 MPa are reached after 0.03 um.
+STICK = 5e6
+#: An iteration is the last one when it moves nodes by less than this part of all; CalculiX would
+#: stop at a hundredth, which leaves 0.05 % in the rotation.
+CORRECTION = 1e-5
+#: Six-node plane elements of CalculiX.
+ELEMENT = {"strain": "CPE6", "stress": "CPS6"}
+
+
+@dataclass(frozen=True)
+class Part:
+    """One body of a deck.
+
+    Attributes
+    ----------
+    nodes : (N, 2) array
+        mm, where the body stands.
+    cells : (m, 6) array
+    held : array
+        Nodes that are held.
+    flanks : tuple of (k, 2) arrays
+        Element and side (1 to 3) of each pair's surface.
+    material : Material
+    """
+
+    nodes: Floats
+    cells: Numbers
+    held: Numbers
+    flanks: tuple[Numbers, ...]
+    material: Material
+
+
+@dataclass(frozen=True)
+class Rubbing:
+    """Friction of a deck: flanks must have slid before they rub as they do in motion.
+
+    Attributes
+    ----------
+    coefficients : tuple of float
+        Of each pair of the deck.
+    center_distance_mm : float
+        Where body 2 turns.
+    back_rad : float
+        Turn of body 2 from the position that is asked to the one before, from where it slides.
+    """
+
+    coefficients: tuple[float, ...]
+    center_distance_mm: float
+    back_rad: float
+
+
+@dataclass(frozen=True)
+class Deck:
+    """What the input file says.
+
+    Attributes
+    ----------
+    title : str
+    parts : two Part
+        Body 1 turns about the origin; body 2 is held.
+    sites : tuple of int
+        Pair number of each of `Part.flanks`.
+    torque_N : float
+        Torque per mm of width, N mm/mm.
+    start_rad : float
+        Angle by which body 1 stands turned already; its rotation is this and that of its axis.
+    plane : {"strain", "stress"}
+    large_displacement : bool
+        Geometry follows the deformation.
+    rubbing : Rubbing or None
+        None without friction.
+    """
+
+    title: str
+    parts: tuple[Part, Part]
+    sites: tuple[int, ...]
+    torque_N: float
+    start_rad: float
+    plane: str
+    large_displacement: bool
+    rubbing: Rubbing | None = None
+
+    @property
+    def node_count(self) -> int:
+        """Nodes of both bodies."""
+        return sum(len(part.nodes) for part in self.parts)
+
+    def axis_node(self, body: int) -> int:
+        """Number of the node whose first component is the rotation of body 1 or 2."""
+        return self.node_count + body
+
+
+def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
+    """A body of the deck from its triangles.
+
+    Parameters
+    ----------
+    mesh : Triangles
+        Where the body stands.
+    n_flanks : int
+        Flanks that may touch.
+    material : Material
+
+    Returns
+    -------
+    Part
+    """
+    nodes, cells, middles = quadratic(mesh)
+    border = mesh.border
+    held = np.unique(np.concatenate([border.ends[border.held].ravel(), middles[border.held]]))
+    # the element and side that each of the border's middle nodes belongs to
+    owner = np.zeros((len(nodes), 2), dtype=np.int64)
+    for side in range(3):
+        owner[cells[:, 3 + side]] = np.stack(
+            [np.arange(len(cells)), np.full(len(cells), side + 1)], axis=1
+        )
+    flanks = tuple(owner[middles[border.flank == k]] for k in range(n_flanks))
+    return Part(nodes, cells, held, flanks, material)
+
+
+def surface_name(site: int, body: int | None = None) -> str:
+    """Name of a pair, or of its surface on body 1 or 2; M stands for minus."""
+    name = f"PAIR_{'M' if site < 0 else ''}{abs(site)}"
+    return name if body is None else f"{name}_BODY_{body}"
+
+
+def deck_text(deck: Deck) -> str:
+    """The input file.
+
+    Parameters
+    ----------
+    deck : Deck
+
+    Returns
+    -------
+    str
+    """
+    return "\n".join(_lines(deck)) + "\n"
+
+
+def _lines(deck: Deck) -> Iterator[str]:
+    yield "*HEADING"
+    yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa; per mm of width]"
+    yield f"** body 1 stands turned by {deck.start_rad!r} rad from the position without load;"
+    yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
+    first_node, first_element = 1, 1
+    for z, part in enumerate(deck.parts, start=1):
+        yield from _body(part, z, ELEMENT[deck.plane], first_node, first_element)
+        for site, faces in zip(deck.sites, part.flanks, strict=True):
+            yield f"*SURFACE, NAME={surface_name(site, z)}, TYPE=ELEMENT"
+            yield from (f"{first_element + e}, S{side}" for e, side in faces.tolist())
+        yield from _set(f"HELD_{z}", first_node + part.held)
+        first_node += len(part.nodes)
+        first_element += len(part.cells)
+    yield from _axis(deck, 1, 0.0)
+    if deck.rubbing is not None:
+        yield from _axis(deck, 2, deck.rubbing.center_distance_mm)
+    yield from _contact(deck)
+    if deck.rubbing is None:
+        yield from ("*BOUNDARY", "HELD_2, 1, 2")
+        yield from _step(deck)
+    else:
+        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.rubbing.back_rad)}")
+        yield from _step(deck, "AXIS_2, 1, 1, 0.")
+
+
+def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
+    """The held nodes of a body turn about its axis as one: u = (-y, x) times the rotation."""
+    axis = deck.axis_node(body)
+    part = deck.parts[body - 1]
+    first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
+    yield f"*NODE, NSET=AXIS_{body}"
+    yield f"{axis}, {_number(center_mm)}, 0., 0."
+    for node in part.held.tolist():
+        x, y = part.nodes[node].tolist()
+        for component, arm in ((1, y), (2, center_mm - x)):
+            yield "*EQUATION"
+            yield "2"
+            yield f"{first_node + node}, {component}, 1., {axis}, 1, {_number(arm)}"
+    yield "*BOUNDARY"
+    yield f"AXIS_{body}, 2, 3"
+
+
+def _contact(deck: Deck) -> Iterator[str]:
+    for k, site in enumerate(deck.sites):
+        name = surface_name(site)
+        yield f"*SURFACE INTERACTION, NAME={name}"
+        yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
+        yield f"{PENALTY:g}"
+        if deck.rubbing is not None and deck.rubbing.coefficients[k] > 0:
+            yield "*FRICTION"
+            yield f"{_number(deck.rubbing.coefficients[k])}, {STICK:g}"
+        yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE"
+        yield f"{surface_name(site, 1)}, {surface_name(site, 2)}"
+
+
+def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
+    yield "*STEP, INC=1000" + (", NLGEOM" if deck.large_displacement else "")
+    yield from ("*CONTROLS, PARAMETERS=FIELD", f", {CORRECTION:g}")
+    yield from ("*STATIC", "1., 1.")
+    if boundary is not None:
+        yield from ("*BOUNDARY", boundary)
+    yield from ("*CLOAD", f"AXIS_1, 1, {_number(deck.torque_N)}")
+    yield from ("*NODE PRINT, NSET=AXIS_1", "U")
+    for site in deck.sites:
+        yield f"*CONTACT PRINT, SLAVE={surface_name(site, 1)}, MASTER={surface_name(site, 2)}"
+        yield "CF"
+    yield from ("*CONTACT PRINT", "CSTR")
+    yield "*END STEP"
+
+
+def _body(part: Part, z: int, kind: str, first_node: int, first_element: int) -> Iterator[str]:
+    yield "*NODE"
+    for k, (x, y) in enumerate(part.nodes.tolist(), start=first_node):
+        yield f"{k}, {_number(x)}, {_number(y)}, 0."
+    yield f"*ELEMENT, TYPE={kind}, ELSET=BODY_{z}"
+    for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
+        yield f"{k}, " + ", ".join(map(str, row))
+    yield f"*MATERIAL, NAME=MATERIAL_{z}"
+    yield "*ELASTIC"
+    yield ", ".join(map(_number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
+    yield f"*SOLID SECTION, ELSET=BODY_{z}, MATERIAL=MATERIAL_{z}"
+    yield "1."
+
+
+def _number(value: float) -> str:
+    """A number in at most 20 characters: of more CalculiX reads the first 20, without a word."""
+    return f"{value:.13g}"
+
+
+def _set(name: str, nodes: Numbers) -> Iterator[str]:
+    yield f"*NSET, NSET={name}"
+    yield from (f"{node}," for node in nodes.tolist())

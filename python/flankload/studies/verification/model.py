@@ -1,0 +1,257 @@
+"""From a scene and a position to a deck: whole bodies, fine where flanks may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import structs
+
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene.refusal import shown
+from flankload.studies.verification.contact_places import contact_places
+from flankload.studies.verification.deck import Deck, Part, Rubbing, part_of
+from flankload.studies.verification.refine import refined
+from flankload.studies.verification.triangles import moved, whole_body
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies import Body
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.verification.contact_places import Place
+
+    Floats = NDArray[np.float64]
+
+#: Elements of the coarse mesh along the flanks in modules, and on splines; far teeth keep them.
+COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
+#: Sides grow by this much per mm of distance from the contact.
+GROWTH = 0.2
+#: Body 1 stands turned so far into its mate at the start, in parts of its deflection: flanks that
+#: do not touch would leave it free.
+START_PART = 0.05
+#: Turn of body 1 by which flanks with friction slide before they stand at the position.
+SLIDING_RAD = 2e-3
+#: Flanks are watched up to so many times the deflection.
+REACH = 3.0
+
+
+@dataclass(frozen=True)
+class Model:
+    """A deck and what its reader must know.
+
+    Attributes
+    ----------
+    deck : Deck
+    finest_mm : float
+        Length of the elements at the contacts.
+    """
+
+    deck: Deck
+    finest_mm: float
+
+
+def check_bodies(scene: Scene) -> None:
+    """Refuse bodies that have no elements.
+
+    Raises
+    ------
+    SceneError
+    """
+    if scene.body_2.kind == "cam":
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with teeth: no deck is written for a cam and its follower",
+            found="'cam'",
+        )
+    for key in ("temperature_rise_K", "speed_rpm"):
+        if getattr(scene.effects, key):
+            raise SceneError(
+                file=scene.file,
+                key=f"effects.{key}",
+                expected="nothing: bodies that grow are not written for another program",
+                found=shown(getattr(scene.effects, key)),
+            )
+    if scene.effects.coast_flank:
+        raise SceneError(
+            file=scene.file,
+            key="effects.coast_flank",
+            expected="false: a deck lets the working flanks touch, not the coast flanks",
+            found="true",
+        )
+    for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        if spec.kind == "compliance":
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.kind",
+                expected="a body with elements, for another program to solve them",
+                found="'compliance': its file holds what the elements gave, not the elements",
+            )
+        if spec.rigid:
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.rigid",
+                expected="a body that yields: rigid flanks are not written for another program",
+                found="true",
+            )
+
+
+def model_of(
+    scene: Scene,
+    result: Result,
+    position: int,
+    *,
+    elements_per_half_width: float,
+    large_displacement: bool,
+) -> Model:
+    """Deck of one position.
+
+    Parameters
+    ----------
+    scene : Scene
+    result : Result
+        Its answer: says how fine elements must be and how far to look, nothing else.
+    position : int
+    elements_per_half_width : float
+        Elements on the half-width of a Hertz contact.
+    large_displacement : bool
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        If a body cannot be meshed or no flanks meet.
+    """
+    pair = _coarse_bodies(scene)
+    plane = scene.accuracy.plane
+    angle = float(result.position_rad[position])
+    turn_1, turn_2 = (float(turn) for turn in pair.pairing.turns(np.float64(angle)))  # type: ignore[arg-type]
+    loads = result.site_force_N[position] / result.face_width_mm
+    rotation = float(result.rotation_rad[position])
+    places = contact_places(
+        pair,
+        (turn_1, turn_2),
+        force_N_per_mm=dict(zip(result.sites.tolist(), loads.tolist(), strict=True)),
+        rotation_rad=rotation,
+        reach=REACH,
+        elements_per_half_width=elements_per_half_width,
+        plane=plane,
+    )
+    touch = min(place.gap_rad for place in places)
+    start = touch + START_PART * (rotation - touch)
+    size = _sizes(places)
+    parts = []
+    for z, (body, turn, shift) in enumerate(
+        ((pair.body_1, turn_1, 0.0), (pair.body_2, turn_2, pair.pairing.center_distance_mm))
+    ):
+        flanks = _flanks_of(pair, z, places)
+        further = start if z == 0 else 0.0
+        parts.append(_part(body, flanks, (turn, further, shift), size))
+    deck = Deck(
+        title=f"{result.name}, position {position}",
+        parts=(parts[0], parts[1]),
+        sites=tuple(place.site for place in places),
+        torque_N=1000.0 * result.torque_Nm / result.face_width_mm,
+        start_rad=start,
+        plane=plane,
+        large_displacement=large_displacement,
+        rubbing=friction_of_deck(scene, pair, places),
+    )
+    return Model(deck, min(place.element_mm for place in places))
+
+
+def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) -> Rubbing | None:
+    """Friction of the watched pairs.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    places : tuple of Place
+
+    Returns
+    -------
+    Rubbing, or None where there is no friction or nothing slides
+
+    Raises
+    ------
+    SceneError
+        If a coefficient changes along a flank.
+    """
+    friction, pairing = pair.friction, pair.pairing
+    if friction is None or pairing.center_distance_mm == 0.0:
+        return None
+    if np.ptp(friction.coefficients, axis=0).any():
+        raise SceneError(
+            file=scene.file,
+            key="effects.friction_coefficient",
+            expected="a number, or one per tooth: another program gets one coefficient for a pair",
+            found="a table over the roll position",
+        )
+    rows = np.searchsorted(pairing.sites, [place.site for place in places])
+    return Rubbing(
+        coefficients=tuple(friction.coefficients[0, rows].tolist()),
+        center_distance_mm=pairing.center_distance_mm,
+        back_rad=friction.sense * pairing.ratio * SLIDING_RAD,
+    )
+
+
+def _coarse_bodies(scene: Scene) -> BodyPair:
+    """Both bodies with coarse elements where flankload makes them itself."""
+    module = next(
+        (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
+        None,
+    )
+    if module is None:
+        return build_bodies(scene)
+    part = COARSE_SPLINE_PART if scene.body_1.kind == "spline_shaft" else COARSE_PART
+    accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
+    try:
+        return build_bodies(replace(scene, accuracy=accuracy))
+    except SceneError:  # too coarse for this rim or tooth
+        return build_bodies(scene)
+
+
+def _flanks_of(pair: BodyPair, z: int, places: tuple[Place, ...]) -> tuple[tuple[int, float], ...]:
+    """Tooth and angle of body z's flank at each place."""
+    rows = np.searchsorted(pair.pairing.sites, [place.site for place in places])
+    teeth, angles = pair.pairing.site_teeth[z][rows], pair.pairing.site_angles_rad[z][rows]
+    return tuple(zip(teeth.tolist(), angles.tolist(), strict=True))
+
+
+def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
+    """Longest side of an element by its place."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(np.vstack([place.points for place in places]))
+    finest = np.concatenate([np.full(len(place.points), place.element_mm) for place in places])
+
+    def size_at(points: Floats) -> Floats:
+        distance, nearest = tree.query(points)
+        return np.asarray(finest[nearest] + GROWTH * np.maximum(distance - finest[nearest], 0.0))
+
+    return size_at
+
+
+def _part(
+    body: Body,
+    flanks: tuple[tuple[int, float], ...],
+    stand: tuple[float, float, float],
+    size: Callable[[Floats], Floats],
+) -> Part:
+    """One body: refined as it stands at the position, then turned further by the start."""
+    turn, further, shift = stand
+    c, s = np.cos(turn), np.sin(turn)
+    to_place = np.array([[c, s], [-s, c]])
+    mesh = refined(whole_body(body, flanks), lambda points: size(points @ to_place + [shift, 0.0]))
+    return part_of(moved(mesh, turn + further, shift), len(flanks), body.material)

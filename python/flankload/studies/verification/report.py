@@ -1,0 +1,123 @@
+"""A verification as text and as JSON."""
+
+from __future__ import annotations
+
+import json
+from math import degrees, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.studies.verification.comparison import Verification
+
+
+def json_of(v: Verification) -> str:
+    """Return everything as strict JSON (null for what is not a number)."""
+    return json.dumps(_plain(tree_of(v)), indent=2, allow_nan=False) + "\n"
+
+
+def text_of(v: Verification) -> str:
+    """Return both programs side by side."""
+    return "\n".join(line.rstrip() for line in _lines(v))
+
+
+def tree_of(v: Verification) -> dict[str, Any]:
+    """Return everything by name, with units; loads of the whole width."""
+    tree: dict[str, Any] = {
+        "name": v.name,
+        "position": v.position,
+        "position_rad": v.position_rad,
+        "torque_Nm": v.torque_Nm,
+        "sites": v.sites,
+        "corner_contact": v.corner_contact,
+        "flankload": {
+            "rotation_rad": v.rotation_rad,
+            "site_force_N": v.site_force_N,
+            "peak_pressure_MPa": v.peak_pressure_MPa,
+            "job_cpu_s": v.job_cpu_s,
+            "positions": v.positions,
+            "position_cpu_s": v.position_cpu_s,
+        },
+        "deck": {
+            "file": None if v.deck is None else str(v.deck),
+            "nodes": v.nodes,
+            "elements": v.elements,
+            "finest_mm": v.finest_mm,
+        },
+        "calculix": None,
+    }
+    if v.calculix is not None:
+        answer = v.calculix
+        tree["calculix"] = {
+            "version": answer.version,
+            "rotation_rad": answer.rotation_rad,
+            "site_force_N": answer.force_N_per_mm * v.face_width_mm,
+            "peak_pressure_MPa": answer.pressure_MPa,
+            "torque_found_Nm": answer.moment_N * v.face_width_mm / 1000.0,
+            "iterations": answer.iterations,
+            "cpu_s": answer.cpu_s,
+            "wall_s": answer.wall_s,
+        }
+        tree["rotation_difference"] = v.rotation_difference
+        tree["share_difference"] = v.share_difference
+    return tree
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(one) for one in np.asarray(value).tolist()]
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _lines(v: Verification) -> Iterator[str]:
+    other = v.calculix
+    where = f"position {v.position} ({degrees(v.position_rad):.3f} deg)"
+    yield f"{v.name}: {v.torque_Nm:g} N m, {where}"
+    yield ""
+    title = "CalculiX" if other is None else f"CalculiX {other.version}"
+    yield f"{'':<24}{'flankload':>14}{title:>16}{'difference':>16}"
+    turned = None if other is None else other.rotation_rad
+    um = 1000.0 * v.reference_radius_mm
+    yield _row("rotation, rad", v.rotation_rad, turned, ".6e")
+    error = None if turned is None else um * turned
+    yield _row("transm. error, um", um * v.rotation_rad, error, ".3f")
+    held = None if other is None else other.moment_N * v.face_width_mm / 1000.0
+    yield _row("torque of forces, N m", v.torque_Nm, held, ".2f")
+    for s, site in enumerate(v.sites.tolist()):
+        force = None if other is None else other.force_N_per_mm[s] * v.face_width_mm
+        if not (v.site_force_N[s] or force):
+            continue
+        yield _row(f"pair {site}: load, N", v.site_force_N[s], force, ".1f", v.site_force_N.sum())
+        mark = "*" if v.corner_contact[s] else ""
+        pressure = None if other is None else other.pressure_MPa[s]
+        yield _row("  pressure, MPa" + mark, v.peak_pressure_MPa[s], pressure, ".1f")
+    yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}" + (
+        f"{other.cpu_s:>16.3g}{'':>4}(all {v.positions} positions against one; flankload's "
+        f"positions take {v.position_cpu_s:.2g} s each)"
+        if other is not None
+        else f"{'-':>16}{'':>4}(all {v.positions} positions)"
+    )
+    yield ""
+    if v.corner_contact.any():
+        yield "* on a sharp corner, where no pressure means anything"
+    deck = f"deck: {v.nodes} nodes, {v.elements} six-node triangles, finest {v.finest_mm:.3g} mm"
+    yield deck if other is None else f"{deck}; {other.iterations} iterations"
+    if v.deck is not None:
+        yield f"kept as {v.deck}"
+
+
+def _row(
+    what: str, ours: float, theirs: float | None, form: str, scale: float | None = None
+) -> str:
+    """A line; the difference in parts of the other's number, of a total where there is one."""
+    text = f"{what:<24}{ours:>14{form}}"
+    if theirs is None:
+        return f"{text}{'-':>16}{'-':>16}"
+    base = theirs if scale is None else scale
+    difference = f"{100 * (ours - theirs) / base:+.3f} %" if base else "-"
+    return f"{text}{theirs:>16{form}}{difference:>16}" + (" of all" if scale and base else "")

@@ -1,0 +1,252 @@
+"""Triangles of a whole body, with the border that knows the exact flank curves.
+
+Corners only: a side is straight inside the body and goes through its own middle on the border.
+`refine.py` halves triangles, `quadratic` hands over six-node elements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies import SectorMesh
+from flankload.meshes.plane_mesh import boundary_edges
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies import Body, WholeMesh
+    from flankload.flank import FlankCurve
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Nodes nearer to each other than this part of the shortest edge are one node.
+SAME_NODE = 0.05
+#: Border nodes nearer to a flank curve than this part of its length stand on it.
+ON_CURVE = 1e-4
+
+
+@dataclass(frozen=True)
+class Border:
+    """Sides that belong to one triangle; k of them.
+
+    Attributes
+    ----------
+    ends : (k, 2) array
+        Vertices; the material lies on the left.
+    middles : (k, 2) array
+        Places, mm.
+    flank : (k,) array
+        Number of the flank curve that the side lies on, -1 where on none.
+    s : (k, 2) array
+        Arc lengths of both ends on that curve, mm; NaN where on none.
+    held : (k,) bool array
+    """
+
+    ends: Numbers
+    middles: Floats
+    flank: Numbers
+    s: Floats
+    held: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """A plane body in triangles.
+
+    Attributes
+    ----------
+    vertices : (n, 2) array
+        mm.
+    corners : (m, 3) array
+        Counter-clockwise.
+    border : Border
+    curves : tuple of FlankCurve
+        Those that `border.flank` counts, where they stand.
+    """
+
+    vertices: Floats
+    corners: Numbers
+    border: Border
+    curves: tuple[FlankCurve, ...]
+
+
+def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
+    """The whole of a body from its mesh, in the body's own frame.
+
+    Parameters
+    ----------
+    body : Body
+        With a mesh.
+    flanks : tuple of (int, float)
+        Tooth and angle (rad) of each flank that may touch; a flank that stands beside its equal
+        share takes the border with it.
+
+    Returns
+    -------
+    Triangles
+        `curves` in the order of `flanks`.
+    """
+    mesh = body.mesh
+    assert mesh is not None
+    if isinstance(mesh, SectorMesh):
+        nodes, cells, held = _all_sectors(mesh)
+    else:
+        nodes, cells, held = mesh.nodes, mesh.cells, mesh.fixed_nodes
+    edges = boundary_edges(cells)
+    curves = tuple(body.curve.rotated(angle) for _, angle in flanks)
+    nodes = nodes.copy()
+    flank = np.full(len(edges), -1)
+    s_ends = np.full((len(edges), 2), np.nan)
+    known = _given_arc_lengths(body, mesh, nodes)
+    for k, (tooth, angle) in enumerate(flanks):
+        share = 2 * np.pi * tooth / body.teeth
+        standing = angle if not isinstance(mesh, SectorMesh) else share
+        s = _arc_lengths(body.curve.rotated(standing), nodes, edges, known.get(tooth))
+        ours = ~np.isnan(s[edges]).any(axis=1)
+        on = np.unique(edges[ours])
+        nodes[on] = curves[k].point(s[on])
+        flank[ours] = k
+        s_ends[ours] = s[edges[ours, :2]]
+    middles = nodes[edges[:, 2]]
+    for k, curve in enumerate(curves):
+        middles[flank == k] = curve.point(s_ends[flank == k].mean(axis=1))
+    corners = _triangles(nodes, cells)
+    used, corners = np.unique(corners, return_inverse=True)
+    place = np.full(len(nodes), -1)
+    place[used] = np.arange(used.size)
+    border = Border(
+        ends=place[edges[:, :2]],
+        middles=middles,
+        flank=flank,
+        s=s_ends,
+        held=np.asarray(np.isin(edges, held).all(axis=1)),
+    )
+    return Triangles(nodes[used], corners.reshape(-1, 3), border, curves)
+
+
+def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
+    """The same body turned about its axis, which then stands at (shift, 0).
+
+    Its curves stay in the body's frame and are left out.
+    """
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    turn = np.array([[c, s], [-s, c]])
+    shift = np.array([shift_mm, 0.0])
+    border = replace(mesh.border, middles=mesh.border.middles @ turn + shift)
+    return Triangles(mesh.vertices @ turn + shift, mesh.corners, border, ())
+
+
+def quadratic(mesh: Triangles) -> tuple[Floats, Numbers, Numbers]:
+    """Six-node triangles.
+
+    Returns
+    -------
+    nodes : (N, 2) array
+        The vertices first, then the middles.
+    cells : (m, 6) array
+        Corners, then the middles of the sides 0-1, 1-2, 2-0.
+    border : (k,) array
+        Middle nodes of the border's sides.
+    """
+    numbers, ends = sides(mesh.corners)
+    n = len(mesh.vertices)
+    middles = mesh.vertices[ends].mean(axis=1)
+    own = find_sides(ends, mesh.border.ends, n)
+    middles[own] = mesh.border.middles
+    return np.concatenate([mesh.vertices, middles]), np.hstack([mesh.corners, n + numbers]), n + own
+
+
+def sides(corners: Numbers) -> tuple[Numbers, Numbers]:
+    """Sides of triangles: their numbers (m, 3) for 0-1, 1-2, 2-0, and their ends (e, 2), sorted."""
+    other = np.roll(corners, -1, axis=1)
+    count = int(corners.max()) + 1
+    # one number for both ends: much faster to sort than pairs
+    keys = np.minimum(corners, other) * count + np.maximum(corners, other)
+    keys, numbers = np.unique(keys, return_inverse=True)
+    return numbers.reshape(-1, 3), np.stack(np.divmod(keys, count), axis=1)
+
+
+def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
+    """Places of sides (k, 2) among sorted sides (e, 2) of `count` vertices."""
+    keys = ends[:, 0] * count + ends[:, 1]
+    low, high = wanted.min(axis=1), wanted.max(axis=1)
+    return np.searchsorted(keys, low * count + high)
+
+
+def _all_sectors(
+    mesh: SectorMesh,
+) -> tuple[Floats, tuple[tuple[str, Numbers], ...], Numbers]:
+    """All sectors of a body; nodes on the cuts are one."""
+    from scipy.spatial import cKDTree
+
+    n = len(mesh.nodes)
+    angles = 2 * np.pi * np.arange(mesh.teeth) / mesh.teeth
+    c, s = np.cos(angles), np.sin(angles)
+    turns = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], axis=1)
+    nodes = np.einsum("ni,tij->tnj", mesh.nodes, turns).reshape(-1, 2)
+    ends = np.concatenate([data[:, :2] for _, data in mesh.cells])
+    shortest = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).min())
+    number = np.arange(len(nodes))
+    for a, b in cKDTree(nodes).query_pairs(SAME_NODE * shortest, output_type="ndarray"):
+        number[max(a, b)] = min(number[a], number[b])
+    number = number[number]
+    offsets = n * np.arange(mesh.teeth)[:, None, None]
+    cells = tuple(
+        (kind, number[(data[None] + offsets).reshape(-1, data.shape[1])])
+        for kind, data in mesh.cells
+    )
+    held = np.unique(number[(mesh.fixed_nodes[None] + offsets[:, 0]).ravel()])
+    return nodes, cells, held
+
+
+def _given_arc_lengths(
+    body: Body, mesh: SectorMesh | WholeMesh, nodes: Floats
+) -> dict[int, Floats]:
+    """Arc lengths that the mesh itself knows, over all nodes, by tooth."""
+    if not isinstance(mesh, SectorMesh):
+        return {flank.tooth: flank.flank_arc_length for flank in mesh.flanks}
+    n = len(mesh.nodes)
+    found = {}
+    for tooth in range(body.teeth):
+        s = np.full(len(nodes), np.nan)
+        s[n * tooth : n * (tooth + 1)] = mesh.flank_arc_length
+        found[tooth] = s
+    return found
+
+
+def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats | None) -> Floats:
+    """Arc lengths (N,) of the border nodes that stand on a flank; NaN elsewhere."""
+    border = np.unique(edges)
+    samples = curve.point(np.linspace(0.0, curve.length_mm, 64))
+    low, high = samples.min(axis=0), samples.max(axis=0)
+    room = 0.1 * curve.length_mm
+    near = border[((nodes[border] > low - room) & (nodes[border] < high + room)).all(axis=1)]
+    s = np.full(len(nodes), np.nan)
+    if near.size:
+        places, distance = curve.arc_length_of(nodes[near])
+        on = distance <= ON_CURVE * curve.length_mm
+        s[near[on]] = places[on]
+    if known is not None:
+        s = np.where(np.isnan(known), s, known)
+    return s
+
+
+def _triangles(nodes: Floats, cells: tuple[tuple[str, Numbers], ...]) -> Numbers:
+    """Corners of triangles: quadrilaterals are parted along their shorter diagonal."""
+    parts = []
+    for kind, data in cells:
+        if kind.startswith("triangle"):
+            parts.append(data[:, :3])
+            continue
+        a, b, c, d = data[:, :4].T
+        first = np.linalg.norm(nodes[a] - nodes[c], axis=1)
+        second = np.linalg.norm(nodes[b] - nodes[d], axis=1)
+        split = np.stack([[a, b, c], [a, c, d]])  # (2, 3, E)
+        other = np.stack([[a, b, d], [b, c, d]])
+        chosen = np.where(first <= second, split, other)
+        parts.append(chosen.transpose(0, 2, 1).reshape(-1, 3))
+    return np.concatenate(parts)
