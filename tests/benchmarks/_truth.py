@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import flankload as fl
-from flankload.analysis.runner import solve_with
+from flankload.mechanisms import run_once
 from flankload.scene.resolution import Grid, Resolution, choose_resolution
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
         {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
     )
     default = choose_resolution(fine)
-    result = solve_with(
+    result = run_once(
         fine,
         {},
         resolution=Resolution(

@@ -14,11 +14,11 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload.analysis.estimate import lumped_error
-from flankload.analysis.runner import compliance_of
 from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.scene.resolution import Grid
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"

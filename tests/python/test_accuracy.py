@@ -489,7 +489,7 @@ def test_what_stands_in_files_is_named() -> None:
 def test_resumed_study_solves_nothing_again(
     study: Study, kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(runs, "solve_with", _never)
+    monkeypatch.setattr(runs, "run_once", _never)
     again = accuracy(small(), QUANTITIES, ENOUGH, resume=kept)
     assert str(again) == str(study)
     assert again.to_csv() == study.to_csv()

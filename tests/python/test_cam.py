@@ -25,7 +25,6 @@ from scipy.interpolate import CubicSpline
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.analysis.runner import window_of
 from flankload.bodies.cam.follower import Lever, lever_of
 from flankload.cli import main
 from flankload.elasticity.near_field import (
@@ -35,6 +34,7 @@ from flankload.elasticity.near_field import (
 )
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.states import window_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
 from flankload.pairing.cam_motion import Stand
 from flankload.plot import plot_all, plot_follower_motion, plot_loaded_pair

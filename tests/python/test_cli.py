@@ -71,7 +71,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
             raise answers[0]
         return answers[0]
 
-    monkeypatch.setattr(importlib.import_module("flankload.analysis.runner"), "solve", solve)
+    monkeypatch.setattr(importlib.import_module("flankload.api"), "solve", solve)
     return answers
 
 
@@ -531,7 +531,7 @@ def test_progress_shows_after_patience_on_a_terminal_only(
         progress("sweep", 3, 5)
         return found
 
-    monkeypatch.setattr(importlib.import_module("flankload.analysis.runner"), "solve", slow)
+    monkeypatch.setattr(importlib.import_module("flankload.api"), "solve", slow)
     assert "compliance" not in run(capsys, "run", scene)[2]
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")

@@ -13,13 +13,13 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload import _core
-from flankload.analysis.runner import compliance_of
 from flankload.bodies import Body
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 
 #: A modified profile against its projection on the modes, of what it changes (measured 0.8 % of
 #: the rotation, of a force and of the peak pressure).

@@ -17,13 +17,13 @@ from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.analysis.runner import compliance_of
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity.finite_elements import place_load, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import alike_response, close_ring, condense
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.expansion import Growth, growth_of
 
 SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"

@@ -17,7 +17,6 @@ from test_sweep import ONE, TWO
 from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
-from flankload.analysis.runner import compliance_of
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, stiffness
@@ -30,6 +29,7 @@ from flankload.elasticity.sector_closure import (
     tooth_response,
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Sizes measured before with another program: held ends change the rotation by so many percent.
