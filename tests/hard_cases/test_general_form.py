@@ -6,14 +6,14 @@ from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
-import oracle
 import pytest
-from general_like import general_like
-from oracle import EPS, Problem, judge_general
-from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload import errors
+from tests.support import oracle
+from tests.support.general_like import general_like
+from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 METHODS = ("auto", "single", "block", "load_path")
 #: What rounding may leave in a row or load, relative to its own size: as the core takes it.

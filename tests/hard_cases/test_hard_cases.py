@@ -6,12 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
-from oracle import EPS, Verdict, judge, judge_general
-from test_contact import brute_force
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload import _core, errors
+from tests.support.contact_problems import brute_force
+from tests.support.oracle import EPS, Verdict, judge, judge_general
+from tests.support.tolerances import SOLVER
 
 METHODS = ("auto", "single", "block", "cascade", "primal", "load_path")
 TWINS = np.array([[2, 1, 1, 0.5], [1, 2, 2, 1], [1, 2, 2, 1], [0.5, 1, 1, 2]])

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import tomllib
 from copy import deepcopy
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.analysis import tip_error
@@ -19,10 +17,10 @@ from flankload.analysis.estimate import Estimate
 from flankload.bodies.involute.ring import build_ring
 from flankload.elasticity.compliance import flank_compliance
 from flankload.scene import Ring
+from tests.support.paths import SCENES
+from tests.support.tolerances import ROUND_OFF
 
-SCENE = tomllib.loads(
-    (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
-)
+SCENE = tomllib.loads((SCENES / "external_gear.toml").read_text("utf-8"))
 MODULE = 4.5
 RING = {
     "teeth": 60,
