@@ -20,6 +20,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import EDGES
 from flankload.scene import Gear, Ring
 from tests.support.plain_elements import hat_loads
+from tests.support.ring_bodies import RING
 from tests.support.tolerances import ROUND_OFF
 
 #: Largest stress with the default elements against elements a third as long: wanted 2 %, measured
@@ -39,10 +40,6 @@ PINION = {
 WHEEL = {
     "teeth": 24, "module_mm": 4.5, "profile_shift": 0.171, "tip_diameter_mm": 118.36,
     "bore_diameter_mm": 40.0,
-}  # fmt: skip
-RING = {
-    "teeth": 60, "module_mm": 3.0, "tip_diameter_mm": 175.2, "root_diameter_mm": 187.5,
-    "outer_diameter_mm": 220.0,
 }  # fmt: skip
 
 

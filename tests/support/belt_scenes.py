@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
+from tests.support.gear_scenes import example
 from tests.support.paths import SCENES
 
 EXAMPLE = SCENES / "belt.toml"
@@ -16,7 +16,7 @@ SMALL: dict[str, Any] = {
 
 
 def tables(**changes: dict[str, Any]) -> dict[str, Any]:
-    scene = tomllib.loads(EXAMPLE.read_text())
+    scene = example("belt")
     for table, keys in changes.items():
         kept = {**scene.get(table, {}), **keys}
         scene[table] = {key: value for key, value in kept.items() if value is not None}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import flankload as fl
-from tests.support.gear_pair import ONE, TWO
+from tests.support.gear_pair import GEARS
 
 FROM_FILE_1 = {"kind": "compliance", "file": "body_1.npz"}
 FROM_FILE_2 = {"kind": "compliance", "file": "body_2.npz"}
@@ -17,10 +17,7 @@ POSITIONS = {"count": 16}
 
 def scene_of(folder: Path | None = None, **tables: Any) -> fl.Scene:
     whole = {
-        "body_1": ONE,
-        "body_2": TWO,
-        "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
-        "load": {"torque_Nm": 302},
+        **GEARS,
         "positions": POSITIONS,
         "accuracy": {"estimate": False},
         **tables,

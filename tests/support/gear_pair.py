@@ -19,27 +19,22 @@ TWO = {
     "tip_diameter_mm": 118.36,
     "bore_diameter_mm": 40,
 }
-
-
-def solved(one: dict | None = None, two: dict | None = None, **tables: dict) -> fl.Result:
-    return fl.solve(
-        fl.Scene.from_dict(
-            {
-                "body_1": {**ONE, **(one or {})},
-                "body_2": {**TWO, **(two or {})},
-                "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
-                "load": {"torque_Nm": 302},
-                "positions": {"count": 16},
-                "accuracy": {"estimate": False},
-                **tables,
-            }
-        )
-    )
-
-
 GEARS = {
     "body_1": ONE,
     "body_2": TWO,
     "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
     "load": {"torque_Nm": 302},
 }
+
+
+def solved(one: dict | None = None, two: dict | None = None, **tables: dict) -> fl.Result:
+    """Result of the pair with other keys of its bodies and other tables."""
+    scene = {
+        **GEARS,
+        "body_1": {**ONE, **(one or {})},
+        "body_2": {**TWO, **(two or {})},
+        "positions": {"count": 16},
+        "accuracy": {"estimate": False},
+        **tables,
+    }
+    return fl.solve(fl.Scene.from_dict(scene))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from copy import deepcopy
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import BodyPair
 from flankload.scene import Scene
+from tests.support.paths import SCENES
 
 GEAR = {"kind": "gear", "teeth": 16, "module_mm": 4.5, "tip_diameter_mm": 82.46}
 SCENE: dict[str, Any] = {
@@ -29,6 +31,11 @@ RING = {
 }
 
 ABSENT = object()
+
+
+def example(name: str) -> dict[str, Any]:
+    """Tables of a scene of the examples."""
+    return tomllib.loads((SCENES / f"{name}.toml").read_text("utf-8"))
 
 
 def changed(**changes: Any) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """One position of a scene as an old program has it: points of flanks, a compliance between them.
 
-``python -m tests.legacy.nodal_position`` writes the data file of the examples anew.
+``python -m tests.support.nodal_position`` writes the data file of the examples anew.
 """
 
 from __future__ import annotations
@@ -189,6 +189,13 @@ def read_body(numbers: Iterator[str], flanks: int) -> tuple[np.ndarray, np.ndarr
         for j in range(i + 1):
             matrix[i, j] = matrix[j, i] = float(next(numbers))
     return sizes, points, matrix
+
+
+def spoilt(values: np.ndarray, bad: float = np.nan) -> np.ndarray:
+    """The same with a last number that is none."""
+    values = np.array(values, order="F")
+    values[..., -1] = bad
+    return values
 
 
 if __name__ == "__main__":

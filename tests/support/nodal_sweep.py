@@ -1,6 +1,6 @@
 """Positions over one pitch as an old program has them: points of flanks, compliances, angles.
 
-``python -m tests.legacy.nodal_sweep`` writes the data file of the examples anew.
+``python -m tests.support.nodal_sweep`` writes the data file of the examples anew.
 """
 
 from __future__ import annotations

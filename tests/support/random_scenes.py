@@ -50,7 +50,7 @@ def _scenes(count: int, seed: int) -> tuple[tuple[str, Scene], ...]:
     return tuple(found)
 
 
-def _inv(angle: float) -> float:
+def inv(angle: float) -> float:
     return tan(angle) - angle
 
 
@@ -82,7 +82,7 @@ def _gears(rng: np.random.Generator) -> Scene | None:
     pitch_radius = [module * z / 2 * cos(ANGLE) / cos(working) for z in teeth]
     distance, backlash = sum(pitch_radius), module * rng.uniform(0.01, 0.05)
     filled = (2 * pi * pitch_radius[0] - teeth[0] * backlash) / (2 * pitch_radius[0])
-    total = (filled - pi - sum(teeth) * (_inv(ANGLE) - _inv(working))) / (2 * tan(ANGLE))
+    total = (filled - pi - sum(teeth) * (inv(ANGLE) - inv(working))) / (2 * tan(ANGLE))
     low, high = max(-0.2, total - 0.6), min(0.6, total + 0.2)
     if low >= high:
         return None
@@ -96,8 +96,8 @@ def _gears(rng: np.random.Generator) -> Scene | None:
     for k in (0, 1):
         if tip[k] <= base[k]:
             return None
-        half = (pi / 2 + 2 * shift[k] * tan(ANGLE)) / teeth[k] + _inv(ANGLE)
-        if 2 * tip[k] * (half - _inv(acos(base[k] / tip[k]))) < 0.25 * module:
+        half = (pi / 2 + 2 * shift[k] * tan(ANGLE)) / teeth[k] + inv(ANGLE)
+        if 2 * tip[k] * (half - inv(acos(base[k] / tip[k]))) < 0.25 * module:
             return None
         path += sqrt(tip[k] ** 2 - base[k] ** 2)
         bodies[f"body_{k + 1}"] = {

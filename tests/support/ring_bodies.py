@@ -1,4 +1,4 @@
-"""Gears with meshes, and the whole meshed ring that a sector is one part of."""
+"""A gear and a ring with other keys, meshed gears, the whole ring of which a sector is a part."""
 
 from __future__ import annotations
 
@@ -9,8 +9,33 @@ from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.gear import build_gear
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.scene import Gear
+from flankload.scene import Gear, Ring
 from tests.support.plane_sectors import STEEL
+
+RING = {
+    "teeth": 60,
+    "module_mm": 3.0,
+    "tip_diameter_mm": 175.2,
+    "root_diameter_mm": 187.5,
+    "outer_diameter_mm": 220.0,
+}
+
+
+def gear(**keys) -> Gear:
+    """The FZG type C pinion, with other keys."""
+    given = {
+        "teeth": 16,
+        "module_mm": 4.5,
+        "profile_shift": 0.182,
+        "tip_diameter_mm": 82.46,
+        "bore_diameter_mm": 30.0,
+    }
+    return Gear(**(given | keys))
+
+
+def ring(**keys) -> Ring:
+    """A ring of 60 teeth, with other keys."""
+    return Ring(**(RING | keys))
 
 
 def full_ring(

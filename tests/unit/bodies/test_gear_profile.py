@@ -13,22 +13,11 @@ from flankload.bodies.involute.gear_profile import GearProfile, gear_profile
 from flankload.bodies.involute.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
+from tests.support.ring_bodies import gear
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 # Largest distance of a profile from the exact one.
 EXACT = 1e-9
-
-
-def gear(**keys) -> Gear:
-    """The FZG type C pinion, with other keys."""
-    given = {
-        "teeth": 16,
-        "module_mm": 4.5,
-        "profile_shift": 0.182,
-        "tip_diameter_mm": 82.46,
-        "bore_diameter_mm": 30.0,
-    }
-    return Gear(**(given | keys))
 
 
 def sized(teeth: int, shift: float, **keys) -> Gear:

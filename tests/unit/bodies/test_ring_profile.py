@@ -11,23 +11,12 @@ from flankload.bodies.involute.gear_profile import gear_profile
 from flankload.bodies.involute.ring import build_ring
 from flankload.bodies.involute.ring_profile import RingProfile, ring_profile
 from flankload.errors import SceneError
-from flankload.scene import Gear, Ring
+from flankload.scene import Gear
+from tests.support.ring_bodies import ring
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 # Largest distance of a profile from the exact one.
 EXACT = 1e-9
-
-
-def ring(**keys) -> Ring:
-    """A ring of 60 teeth, with other keys."""
-    given = {
-        "teeth": 60,
-        "module_mm": 3.0,
-        "tip_diameter_mm": 175.2,
-        "root_diameter_mm": 187.5,
-        "outer_diameter_mm": 220.0,
-    }
-    return Ring(**(given | keys))
 
 
 def profile_of(**keys) -> RingProfile:

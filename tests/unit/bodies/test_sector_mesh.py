@@ -19,20 +19,9 @@ from flankload.errors import SceneError
 from flankload.meshes.blocks import growing_breaks, symmetric_breaks
 from flankload.meshes.plane_mesh import scaled_jacobians
 from flankload.meshes.report import quality_rows, verdict
-from flankload.scene import Gear, Ring
+from flankload.scene import Ring
+from tests.support.ring_bodies import gear
 from tests.support.tolerances import ROUND_OFF, SOLVER
-
-
-def gear(**keys) -> Gear:
-    """The FZG type C pinion, with other keys."""
-    given = {
-        "teeth": 16,
-        "module_mm": 4.5,
-        "profile_shift": 0.182,
-        "tip_diameter_mm": 82.46,
-        "bore_diameter_mm": 30.0,
-    }
-    return Gear(**(given | keys))
 
 
 def built(element_mm: float = 1.0, **keys) -> Body:

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import flankload as fl
 from flankload import _core
-from tests.support.nodal_position import NodalPosition, nodal_position
+from tests.support.nodal_position import NodalPosition, nodal_position, spoilt
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 # What points 0.05 mm apart (a third of the half-width of the contact) leave: of the rotation, of
@@ -179,12 +179,6 @@ def call(position: NodalPosition, **changes: object) -> tuple:
         "compliance_2": np.asfortranarray(position.compliances[1]),
     }
     return _core.flankload_position(*(arguments | changes).values())
-
-
-def spoilt(values: np.ndarray, bad: float = np.nan) -> np.ndarray:
-    values = np.array(values, order="F")
-    values[..., -1] = bad
-    return values
 
 
 def test_refused_arguments_have_their_number(position: NodalPosition) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import flankload as fl
 from flankload import _core
-from tests.support.nodal_position import DATA, NodalPosition, read_data
+from tests.support.nodal_position import DATA, NodalPosition, read_data, spoilt
 from tests.support.nodal_sweep import NAMES, NodalSweep, nodal_sweep
 from tests.support.tolerances import SOLVER
 
@@ -212,12 +212,6 @@ def test_positions_without_a_state_say_why(sweep: NodalSweep) -> None:
     unsteady = sweep.solve(points_2=np.asfortranarray(arc.T))
     assert (unsteady["status"] == -19).all()
     assert unsteady["info"] == unsteady["status"].size
-
-
-def spoilt(values: np.ndarray, bad: float = np.nan) -> np.ndarray:
-    values = np.array(values, order="F")
-    values[..., -1] = bad
-    return values
 
 
 def test_refused_arguments_have_their_number(sweep: NodalSweep) -> None:

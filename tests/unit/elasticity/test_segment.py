@@ -25,7 +25,7 @@ from flankload.elasticity.sector_closure import (
     tooth_response,
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from tests.support.gear_pair import ONE, TWO
+from tests.support.gear_pair import GEARS
 from tests.support.gear_scenes import SCENE, changed
 from tests.support.paths import SCENES
 from tests.support.plane_sectors import STEEL, ring_sector
@@ -36,12 +36,6 @@ from tests.support.tolerances import CLOSURE, ROUND_OFF, SOLVER
 SEGMENTS = {3: -25.0, 5: -18.0, 7: -12.0}
 #: Sizes are reproduced to a third.
 SIZE_MODEL = 1.0 / 3.0
-PAIR = {
-    "body_1": ONE,
-    "body_2": TWO,
-    "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
-    "load": {"torque_Nm": 302},
-}
 
 
 def meshed_segment(
@@ -148,7 +142,7 @@ def test_bodies_stay_elastic_however_little_of_them_yields() -> None:
 @cache
 def solved(*effects: tuple[str, Any], body: str = "") -> fl.Result:
     tables: dict[str, Any] = {"effects": dict(effects), "accuracy": {"estimate": False}}
-    scene = _scene(body) if body else {**PAIR, "positions": {"count": 16}}
+    scene = _scene(body) if body else {**GEARS, "positions": {"count": 16}}
     return fl.solve(fl.Scene.from_dict({**scene, **tables}))
 
 
@@ -193,7 +187,7 @@ def test_curves_close_whatever_yields() -> None:
     for effects in ({"body": "segment", "segment_teeth": 3}, {"tooth_coupling": False}):
         scene = fl.Scene.from_dict(
             {
-                **PAIR,
+                **GEARS,
                 "positions": {"angles_deg": [0.0, pitch, 0.4 * pitch, 1.4 * pitch]},
                 "accuracy": {"estimate": False},
                 "effects": effects,

@@ -17,13 +17,14 @@ import flankload as fl
 from flankload.cli import main
 from flankload.errors import ContactError
 from flankload.mechanisms.chain.sprocket import build_sprocket
+from tests.support.gear_scenes import example
 from tests.support.paths import SCENES
 
 EXAMPLE = SCENES / "chain.toml"
 
 
 def tables(**changes: dict[str, Any]) -> dict[str, Any]:
-    scene = tomllib.loads(EXAMPLE.read_text())
+    scene = example("chain")
     for table, keys in changes.items():
         scene[table] = {**scene.get(table, {}), **keys}
     return scene

@@ -13,6 +13,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.pairing.gear_pair import describe_mesh
 from tests.support.gear_scenes import usable_contact_ratio
+from tests.support.random_scenes import inv
 from tests.support.tolerances import SOLVER
 
 PINION = {
@@ -55,10 +56,6 @@ def refused(*args: object, **keys: object) -> SceneError:
         pair(*args, **keys)
     assert "\n" not in str(caught.value)
     return caught.value
-
-
-def inv(angle: float) -> float:
-    return tan(angle) - angle
 
 
 def test_working_geometry_is_that_of_din_3960() -> None:

@@ -10,33 +10,18 @@ import pytest
 import flankload as fl
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import usable_contact_ratio
 from tests.support.tolerances import SOLVER
 
-FZG_1 = {
-    "kind": "gear",
-    "teeth": 16,
-    "module_mm": 4.5,
-    "profile_shift": 0.182,
-    "tip_diameter_mm": 82.46,
-    "bore_diameter_mm": 30,
-    "rigid": True,
-}
-FZG_2 = {
-    "kind": "gear",
-    "teeth": 24,
-    "module_mm": 4.5,
-    "profile_shift": 0.171,
-    "tip_diameter_mm": 118.36,
-    "bore_diameter_mm": 40,
-}
+FZG_1 = {**ONE, "rigid": True}
 
 
 def scene(distance: float = 91.5, body_1: dict | None = None, **keys: object) -> fl.Scene:
     return fl.Scene.from_dict(
         {
             "body_1": {**FZG_1, **(body_1 or {})},
-            "body_2": {**FZG_2, **keys},
+            "body_2": {**TWO, **keys},
             "pair": {"center_distance_mm": distance, "face_width_mm": 14},
             "load": {"torque_Nm": 302},
         }
