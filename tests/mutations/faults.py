@@ -210,7 +210,7 @@ _FORTRAN = (
 
 _PYTHON = (
     *_in(
-        "bodies/involute.py",
+        "bodies/involute/involute.py",
         # the others refine a curve whose derivatives are wrong without end
         "unit/bodies/test_gear_profile.py::"
         "test_derivatives_of_modifications_are_those_of_the_metal_taken_off",
@@ -218,7 +218,7 @@ _PYTHON = (
         ("first = 2 * self.crowning_mm * x / half", "first = self.crowning_mm * x / half"),
     ),
     *_in(
-        "bodies/involute.py",
+        "bodies/involute/involute.py",
         "unit/bodies/test_gear_profile.py::test_flank_is_the_involute "
         "unit/bodies/test_gear_profile.py::"
         "test_derivatives_of_a_modified_flank_are_those_of_its_places",
@@ -232,20 +232,20 @@ _PYTHON = (
         ("amplitudes = 2.0 / n", "amplitudes = 1.0 / n"),
     ),
     *_in(
-        "error_rules.py",
+        "analysis/error_rules.py",
         f"{_ESTIMATE}half_as_many_cells_tell_an_error_of_second_order_exactly "
         f"{_ESTIMATE}errors_add_up_with_their_signs_and_doubts_by_their_squares",
         ("STRIPS = Rule(1 / 3,", "STRIPS = Rule(1 / 2,"),
         ("doubt = np.sqrt(sum(np.square(part.doubt)", "doubt = np.sqrt(sum(np.abs(part.doubt)"),
     ),
     *_in(
-        "chain_drive.py",
+        "mechanisms/chain/drive.py",
         "unit/mechanisms/test_chain_scene.py",
         ("slack * two) / one", "slack * one) / one"),
         ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
     ),
     *_in(
-        "chain_contact.py",
+        "mechanisms/chain/contact.py",
         "physics/test_chain.py unit/mechanisms/test_chain_scene.py",
         ("pull[-1] += ends[1]", "pull[-1] += 0.99 * ends[1]"),
         ("torque + float(drag @ base)", "torque - float(drag @ base)"),
@@ -256,13 +256,13 @@ _PYTHON = (
         ),
     ),
     *_in(
-        "bodies/sprocket.py",
+        "mechanisms/chain/sprocket.py",
         "physics/test_chain.py unit/mechanisms/test_chain_scene.py",
         ("sin(theta) / sin(theta + 2 *", "sin(theta) / sin(theta + 1 *"),
         ("distance * cos(beyond) + sqrt(", "distance * cos(beyond) - sqrt("),
     ),
     *_in(
-        "near_field.py",
+        "elasticity/near_field.py",
         "unit/pairing/test_friction.py unit/elasticity/test_near_field.py physics/test_hertz.py "
         "unit/elasticity/test_compliance.py",
         ("1.0 - material.poisson_ratio**2 if", "1.0 - material.poisson_ratio if"),
@@ -271,31 +271,31 @@ _PYTHON = (
         ("(2.0 * np.arange(n_modes) + 1.0)", "(2.0 * np.arange(n_modes) + 2.0)"),
     ),
     *_in(
-        "sector_closure.py",
+        "elasticity/sector_closure.py",
         "unit/elasticity/test_compliance.py unit/elasticity/test_modes_on_elements.py",
         ("if k == 0 or 2 * k == teeth else", "if k == 0 else"),
         ("(read_right.T @ unknown) * shift", "(read_right.T @ unknown)"),
     ),
     *_in(
-        "growth_loads.py",
+        "elasticity/expansion_loads.py",
         "unit/pairing/test_growth.py",
         ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
         ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),
     ),
     *_in(
-        "growth.py",
+        "pairing/expansion.py",
         "unit/pairing/test_growth.py",
         ("2 * pi / 60 *", "2 * pi / 61 *"),
         ("larger ** (1.0 - np.arange", "larger ** (0.0 - np.arange"),
     ),
     *_in(
-        "gear_mesh.py",
+        "pairing/gear_pair.py",
         "unit/pairing/test_internal_pair.py unit/result/test_result_contacts.py",
         ("contact_ratio = (end - start) / pair", "contact_ratio = 0.99 * (end - start) / pair"),
         ("deepest = (tangent_1 + start,", "deepest = (tangent_1 - start,"),
     ),
     *_in(
-        "friction.py",
+        "pairing/friction.py",
         "physics/test_rubbing_pair.py::test_coefficient_over_the_roll_position",
         ("pairing.ratio / (1.0 + pairing.ratio)", "pairing.ratio / (1.1 + pairing.ratio)"),
     ),
@@ -306,35 +306,35 @@ _PYTHON = (
         ('rub * pairs["sliding"]', '0.9 * rub * pairs["sliding"]'),
     ),
     *_in(
-        "position_curve.py",
+        "result/interpolant.py",
         "unit/result/test_position_curve.py",
         ("2.0 / self.length * np.abs(waves)", "1.0 / self.length * np.abs(waves)"),
         ("half = 0.5 * (self.high - self.low)", "half = 0.49 * (self.high - self.low)"),
     ),
     *_in(
-        "position_error.py",
+        "analysis/sampling_error.py",
         "unit/analysis/test_positions.py unit/result/test_position_curve.py",
         ("0.5 - (kink - start) / width", "0.4 - (kink - start) / width"),
     ),
     *_in(
-        "backlash.py",
+        "mechanisms/flank_pair/backlash.py",
         "unit/mechanisms/test_coast_flank.py unit/mechanisms/test_premises.py "
         "unit/result/test_result_contacts.py unit/mechanisms/test_large_wind_up.py",
         ("fit.normal_backlash_mm - 2.0 * fit.offset_mm", "fit.normal_backlash_mm"),
     ),
     *_in(
-        "elasticity.py",
+        "elasticity/finite_elements.py",
         "unit/elasticity/test_elasticity.py unit/elasticity/test_compliance.py",
         ("modulus / (2 * (1 + ratio))", "modulus / (2 * (1 - ratio))"),
         ("2 * lame_lambda * lame_mu / (lame_lambda + 2 * lame_mu)", "lame_lambda"),
     ),
     *_in(
-        "nodal_loads.py",
+        "elasticity/nodal_loads.py",
         "unit/elasticity/test_near_field.py physics/test_nodal_near_field.py",
         ("0.5 * (around[2:] - around[:-2])", "0.45 * (around[2:] - around[:-2])"),
     ),
     *_in(
-        "tangent.py",
+        "analysis/tangent.py",
         "physics/test_tangent.py",
         ("0.5 * (before + behind), part", "before, part"),
         ("0.5 * (more.site_force_N", "1.0 * (more.site_force_N"),
@@ -356,27 +356,27 @@ _PYTHON = (
         ("(coast.gap_rad + self.rotation_rad)", "coast.gap_rad"),
     ),
     *_in(
-        "bodies/cam_profile.py",
+        "bodies/cam/cam_profile.py",
         "unit/bodies/test_cam.py physics/test_cam_pair.py",
         ("out + 2 * r_1 * along", "out + r_1 * along"),
     ),
     *_in(
-        "cam_motion.py",
+        "pairing/cam_motion.py",
         "unit/bodies/test_cam.py physics/test_cam_pair.py",
         ("bend = 1 + radius * at.curvature", "bend = 1 - radius * at.curvature"),
     ),
     *_in(
-        "belt_columns.py",
+        "mechanisms/belt/columns.py",
         "physics/test_belt.py unit/mechanisms/test_belt_scene.py",
         ("at[:, 0] * out[:, 1] - at[:, 1] * out[:, 0]", "at[:, 0] * out[:, 1]"),
     ),
     *_in(
-        "element_error.py",
+        "elasticity/fe_error.py",
         "unit/elasticity/test_element_error.py",
         ("np.sqrt(element.weights * area / element.part)", "np.sqrt(element.weights * area)"),
     ),
     *_in(
-        "rounding.py",
+        "base/rounding.py",
         "unit/base/test_rounding.py",
         ("np.asarray(quotient) + TIE", "np.asarray(quotient) - TIE"),
     ),

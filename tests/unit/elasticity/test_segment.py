@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from flankload.elasticity.sector_closure import (
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_pair import GEARS
-from tests.support.gear_scenes import SCENE, changed
+from tests.support.gear_scenes import SCENE, changed, example
 from tests.support.paths import SCENES
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.ring_bodies import gear_body
@@ -142,12 +141,8 @@ def test_bodies_stay_elastic_however_little_of_them_yields() -> None:
 @cache
 def solved(*effects: tuple[str, Any], body: str = "") -> fl.Result:
     tables: dict[str, Any] = {"effects": dict(effects), "accuracy": {"estimate": False}}
-    scene = _scene(body) if body else {**GEARS, "positions": {"count": 16}}
+    scene = example(body) if body else {**GEARS, "positions": {"count": 16}}
     return fl.solve(fl.Scene.from_dict({**scene, **tables}))
-
-
-def _scene(name: str) -> dict[str, Any]:
-    return tomllib.loads((SCENES / f"{name}.toml").read_text("utf-8"))
 
 
 @pytest.mark.parametrize("teeth", sorted(SEGMENTS))
@@ -229,7 +224,7 @@ def test_a_file_is_uncoupled_as_elements_are(tmp_path: Path) -> None:
 
     scene = SCENES / "external_gear.toml"
     assert main(["compliance", str(scene), "-o", str(tmp_path)]) == 0
-    asked = _scene("external_gear")
+    asked = example("external_gear")
     asked["effects"] = {"tooth_coupling": False}
     expected = fl.Scene.from_dict(asked)
     for key in ("body_1", "body_2"):
@@ -308,7 +303,7 @@ def test_refusals(changes: dict[str, Any], line: str) -> None:
 )
 def test_cams_have_one_flank(effects: dict[str, Any], line: str) -> None:
     with pytest.raises(fl.errors.SceneError, match=line):
-        fl.Scene.from_dict({**_scene("cam"), "effects": effects})
+        fl.Scene.from_dict({**example("cam"), "effects": effects})
 
 
 def test_rigid_bodies_do_not_ask() -> None:
