@@ -1,6 +1,6 @@
 """Plugin of pytest: while the core runs, invalid operations, division by zero and overflow stop.
 
-``pytest -p tests.support.trapping`` with a core that was built with all checks of the compiler
+``pytest -p tests.trapping`` with a core that was built with all checks of the compiler
 (`./dev check`).
 """
 
