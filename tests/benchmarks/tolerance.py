@@ -20,8 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.benchmarks._scenes import SEED, scenes
-from tests.benchmarks.estimate import true_errors
 
 import flankload as fl
 from flankload.mechanisms import run_once
@@ -32,6 +30,8 @@ from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND
 from flankload.studies.accuracy.observed import observed
 from flankload.studies.accuracy.runs import Runs
+from tests.support.finer_solutions import true_errors
+from tests.support.random_scenes import SEED, scenes
 
 STORE = "out/bench_tolerance_{}.json"
 TOLERANCES = (1e-2, 1e-3)

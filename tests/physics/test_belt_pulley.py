@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, bmat, csc_matrix, hstack
 from scipy.sparse.linalg import spsolve
-from test_belt import CORD, FORCE, HTD, ROW, ROW_AT_THE_EDGE, T10, TAUT, longer, response, shares
-from tolerances import SOLVER
 
 from flankload.bodies.body import Material
 from flankload.elasticity.finite_elements import degrees_of, stiffness
@@ -30,6 +28,19 @@ from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends
 from flankload.mechanisms.belt.strip import cord_stiffness
 from flankload.mechanisms.belt.touch import land_forces, touches_of, unit_forces
 from flankload.meshes.plane_mesh import jacobians
+from tests.support.belts import (
+    CORD,
+    FORCE,
+    HTD,
+    ROW,
+    ROW_AT_THE_EDGE,
+    T10,
+    TAUT,
+    longer,
+    response,
+    shares,
+)
+from tests.support.tolerances import SOLVER
 
 PLASTIC, STEEL = Material(3000.0, 0.35), Material(206e3, 0.3)
 #: Of symmetry.

@@ -7,8 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.benchmarks._scenes import scenes
-from tests.benchmarks.estimate import compared
 
 import flankload as fl
 from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
@@ -20,6 +18,8 @@ from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
 from flankload.scene.resolution import DEFAULT, Grid, Resolution
+from tests.support.finer_solutions import compared
+from tests.support.random_scenes import scenes
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import Cells, whole_of
 from msgspec import structs
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload.analysis.period_error import teeth_until_alike
@@ -24,6 +22,8 @@ from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
+from tests.support.mesh_files import Cells, whole_of
+from tests.support.tolerances import SOLVER
 
 TEETH = 24
 #: Elements of the wheel's disc between these radii (mm) are cut out in some sectors, so that four

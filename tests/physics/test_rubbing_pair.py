@@ -9,23 +9,21 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from plain_friction import solve_rubbing
-from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload.errors import NoContactState
+from tests.support.paths import REFERENCE_SOLUTIONS
+from tests.support.plain_friction import solve_rubbing
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Energy over a period: what the pairing on circles leaves, with and without friction.
 ENERGY = 1e-3
 WIDTH, DISTANCE = 14.0, 91.5
-INTERNAL = json.loads(
-    (Path(__file__).parents[1] / "reference_solutions" / "internal_pair.json").read_text()
-)["scene"]
+INTERNAL = json.loads((REFERENCE_SOLUTIONS / "internal_pair.json").read_text())["scene"]
 
 
 def gear(teeth: int, shift: float, tip: float, bore: float, **keys: Any) -> dict[str, Any]:

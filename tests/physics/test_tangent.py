@@ -1,14 +1,13 @@
 """Tangent stiffness against differences of the rotation that the program itself computes."""
 
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import flankload as fl
+from tests.support.paths import SCENES
 
-SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: The differences' own error: second order in the step, rounding of the rotation over the step.
 DIFFERENCES = 1e-6
 #: Smaller than the step that the tangent itself is made with.
