@@ -131,6 +131,12 @@ class BeltDrive:
             ]
         )
 
+    def pictures(self, result: Result) -> tuple[str, ...]:
+        """Names of the pictures that show it."""
+        several = result.position_rad.size > 1
+        names = ("belt_on_pulley", "load_around_wrap")
+        return (*names, *("transmission_error", "force_through_wrap") * several)
+
     def words(self) -> str:
         """What a report quotes."""
         text = (

@@ -100,6 +100,10 @@ class ChainDrive:
         """
         yield from _rows_of_chain(result, self)
 
+    def pictures(self, result: Result) -> tuple[str, ...]:
+        """Names of the pictures that show it."""
+        return ("transmission_error", "chain_on_sprocket", "tensions", "stiffness")
+
     def words(self) -> str:
         """What a report quotes."""
         tight, margin = self.tight_tension_N, self.least_margin_N
