@@ -40,7 +40,7 @@ SIZES = {
 
 
 def effects_table() -> list[str]:
-    """Lines of the table in docs/effects.md, from the rows."""
+    """Lines of the table in docs/guide/effects.md, from the rows."""
     lines = ["| effect | keys | adds | size from |", "|---|---|---|---|"]
     for effect in EFFECTS:
         keys = ", ".join(f"`{key}`" for key in effect.keys)

@@ -1,6 +1,6 @@
 """flankload's own compliance file: a body with the compliance of its flanks, number by number.
 
-`docs/compliance_files.md` says what each array is. Read back, a body is the one that was written,
+`docs/guide/compliance_files.md` says what each array is. Read back, a body is the one that was written,
 bit by bit, except that it has no elements any more.
 """
 
