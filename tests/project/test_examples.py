@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import ROOT, SCENES
 from tests.support.tolerances import SOLVER
 
@@ -21,13 +22,30 @@ def printed_by(run: object) -> str:
     return out.getvalue()
 
 
-def test_readme_prints_what_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/guide/contact_problems.md"])
+def test_a_page_shows_what_its_examples_print(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
     examples = re.findall(r"```python\n(.*?)```\n\n```\n(.*?)```", text, re.DOTALL)
     assert len(examples) == text.count("```python")
     monkeypatch.chdir(ROOT)
     for code, shown in examples:
         assert printed_by(lambda code=code: exec(code, {})) == shown
+
+
+def test_the_scene_of_the_readme_is_complete(tmp_path: Path) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (scene,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    file = tmp_path / "pair.toml"
+    file.write_text(scene, encoding="utf-8")
+    assert fl.read_scene(file).torques_Nm == (302.0,)
+    build_bodies(fl.read_scene(file))
+
+
+def test_links_between_pages_lead_to_files() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    for page in pages:
+        for link in re.findall(r"\]\(([\w./]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / link).exists(), f"{page}: {link}"
 
 
 def test_files_that_the_readme_names_exist() -> None:

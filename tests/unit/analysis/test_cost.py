@@ -313,7 +313,7 @@ def test_table_of_costs_has_predicted_and_spent_side_by_side() -> None:
 
 
 def test_the_page_on_costs_names_all_counters_and_stages() -> None:
-    page = (DOCS / "cost.md").read_text(encoding="utf-8")
+    page = (DOCS / "guide" / "cost.md").read_text(encoding="utf-8")
     names = {*COUNTERS, *solved(**ALL).cost["stages"]}
     assert {name for name in names if f"`{name}`" not in page} == set()
 

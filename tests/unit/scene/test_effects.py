@@ -11,7 +11,7 @@ from flankload.scene.effects import EFFECTS, Effects, effects_of, switches_of
 from tests.support.gear_scenes import SCENE, changed
 from tests.support.paths import DOCS
 
-PAGE = DOCS / "effects.md"
+PAGE = DOCS / "guide" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}
 
 #: Keys of [effects] that are no effect themselves.
