@@ -5,8 +5,8 @@
 !> keeps Σ a_ij F_j. A negative force in the final state is reported by the caller.
 module flankload_paper_loop
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, singular_contact, invalid_input, &
-        & invalid_scale
+    use flankload_status, only: singular_contact, invalid_input, invalid_scale
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & row_tolerance
     use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, factor_anew, &

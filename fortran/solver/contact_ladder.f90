@@ -6,7 +6,8 @@
 !> there, single is tried again with loads that work through springs.
 module flankload_contact_ladder
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, singular_contact
+    use flankload_status, only: singular_contact
+    use flankload_error, only: error_type
     use flankload_contact_problem, only: contact_problem, measure_from_zero
     use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state

@@ -2,6 +2,7 @@
 !> forces that are expected there, and laid anew where other forces were found.
 module flankload_position_cells
     use flankload_kinds, only: wp
+    use flankload_status, only: code_circle_misses
     use flankload_error, only: error_type, fatal_error
     use flankload_rounding, only: tie
     use flankload_flank_curve, only: flank_curve_type
@@ -14,7 +15,7 @@ module flankload_position_cells
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_position_zones, only: body_type, position_type, code_circle_misses
+    use flankload_position_zones, only: body_type, position_type
     implicit none
     private
 

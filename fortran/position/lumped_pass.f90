@@ -6,7 +6,8 @@
 !> linearised at the last forces, and the contact loop solves the rest.
 module flankload_lumped_pass
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, invalid_scale, no_contact_state
+    use flankload_status, only: invalid_scale, no_contact_state
+    use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lumped_place, only: place_type

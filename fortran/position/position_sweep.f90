@@ -7,7 +7,7 @@
 module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_error, only: no_contact_state
+    use flankload_status, only: no_contact_state, code_no_room, code_stopped
     use flankload_position_zones, only: body_type
     use flankload_position_cells, only: grid_settings
     use flankload_position_load, only: solve_position
@@ -17,7 +17,7 @@ module flankload_position_sweep
 
     public :: sweep_type
     public :: sweep_positions
-    public :: n_counters, pair_columns, pair_columns_with_friction, code_no_room, code_stopped
+    public :: n_counters, pair_columns, pair_columns_with_friction
 
     !> What is found in a sweep; NaN where there is no state.
     type :: sweep_type
@@ -48,10 +48,6 @@ module flankload_position_sweep
     !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
     !> coefficient times its sign.
     integer, parameter :: pair_columns = 11, pair_columns_with_friction = 13
-    !> The caller's room for pairs was full: the position wants another call.
-    integer, parameter :: code_no_room = -15
-    !> The caller asked to stop before the position was begun.
-    integer, parameter :: code_stopped = -16
 
 contains
 

@@ -4,6 +4,7 @@
 !> (Newton's method).
 module flankload_lumped_position
     use flankload_kinds, only: wp
+    use flankload_status, only: code_circle_misses, code_conforms, code_unsettled_widths
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
@@ -13,15 +14,13 @@ module flankload_lumped_position
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
-    use flankload_position_zones, only: body_type, code_circle_misses, position_type
+    use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
     private
 
     public :: solve_lumped
 
-    !> Error codes of this level.
-    integer, parameter :: code_conforms = -17, code_unsettled = -18
     !> Newton's method takes 3 to 5 passes; from the first number on, the last near field divided by
     !> the last force stands for its derivative: such passes lose 0.1 of the error each, whatever
     !> the flanks do.
@@ -83,7 +82,7 @@ contains
             if (stands) exit
         end do
         if (.not. stands) then
-            call fatal_error(error, code_unsettled, 'the half-widths do not settle')
+            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
             return
         end if
         ! once more, for derivatives that hold all that changes with the forces

@@ -6,13 +6,13 @@
 module flankload_nodal_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, no_contact_state
+    use flankload_status, only: no_contact_state, code_no_zone, code_unsteady_points
+    use flankload_error, only: error_type
     use flankload_row_scaling, only: form_of, matrix_form
     use flankload_contact_loop, only: contact_result, solve_contact_problem, general_matrix, &
         & symmetric_matrix, method_auto
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
-        & most_nodal_pairs, nodal_influences, code_unsteady_points
-    use flankload_position_zones, only: code_no_zone
+        & most_nodal_pairs, nodal_influences
     implicit none
     private
 

@@ -3,8 +3,9 @@
 !> Sees only K, B, R, gaps and loads, never geometry.
 module flankload_contact_loop
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, invalid_input, negative_force, &
-        & no_contact_state, pivot_limit, singular_contact, out_of_range
+    use flankload_status, only: invalid_input, negative_force, no_contact_state, pivot_limit, &
+        & singular_contact, out_of_range
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: contact_problem, new_contact_problem, &
         & measure_from_zero, row_tolerance, general_matrix, symmetric_matrix, definite_matrix, &

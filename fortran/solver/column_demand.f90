@@ -7,8 +7,9 @@
 !> language can make the columns by itself; with a `column_source` the core runs the loop.
 module flankload_column_demand
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, invalid_input, no_contact_state, &
-        & singular_contact
+    use flankload_status, only: invalid_input, no_contact_state, singular_contact, &
+        & status_solved, status_degenerate, status_not_unique
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_result, only: contact_result, blank
     use flankload_contact_problem, only: row_tolerance, definite_matrix, definite_part
     use flankload_contact_certificate, only: energy_slack
@@ -166,7 +167,7 @@ contains
         energy = dot_product(part%forces, recession(known))
         if (any(absent .and. recession**2 > energy_slack*energy*diagonal)) then
             result%unique = .false.
-            result%status = 3
+            result%status = status_not_unique
         end if
     end subroutine solve_known_columns
 
@@ -365,9 +366,9 @@ contains
         result%backward_error = max(result%backward_error, -nearest)
         if (.not. definite) then
             result%unique = .false.
-            result%status = 3
-        else if (nearest <= row_tolerance .and. result%status == 0) then
-            result%status = 2
+            result%status = status_not_unique
+        else if (nearest <= row_tolerance .and. result%status == status_solved) then
+            result%status = status_degenerate
         end if
     end subroutine certify_others
 

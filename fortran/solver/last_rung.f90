@@ -6,7 +6,8 @@
 !> are tried.
 module flankload_last_rung
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, no_contact_state, pivot_limit
+    use flankload_status, only: no_contact_state, pivot_limit
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem
     use flankload_load_springs, only: loads_through_springs
     use flankload_loop_start, only: loop_state, start_loop, start_warm

@@ -2,6 +2,8 @@
 !> another set of pairs, whether it is the only one.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
+    use flankload_status, only: status_solved, status_ill_conditioned, status_degenerate, &
+        & status_not_unique
     use flankload_contact_result, only: contact_result
     use flankload_contact_problem, only: contact_problem, measure_from_zero, row_size, &
         & row_tolerance, is_finite
@@ -103,15 +105,15 @@ contains
         end if
         ! Only here, for all methods: no other status promises less than rows met to rounding.
         if (.not. result%backward_error <= row_tolerance) then
-            result%status = 1
+            result%status = status_ill_conditioned
         else if (.not. result%unique) then
-            result%status = 3
+            result%status = status_not_unique
         else if (result%condition > ill_conditioned) then
-            result%status = 1
+            result%status = status_ill_conditioned
         else if (degenerate) then
-            result%status = 2
+            result%status = status_degenerate
         else
-            result%status = 0
+            result%status = status_solved
         end if
     end subroutine certify
 

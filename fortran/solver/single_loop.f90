@@ -8,7 +8,8 @@
 !> loop (Fig. 6) is the case in which no pair ever leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, pivot_limit, singular_contact
+    use flankload_status, only: pivot_limit, singular_contact
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_bordered_system, only: append_pair, drop_pair
     use flankload_bordered_solution, only: solve_bordered

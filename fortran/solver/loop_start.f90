@@ -1,7 +1,8 @@
 !> How the contact loop begins: cold with the first pairs, or warm with a given set.
 module flankload_loop_start
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, no_contact_state, singular_contact
+    use flankload_status, only: no_contact_state, singular_contact
+    use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
     use flankload_zero_force, only: pulls
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &

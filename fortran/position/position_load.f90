@@ -3,6 +3,7 @@
 !> left out could touch.
 module flankload_position_load
     use flankload_kinds, only: wp
+    use flankload_status, only: code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
@@ -18,8 +19,6 @@ module flankload_position_load
 
     public :: solve_position
 
-    !> Error code of this stage, beside those of the stages before it.
-    integer, parameter :: code_unsettled = -13
     !> Cells are laid so often at most; widened 12 times they cover any flank.
     integer, parameter :: max_passes = 14
     !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
@@ -140,7 +139,7 @@ contains
                 if (settled) exit
             end do
             if (.not. settled) then
-                call fatal_error(error, code_unsettled, &
+                call fatal_error(error, code_unsettled_cells, &
                     & 'contact keeps reaching the end of its cells')
                 return
             end if

@@ -15,7 +15,6 @@ module flankload_nodal_pairs
 
     public :: nodal_body, nodal_pairs_type
     public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
-    public :: code_unsteady_points
 
     !> Flanks of one body as points, and how these move.
     type :: nodal_body
@@ -46,10 +45,6 @@ module flankload_nodal_pairs
         !> Where A and B are between the points of their bodies
         type(nodal_place), allocatable :: place_1(:), place_2(:)
     end type nodal_pairs_type
-
-    !> The points of a flank do not go steadily outwards or inwards about O1, or a normal passes
-    !> through it.
-    integer, parameter :: code_unsteady_points = -19
 
     !> A force line that passes O1 nearer than this part of the radius has no lever worth the name.
     real(wp), parameter :: least_lever = 0.01_wp

@@ -2,7 +2,8 @@
 !> finite forces are asked for they follow from the forces found, until these stand.
 module flankload_pair_forces
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, invalid_scale, no_contact_state
+    use flankload_status, only: invalid_scale, no_contact_state, code_forces_move
+    use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: placed_point
     use flankload_contact_pairs, only: pairs_type
     use flankload_compliance_field, only: compliance_type
@@ -28,8 +29,6 @@ module flankload_pair_forces
     !> At sharp corners, where flanks move by more than a cell, two thirds of a change may be left
     !> by the next pass; more than this part is not believed.
     real(wp), parameter :: largest_part = 0.9_wp
-    !> Error code: they did not come to rest.
-    integer, parameter :: code_forces_move = -20
 
 contains
 

@@ -2,6 +2,8 @@
 !> other. Nothing of it depends on the torque, but for flanks that conform.
 module flankload_position_zones
     use flankload_kinds, only: wp
+    use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
+        & code_only_ends
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: curve_length, frame_type, new_frame
     use flankload_friction, only: friction_type
@@ -16,7 +18,6 @@ module flankload_position_zones
 
     public :: body_type, position_type
     public :: look_at_position
-    public :: code_no_zone, code_too_many_zones, code_circle_misses, code_only_ends
 
     !> What a body hands over.
     type :: body_type
@@ -62,11 +63,6 @@ module flankload_position_zones
         real(wp) :: speeds(2) = 0.0_wp
     end type position_type
 
-    !> Error codes of this stage.
-    integer, parameter :: code_no_zone = -11
-    integer, parameter :: code_too_many_zones = -12
-    integer, parameter :: code_circle_misses = -14
-    integer, parameter :: code_only_ends = -21
     !> No real job needs more zones, in all or on each site where there are many sites; more than
     !> that is refused, not cut off.
     integer, parameter :: max_zones = 64, max_zones_per_site = 6

@@ -7,7 +7,8 @@
 module flankload_contact_problem
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload_kinds, only: wp
-    use flankload_error, only: error_type, fatal_error, invalid_input, invalid_scale
+    use flankload_status, only: invalid_input, invalid_scale
+    use flankload_error, only: error_type, fatal_error
     use flankload_lapack, only: add_product
     implicit none
     private
