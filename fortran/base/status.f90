@@ -43,7 +43,7 @@ module flankload_status
         & status_type(status_not_unique, &
         & 'solved; it is not certain that no other state exists'), &
         & status_type(no_contact_state, 'no state of contact holds these loads'), &
-        & status_type(pivot_limit, 'the loop used up its pivots'), &
+        & status_type(pivot_limit, 'the contact loop used up its pivots'), &
         & status_type(singular_contact, &
         & 'no pair holds a motion, or the pairs in contact depend on each other'), &
         & status_type(invalid_input, 'numbers that do not make a contact problem'), &
@@ -60,7 +60,7 @@ module flankload_status
         & status_type(code_circle_misses, &
         & 'a circle about O1 misses the flank of body 2 inside the contact'), &
         & status_type(code_no_room, 'no room any more for the pairs of this position'), &
-        & status_type(code_stopped, 'not begun: the sweep was asked to stop'), &
+        & status_type(code_stopped, 'stopped before it was solved'), &
         & status_type(code_conforms, &
         & 'lumped contact has no place of least gap where flanks conform'), &
         & status_type(code_unsettled_widths, &
