@@ -216,8 +216,8 @@ contains
             found_edge = edge_type(-huge(1.0_wp), 0)
             call placed_point(flank_2%curve, frame_2, at, point_2, tangent_2)
             s_1 = zone%nearest%s_1
-            call circle_meets_flank(flank_1%curve, frame_1, norm2(point_2), zone%s_1_low, &
-                & zone%s_1_high, s_1, point_1, tangent_1, found)
+            call circle_meets_flank(flank_1%curve, frame_1, norm2(point_2), &
+                & [zone%s_1_low, zone%s_1_high], s_1, point_1, tangent_1, found)
             if (.not. found) return
             found_edge%s = s_1
             found_edge%side = nint(side*sign(1.0_wp, dot_product(point_1, tangent_1) &

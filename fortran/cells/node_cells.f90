@@ -90,8 +90,8 @@ contains
             if (.not. meets(k)) cycle
             call placed_point(flank_2, frame_2, min(high, max(low, nodes(k))), point, tangent)
             s = zone%nearest%s_1
-            call circle_meets_flank(flank_1, frame_1, norm2(point), zone%s_1_low, zone%s_1_high, &
-                & s, point, tangent, found)
+            call circle_meets_flank(flank_1, frame_1, norm2(point), &
+                & [zone%s_1_low, zone%s_1_high], s, point, tangent, found)
             met(k) = s
             meets(k) = found
         end do

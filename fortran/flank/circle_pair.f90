@@ -150,8 +150,8 @@ contains
         pair%s_1 = s_1
         call placed_point(flank_1, frame_1, s_1, pair%point_1, pair%tangent_1)
         pair%radius = sqrt(pair%point_1(1)**2 + pair%point_1(2)**2)
-        call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range(1), s_2_range(2), &
-            & pair%s_2, pair%point_2, pair%tangent_2, found)
+        call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range, pair%s_2, pair%point_2, &
+            & pair%tangent_2, found)
         if (.not. found) return
         pair%gap_angle = angle_between(pair%point_1, pair%point_2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)

@@ -44,18 +44,15 @@ contains
     !> Where the circle of a given radius about O1 cuts a flank, between two places that enclose it.
     !>
     !> Newton's method; where it leaves the stretch, the ends are looked at and bisection leads on.
-    pure subroutine circle_meets_flank(curve, frame, radius, s_low, s_high, s, point, tangent, &
-            & found)
+    pure subroutine circle_meets_flank(curve, frame, radius, s_range, s, point, tangent, found)
         !> The flank
         type(flank_curve_type), intent(in) :: curve
         !> Where its body stands
         type(frame_type), intent(in) :: frame
         !> Radius of the circle [mm]
         real(wp), intent(in) :: radius
-        !> One end of the search [mm of arc length]
-        real(wp), intent(in) :: s_low
-        !> The other end
-        real(wp), intent(in) :: s_high
+        !> Ends of the search [mm of arc length], in any order, shape (2)
+        real(wp), intent(in) :: s_range(2)
         !> On entry a guess, on return the place [mm of arc length]
         real(wp), intent(inout) :: s
         !> Point of the flank there, shape (2)
@@ -68,8 +65,8 @@ contains
         integer :: step
         real(wp) :: low, high, f_low, f, slope
 
-        low = min(s_low, s_high)
-        high = max(s_low, s_high)
+        low = min(s_range(1), s_range(2))
+        high = max(s_range(1), s_range(2))
         if (s < low .or. s > high) s = 0.5_wp*(low + high)
         do step = 1, newton_steps
             call look_at(s, point, tangent, f, slope)

@@ -192,8 +192,8 @@ contains
         frame%origin = -axis_1
         s = curve%breaks(k - 1) + (curve%breaks(k) - curve%breaks(k - 1)) &
             & *(radius - radii(k))/(radii(k + 1) - radii(k))
-        call circle_meets_flank(curve, frame, radius, curve%breaks(k - 1), curve%breaks(k), &
-            & s, point, tangent, found)
+        call circle_meets_flank(curve, frame, radius, curve%breaks(k - 1:k), s, &
+            & point, tangent, found)
         point = point + axis_1
         place%point = k
         place%part = (s - curve%breaks(k - 1))/(curve%breaks(k) - curve%breaks(k - 1))
