@@ -74,8 +74,8 @@ contains
         !> False if a circle misses flank 2
         logical, intent(out) :: found
 
-        integer :: k, i
-        real(wp) :: s_1, cell, s_2_range(2), lever_1, lever_2, own_1(2), own_2(2)
+        integer :: k
+        real(wp) :: s_1, cell, s_2_range(2), normals(2, 2)
         type(pair_type) :: pair, last_even(2)
 
         s_2_range = [zone%s_2_low, zone%s_2_high]
@@ -83,100 +83,131 @@ contains
         last_even = zone%nearest
         found = .true.
         if (is_level(zone)) then
-            call look_at_end(zone%level_low, last_even(1), found)
+            last_even%s_2 = [guessed_s_2(pair, zone%level_low), guessed_s_2(pair, zone%level_high)]
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_low, s_2_range, &
+                & last_even(1), found)
             if (.not. found) return
-            call look_at_end(zone%level_high, last_even(2), found)
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_high, s_2_range, &
+                & last_even(2), found)
             if (.not. found) return
         end if
         do k = 1, grid%n
-            s_1 = grid%first + (k - 1)*grid%cell
-            cell = grid%cell
-            if (allocated(grid%ends)) then
-                s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
-                cell = grid%ends(k + 1) - grid%ends(k)
-                if (allocated(grid%centers)) s_1 = grid%centers(k)
-            end if
+            call look_at_cell(grid, k, s_1, cell)
             pair%s_2 = guessed_s_2(pair, s_1)
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
             if (.not. found) return
-            ! Out of body 1, by each flank; n = t turned by a right angle, so |P x n| = |P . t|
-            own_1 = [-pair%tangent_1(2), pair%tangent_1(1)]
-            own_2 = [pair%tangent_2(2), -pair%tangent_2(1)]
-            i = pairs%n + 1
-            pairs%cell_1(i) = cell
-            pairs%cell_2(i) = cell*abs(cross(pair%point_1, own_1)/cross(pair%point_2, own_2))
-            if (.not. is_level(zone)) then
-                own_1 = normal_at(normal, s_1, 1)
-                own_2 = normal_at(normal, s_1, 2)
-            else if (s_1 < zone%level_low) then
-                call take_steadier(last_even(1), own_1, own_2)
-            else if (s_1 > zone%level_high) then
-                call take_steadier(last_even(2), own_1, own_2)
-            end if
-            lever_1 = abs(cross(pair%point_1, own_1))   ! Eq. (17)
-            lever_2 = abs(cross(pair%point_2, own_2))
-            pairs%n = i
-            pairs%site(i) = zone%site
-            pairs%zone(i) = number
-            pairs%s_1(i) = pair%s_1
-            pairs%s_2(i) = pair%s_2
-            if (flank_2%closed) pairs%s_2(i) = modulo(pair%s_2, curve_length(flank_2))
-            pairs%radius(i) = pair%radius
-            pairs%torque_lever(i) = lever_1
-            ! one lever for both bodies: K stays symmetric
-            pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
-            pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
-            pairs%point(:, i) = pair%point_1
-            pairs%normal(:, i) = own_1
-        end do
-
-    contains
-
-        !> The pair at an end of even gap.
-        pure subroutine look_at_end(at, end_pair, met)
-            !> Place on flank 1 [mm]
-            real(wp), intent(in) :: at
-            !> On entry a pair not far away
-            type(pair_type), intent(inout) :: end_pair
-            !> False if its circle misses flank 2
-            logical, intent(out) :: met
-
-            end_pair%s_2 = guessed_s_2(end_pair, at)
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, at, s_2_range, end_pair, met)
-        end subroutine look_at_end
-
-        !> Beyond the ends of even gap one flank turns away, over an edge: the force stands normal
-        !> to the other one. All of the body's motion along a normal that turns with the edge would
-        !> make a kink where the edge begins.
-        !>
-        !> Both normals stand as far apart as both points: where the gap is closed they are one.
-        pure subroutine take_steadier(edge, normal_1, normal_2)
-            !> The pair where the gap stops to be even
-            type(pair_type), intent(in) :: edge
-            !> Normals of both flanks, out of body 1
-            real(wp), intent(inout) :: normal_1(2)
-            real(wp), intent(inout) :: normal_2(2)
-
-            if (abs(angle_between(edge%tangent_1, pair%tangent_1)) &
-                & > abs(angle_between(edge%tangent_2, pair%tangent_2))) then
-                normal_1 = turned(normal_2, -pair%gap_angle)
+            if (is_level(zone)) then
+                normals = own_normals(pair)
+                if (s_1 < zone%level_low) call take_steadier(last_even(1), pair, normals)
+                if (s_1 > zone%level_high) call take_steadier(last_even(2), pair, normals)
             else
-                normal_2 = turned(normal_1, pair%gap_angle)
+                normals(:, 1) = normal_at(normal, s_1, 1)
+                normals(:, 2) = normal_at(normal, s_1, 2)
             end if
-        end subroutine take_steadier
-
-        !> A direction, turned counter-clockwise.
-        pure function turned(direction, angle) result(new)
-            !> The direction
-            real(wp), intent(in) :: direction(2)
-            !> Angle [rad]
-            real(wp), intent(in) :: angle
-            real(wp) :: new(2)
-
-            new = cos(angle)*direction + sin(angle)*[-direction(2), direction(1)]
-        end function turned
-
+            call append_pair(zone, pair, cell, normals, deviation, pairs)
+            if (flank_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(flank_2))
+            pairs%zone(pairs%n) = number
+        end do
     end subroutine append_pairs
+
+    !> Place and width of a cell.
+    pure subroutine look_at_cell(grid, k, s_1, cell)
+        !> The cells
+        type(grid_type), intent(in) :: grid
+        !> Which one
+        integer, intent(in) :: k
+        !> Arc length of flank 1 and width there [mm]
+        real(wp), intent(out) :: s_1
+        real(wp), intent(out) :: cell
+
+        s_1 = grid%first + (k - 1)*grid%cell
+        cell = grid%cell
+        if (.not. allocated(grid%ends)) return
+        s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
+        cell = grid%ends(k + 1) - grid%ends(k)
+        if (allocated(grid%centers)) s_1 = grid%centers(k)
+    end subroutine look_at_cell
+
+    !> Normals of both flanks at a pair, out of body 1.
+    pure function own_normals(pair) result(normals)
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        !> Shape (2, bodies)
+        real(wp) :: normals(2, 2)
+
+        ! n = t turned by a right angle, so |P x n| = |P . t|
+        normals(:, 1) = [-pair%tangent_1(2), pair%tangent_1(1)]
+        normals(:, 2) = [pair%tangent_2(2), -pair%tangent_2(1)]
+    end function own_normals
+
+    !> Beyond the ends of even gap one flank turns away, over an edge: the force stands normal to
+    !> the other one. All of the body's motion along a normal that turns with the edge would make a
+    !> kink where the edge begins.
+    !>
+    !> Both normals stand as far apart as both points: where the gap is closed they are one.
+    pure subroutine take_steadier(edge, pair, normals)
+        !> The pair where the gap stops to be even
+        type(pair_type), intent(in) :: edge
+        !> The pair beyond
+        type(pair_type), intent(in) :: pair
+        !> Normals of both flanks, out of body 1, shape (2, bodies)
+        real(wp), intent(inout) :: normals(2, 2)
+
+        if (abs(angle_between(edge%tangent_1, pair%tangent_1)) &
+            & > abs(angle_between(edge%tangent_2, pair%tangent_2))) then
+            normals(:, 1) = turned(normals(:, 2), -pair%gap_angle)
+        else
+            normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
+        end if
+    end subroutine take_steadier
+
+    !> A direction, turned counter-clockwise.
+    pure function turned(direction, angle) result(new)
+        !> The direction
+        real(wp), intent(in) :: direction(2)
+        !> Angle [rad]
+        real(wp), intent(in) :: angle
+        real(wp) :: new(2)
+
+        new = cos(angle)*direction + sin(angle)*[-direction(2), direction(1)]
+    end function turned
+
+    !> Append a pair with its levers.
+    pure subroutine append_pair(zone, pair, cell, normals, deviation, pairs)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        !> Width of its cell on flank 1 [mm]
+        real(wp), intent(in) :: cell
+        !> Directions of its force by each flank, out of body 1, shape (2, bodies)
+        real(wp), intent(in) :: normals(2, 2)
+        !> Metal that touches early [mm]
+        real(wp), intent(in) :: deviation
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: i
+        real(wp) :: lever_1, lever_2, own(2, 2)
+
+        own = own_normals(pair)
+        lever_1 = abs(cross(pair%point_1, normals(:, 1)))   ! Eq. (17)
+        lever_2 = abs(cross(pair%point_2, normals(:, 2)))
+        i = pairs%n + 1
+        pairs%n = i
+        pairs%site(i) = zone%site
+        pairs%s_1(i) = pair%s_1
+        pairs%s_2(i) = pair%s_2
+        pairs%cell_1(i) = cell
+        pairs%cell_2(i) = cell*abs(cross(pair%point_1, own(:, 1))/cross(pair%point_2, own(:, 2)))
+        pairs%radius(i) = pair%radius
+        pairs%torque_lever(i) = lever_1
+        ! one lever for both bodies: K stays symmetric
+        pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
+        pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
+        pairs%point(:, i) = pair%point_1
+        pairs%normal(:, i) = normals(:, 1)
+    end subroutine append_pair
 
     !> Turn pairs of coast flanks, which were laid in the mirror, back: on the other side of the
     !> line of centres forces turn body 1 the other way.

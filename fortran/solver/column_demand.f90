@@ -144,14 +144,9 @@ contains
         if (allocated(error)) then
             if (.not. any(absent)) then
                 call take_over(known, part, size(diagonal), result)
-                return
+            else
+                call ask_for_holders(part, load_rows, loads, absent, most, wanted, result, error)
             end if
-            wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
-            result%none_proven = size(wanted) == 0 .and. part%none_proven &
-                & .and. none_help(part%motion, load_rows, absent)
-            if (size(wanted) > 0) deallocate (error)
-            result%motion = part%motion
-            result%largest_part = part%largest_part
             return
         end if
         call take_over(known, part, size(diagonal), result)
@@ -170,6 +165,32 @@ contains
             result%status = status_not_unique
         end if
     end subroutine solve_known_columns
+
+    !> Where the known pairs have no state: others that may help, or the failure of the known ones.
+    pure subroutine ask_for_holders(part, load_rows, loads, absent, most, wanted, result, error)
+        !> What is said of the known pairs
+        type(contact_result), intent(in) :: part
+        !> R and Q
+        real(wp), intent(in) :: load_rows(:, :)
+        real(wp), intent(in) :: loads(:)
+        !> Pairs whose columns are not known
+        logical, intent(in) :: absent(:)
+        !> How many may be wanted
+        integer, intent(in) :: most
+        !> Pairs whose columns come next
+        integer, allocatable, intent(out) :: wanted(:)
+        !> What is said of all pairs
+        type(contact_result), intent(inout) :: result
+        !> Why the known pairs have no state; gone where others may help
+        type(error_type), allocatable, intent(inout) :: error
+
+        wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
+        result%none_proven = size(wanted) == 0 .and. part%none_proven &
+            & .and. none_help(part%motion, load_rows, absent)
+        if (size(wanted) > 0) deallocate (error)
+        result%motion = part%motion
+        result%largest_part = part%largest_part
+    end subroutine ask_for_holders
 
     !> Numbers and shapes that fit.
     pure subroutine check_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &

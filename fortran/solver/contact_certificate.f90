@@ -43,12 +43,11 @@ contains
         !> Its condition is known already
         type(contact_result), intent(inout) :: result
 
-        type(contact_problem), allocatable :: original
         integer :: i, c
         integer, allocatable :: pairs(:)
         real(wp), allocatable :: rows(:), recession(:), sizes(:), whole_motion(:)
         real(wp), allocatable :: lacking(:), load_sizes(:)
-        real(wp) :: largest, wrong
+        real(wp) :: largest
         logical, allocatable :: active(:)
         logical :: degenerate
 
@@ -74,28 +73,7 @@ contains
             & maxval(max(-forces, 0.0_wp))/largest)
         degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
         result%margin = minval(forces/largest, mask=active)
-        do i = 1, problem%n
-            ! Only where it could matter: the size without cancellation. A row without any size (no
-            ! force, no gap, no lever) is met exactly. Where K F cancels, nothing but that size
-            ! tells rounding from a gap.
-            if (active(i) .or. rows(i) <= near_contact*sizes(i)) then
-                sizes(i) = max(tiny(1.0_wp), sizes(i))
-                if (abs(rows(i)) > row_tolerance*sizes(i)) then
-                    if (.not. allocated(original)) then
-                        original = problem
-                        call measure_from_zero(original)
-                    end if
-                    sizes(i) = max(sizes(i), &
-                        & row_size(original, compliance, forces, whole_motion, pairs, i))
-                end if
-            end if
-            wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active(i))
-            result%backward_error = max(result%backward_error, wrong/sizes(i))
-            if (active(i)) cycle
-            result%margin = min(result%margin, rows(i)/sizes(i))
-            degenerate = degenerate .or. (size(pairs) > 0 .and. rows(i) <= row_tolerance*sizes(i))
-        end do
-        result%margin = max(0.0_wp, result%margin)
+        call look_at_rows(problem, compliance, forces, whole_motion, rows, sizes, result, degenerate)
         if (problem%definite) then
             result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
@@ -103,19 +81,79 @@ contains
             result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance, &
                 & whole_motion))
         end if
-        ! Only here, for all methods: no other status promises less than rows met to rounding.
-        if (.not. result%backward_error <= row_tolerance) then
-            result%status = status_ill_conditioned
-        else if (.not. result%unique) then
-            result%status = status_not_unique
-        else if (result%condition > ill_conditioned) then
-            result%status = status_ill_conditioned
-        else if (degenerate) then
-            result%status = status_degenerate
-        else
-            result%status = status_solved
-        end if
+        result%status = status_of(result, degenerate)
     end subroutine certify
+
+    !> How well rows are met, and how far open ones are from contact.
+    pure subroutine look_at_rows(problem, compliance, forces, motion, rows, sizes, result, &
+            & degenerate)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, shape (n), and motion from zero, shape (n_motions)
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: motion(:)
+        !> Gaps of these, and the least that the size of each row can be, shape (n)
+        real(wp), intent(in) :: rows(:)
+        real(wp), intent(inout) :: sizes(:)
+        !> Backward error and margin of forces and loads, then of the rows too
+        type(contact_result), intent(inout) :: result
+        !> Some pair has neither force nor gap
+        logical, intent(inout) :: degenerate
+
+        type(contact_problem), allocatable :: original
+        integer :: i
+        integer, allocatable :: pairs(:)
+        real(wp) :: wrong
+        logical :: active
+
+        pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
+        do i = 1, problem%n
+            active = abs(forces(i)) > 0.0_wp
+            ! Only where it could matter: the size without cancellation. A row without any size (no
+            ! force, no gap, no lever) is met exactly. Where K F cancels, nothing but that size
+            ! tells rounding from a gap.
+            if (active .or. rows(i) <= near_contact*sizes(i)) then
+                sizes(i) = max(tiny(1.0_wp), sizes(i))
+                if (abs(rows(i)) > row_tolerance*sizes(i)) then
+                    if (.not. allocated(original)) then
+                        original = problem
+                        call measure_from_zero(original)
+                    end if
+                    sizes(i) = max(sizes(i), &
+                        & row_size(original, compliance, forces, motion, pairs, i))
+                end if
+            end if
+            wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active)
+            result%backward_error = max(result%backward_error, wrong/sizes(i))
+            if (active) cycle
+            result%margin = min(result%margin, rows(i)/sizes(i))
+            degenerate = degenerate .or. (size(pairs) > 0 .and. rows(i) <= row_tolerance*sizes(i))
+        end do
+        result%margin = max(0.0_wp, result%margin)
+    end subroutine look_at_rows
+
+    !> The status, for all methods: none but ill-conditioned promises less than rows met to rounding.
+    pure function status_of(result, degenerate) result(status)
+        !> The state and its certificate
+        type(contact_result), intent(in) :: result
+        !> Some pair has neither force nor gap
+        logical, intent(in) :: degenerate
+        integer :: status
+
+        if (.not. result%backward_error <= row_tolerance) then
+            status = status_ill_conditioned
+        else if (.not. result%unique) then
+            status = status_not_unique
+        else if (result%condition > ill_conditioned) then
+            status = status_ill_conditioned
+        else if (degenerate) then
+            status = status_degenerate
+        else
+            status = status_solved
+        end if
+    end function status_of
 
     !> Whether no other state exists.
     !>

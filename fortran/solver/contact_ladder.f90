@@ -18,7 +18,7 @@ module flankload_contact_ladder
     implicit none
     private
 
-    public :: climb
+    public :: climb, ladder_end
     public :: rung_auto, rung_single, rung_paper, rung_block, rung_load_path, rung_pivoted
     public :: rung_cascade, rung_primal
 
@@ -46,11 +46,20 @@ module flankload_contact_ladder
     integer, parameter :: many_pairs = 500
     integer, parameter :: many_with_motions = 100
 
+    !> Where the ladder was left.
+    type :: ladder_end
+        !> The rung that answered, or the last one
+        integer :: rung = rung_auto
+        !> Without a state: part of the loads that can be held
+        real(wp) :: largest_part = 0.0_wp
+        !> Without a state: there is none for certain
+        logical :: none_proven = .false.
+    end type ladder_end
+
 contains
 
     !> Go from rung to rung until one answers.
-    pure subroutine climb(problem, compliance, method, warm_pairs, state, rung, largest_part, &
-        & none_proven, error)
+    pure subroutine climb(problem, compliance, method, warm_pairs, state, ending, error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
@@ -61,72 +70,92 @@ contains
         integer, intent(in) :: warm_pairs(:)
         !> The state; without one its motion shows why
         type(loop_state), intent(out) :: state
-        !> The rung that answered, or the last one
-        integer, intent(out) :: rung
-        !> Without a state: part of the loads that can be held
-        real(wp), intent(out) :: largest_part
-        !> Without a state: there is none for certain
-        logical, intent(out) :: none_proven
+        !> Where the ladder was left
+        type(ladder_end), intent(out) :: ending
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        logical :: settled, symmetric, singular
+        logical :: settled, symmetric
         integer :: pivots
         integer, allocatable :: begin(:)
 
-        rung = method
-        if (method == rung_auto) rung = choose(problem, compliance, warm_pairs)
-        if (method == rung_primal) rung = rung_single
-        largest_part = 0.0_wp
-        none_proven = .false.
+        ending%rung = method
+        if (method == rung_auto) ending%rung = choose(problem, compliance, warm_pairs)
+        if (method == rung_primal) ending%rung = rung_single
         symmetric = problem%symmetric
         begin = warm_pairs
         pivots = 0
         settled = .false.
-        if (rung == rung_block .or. rung == rung_cascade) then
-            call block_loop(problem, compliance, begin, rung == rung_cascade, state, settled, error)
+        if (ending%rung == rung_block .or. ending%rung == rung_cascade) then
+            call block_loop(problem, compliance, begin, ending%rung == rung_cascade, state, &
+                & settled, error)
             ! Before the first pair is in contact a loop only says that no forces hold the loads.
-            none_proven = state%none_proven
+            ending%none_proven = state%none_proven
             if (settled .or. allocated(error)) return
-            call step_down(state, rung_single, rung, pivots, begin)
+            call step_down(state, rung_single, ending%rung, pivots, begin)
         end if
-        if (rung == rung_single) then
+        if (ending%rung == rung_single) then
             call measure_from_zero(problem)
             call single_loop(problem, compliance, begin, .false., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
             ! What fails before the first pair is in contact is no matter of the loop.
-            none_proven = state%none_proven
+            ending%none_proven = state%none_proven
             if (.not. allocated(state%system%pairs)) return
-            call step_down(state, rung_pivoted, rung, pivots, begin)
+            call step_down(state, rung_pivoted, ending%rung, pivots, begin)
         end if
-        if (rung == rung_pivoted) then
-            call measure_from_zero(problem)
-            problem%symmetric = .false.
-            call single_loop(problem, compliance, begin, .true., state, error)
-            state%pivots = pivots + state%pivots
+        if (ending%rung == rung_pivoted) then
+            call run_pivoted(problem, compliance, begin, pivots, state, ending%rung, error)
             if (.not. allocated(error)) return
-            singular = error%code == singular_contact
-            call step_down(state, rung_load_path, rung, pivots, begin)
-            if (singular) then
-                problem%symmetric = symmetric
-                call measure_from_zero(problem)
-                call loads_through_springs(problem)
-                call single_loop(problem, compliance, begin, .not. problem%symmetric, state, error)
-                state%pivots = pivots + state%pivots
-                if (.not. allocated(error)) then
-                    rung = rung_pivoted
-                    return
-                end if
-                pivots = state%pivots
-                problem%spring = 0.0_wp
-            end if
         end if
         problem%symmetric = symmetric
         call measure_from_zero(problem)
-        call take_last_rung(problem, compliance, state, largest_part, none_proven, error)
+        call take_last_rung(problem, compliance, state, ending%largest_part, ending%none_proven, &
+            & error)
         state%pivots = pivots + state%pivots
     end subroutine climb
+
+    !> One pair at a time with rows exchanged; where the pairs are singular, with loads through
+    !> springs.
+    pure subroutine run_pivoted(problem, compliance, begin, pivots, state, rung, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with, then to go on with
+        integer, allocatable, intent(inout) :: begin(:)
+        !> Pivots so far
+        integer, intent(inout) :: pivots
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> This rung, or the next one
+        integer, intent(inout) :: rung
+        !> Why there is none
+        type(error_type), allocatable, intent(out) :: error
+
+        logical :: symmetric, singular
+
+        symmetric = problem%symmetric
+        call measure_from_zero(problem)
+        problem%symmetric = .false.
+        call single_loop(problem, compliance, begin, .true., state, error)
+        state%pivots = pivots + state%pivots
+        if (.not. allocated(error)) return
+        singular = error%code == singular_contact
+        call step_down(state, rung_load_path, rung, pivots, begin)
+        if (.not. singular) return
+        problem%symmetric = symmetric
+        call measure_from_zero(problem)
+        call loads_through_springs(problem)
+        call single_loop(problem, compliance, begin, .not. problem%symmetric, state, error)
+        state%pivots = pivots + state%pivots
+        if (.not. allocated(error)) then
+            rung = rung_pivoted
+            return
+        end if
+        pivots = state%pivots
+        problem%spring = 0.0_wp
+    end subroutine run_pivoted
 
     !> The fastest loop.
     pure function choose(problem, compliance, warm_pairs) result(rung)

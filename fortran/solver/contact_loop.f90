@@ -12,7 +12,7 @@ module flankload_contact_loop
         & definite_part
     use flankload_row_scaling, only: is_finite_matrix
     use flankload_loop_start, only: loop_state
-    use flankload_contact_ladder, only: climb, method_auto => rung_auto, &
+    use flankload_contact_ladder, only: climb, ladder_end, method_auto => rung_auto, &
         & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
         & method_load_path => rung_load_path, method_pivoted => rung_pivoted, &
         & method_cascade => rung_cascade, method_primal => rung_primal
@@ -167,12 +167,13 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        real(wp) :: part
+        type(ladder_end) :: ending
         logical :: symmetric
 
         symmetric = problem%symmetric
-        call climb(problem, compliance, method, warm_pairs, state, result%rung, part, &
-            & result%none_proven, error)
+        call climb(problem, compliance, method, warm_pairs, state, ending, error)
+        result%rung = ending%rung
+        result%none_proven = ending%none_proven
         if (.not. allocated(error)) then
             call report_state(problem, compliance, state, result)
             if (.not. result%backward_error <= row_tolerance) then
@@ -188,7 +189,7 @@ contains
         if (error%code == no_contact_state .or. error%code == singular_contact) then
             result%motion = problem%load_row_scale*state%motion
         end if
-        if (error%code == no_contact_state) result%largest_part = part
+        if (error%code == no_contact_state) result%largest_part = ending%largest_part
     end subroutine run_ladder
 
     !> Other rungs, where what was found misses its equations.
@@ -213,8 +214,7 @@ contains
         type(contact_result) :: its_result
         integer :: k, pivots
         integer, allocatable :: afresh(:)
-        real(wp) :: part
-        logical :: proven
+        type(ladder_end) :: ending
 
         pivots = state%pivots
         afresh = rungs_afresh(method)
@@ -226,8 +226,8 @@ contains
             other%spring = 0.0_wp
             call measure_from_zero(other)
             call blank(its_result, problem%n, problem%n_motions)
-            call climb(other, compliance, afresh(k), [integer ::], its_state, its_result%rung, &
-                & part, proven, error)
+            call climb(other, compliance, afresh(k), [integer ::], its_state, ending, error)
+            its_result%rung = ending%rung
             pivots = pivots + its_state%pivots
             if (allocated(error)) cycle
             call report_state(other, compliance, its_state, its_result)

@@ -14,7 +14,7 @@ module flankload_path_factor
     implicit none
     private
 
-    public :: path_problem, path_factor
+    public :: path_problem, path_factor, path_unknowns
     public :: change_sides, factor_line, border_line
 
     !> So many pairs may change sides before the present set is factored.
@@ -46,6 +46,15 @@ module flankload_path_factor
         real(wp), allocatable :: columns(:, :)
         real(wp), allocatable :: rows(:, :)
     end type path_factor
+
+    !> Unknowns at the start of a line and their change along it.
+    type :: path_unknowns
+        !> Scaled forces, shape (n, 2), and motion, shape (n_motions, 2)
+        real(wp), allocatable :: forces(:, :)
+        real(wp), allocatable :: motion(:, :)
+        !> λ, shape (2)
+        real(wp), allocatable :: part(:)
+    end type path_unknowns
 
 contains
 
@@ -194,8 +203,7 @@ contains
     !> The line from the kept factor: z = z0 - C y for the kept unknowns z, where y holds the kept
     !> driver, now free, and for each change the force of the pair that joined or the gap of the one
     !> that left. Their conditions D z + E y = s and the present driver give (E - D C) y = s - D z0.
-    pure subroutine border_line(problem, compliance, way, driver, factor, forces, motion, part, &
-        & solved)
+    pure subroutine border_line(problem, compliance, way, driver, factor, unknowns, solved)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K
@@ -206,16 +214,12 @@ contains
         integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(in) :: factor
-        !> Scaled forces at the start and their change, shape (n, 2)
-        real(wp), allocatable, intent(out) :: forces(:, :)
-        !> Motion and its change, shape (n_motions, 2)
-        real(wp), allocatable, intent(out) :: motion(:, :)
-        !> λ and its change, shape (2)
-        real(wp), allocatable, intent(out) :: part(:)
+        !> The line
+        type(path_unknowns), intent(out) :: unknowns
         !> False if the equations are singular
         logical, intent(out) :: solved
 
-        integer :: j, k, m, s, place, info
+        integer :: j, k, m, s, info
         integer, allocatable :: swaps(:)
         real(wp), allocatable :: columns(:, :), rows(:, :), matrix(:, :), right(:, :), kept(:, :)
 
@@ -224,16 +228,60 @@ contains
         k = size(factor%pairs)
         ! The kept driver takes what a unit of it brings.
         columns = reshape([factor%columns(:, :s), -factor%solution(:, 2)], [m, s + 1])
+        call border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+        matrix = matrix - matmul(rows, columns)
+        right(:, 1) = right(:, 1) - matmul(rows, factor%solution(:, 1))
+        allocate (swaps(s + 1))
+        call getrf(s + 1, matrix, swaps, info)
+        solved = info == 0
+        if (.not. solved) return
+        call permute_rows(right, swaps)
+        call solve_triangle(s + 1, matrix, 'L', 'N', 'U', right)
+        call solve_triangle(s + 1, matrix, 'U', 'N', 'N', right)
+        kept = -matmul(columns, right)
+        kept(:, 1) = kept(:, 1) + factor%solution(:, 1)
+        solved = all(abs(kept) <= huge(1.0_wp))
+        allocate (unknowns%forces(problem%n, 2), source=0.0_wp)
+        unknowns%forces(factor%pairs, :) = kept(:k, :)
+        do j = 1, s
+            unknowns%forces(factor%changed(j), :) = 0.0_wp
+            if (factor%active(factor%changed(j))) then
+                unknowns%forces(factor%changed(j), :) = right(j, :)
+            end if
+        end do
+        unknowns%motion = kept(k + 1:m - 1, :)
+        unknowns%part = kept(m, :)
+    end subroutine border_line
+
+    !> D, E and s: the conditions of the changes and of the driver.
+    pure subroutine border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> D on the kept unknowns, E on those of the changes, s
+        real(wp), allocatable, intent(out) :: rows(:, :)
+        real(wp), allocatable, intent(out) :: matrix(:, :)
+        real(wp), allocatable, intent(out) :: right(:, :)
+
+        integer :: j, m, s, place
+
+        s = factor%n_changed
+        m = size(factor%matrix, 1)
         rows = reshape([factor%rows(:, :s), spread(0.0_wp, 1, m)], [m, s + 1])
-        allocate (matrix(s + 1, s + 1), right(s + 1, 2), swaps(s + 1))
-        matrix = 0.0_wp
-        right = 0.0_wp
+        allocate (matrix(s + 1, s + 1), right(s + 1, 2), source=0.0_wp)
         right(s + 1, 2) = 1.0_wp
         do j = 1, s
             associate (pair => factor%changed(j))
                 if (.not. factor%active(pair)) cycle
                 right(j, 1) = -way%gaps(pair)
-                call add_joined(pair, matrix(j, :s))
+                call add_joined(problem, compliance, factor, pair, matrix(j, :s))
             end associate
         end do
         place = 0
@@ -247,49 +295,33 @@ contains
         else
             rows(:, s + 1) = gap_row(problem, compliance, way, driver, factor%pairs)
             right(s + 1, 1) = -way%gaps(driver)
-            call add_joined(driver, matrix(s + 1, :s))
+            call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
         end if
         rows = transpose(rows)
-        matrix = matrix - matmul(rows, columns)
-        right(:, 1) = right(:, 1) - matmul(rows, factor%solution(:, 1))
-        call getrf(s + 1, matrix, swaps, info)
-        solved = info == 0
-        if (.not. solved) return
-        call permute_rows(right, swaps)
-        call solve_triangle(s + 1, matrix, 'L', 'N', 'U', right)
-        call solve_triangle(s + 1, matrix, 'U', 'N', 'N', right)
-        kept = -matmul(columns, right)
-        kept(:, 1) = kept(:, 1) + factor%solution(:, 1)
-        solved = all(abs(kept) <= huge(1.0_wp))
-        allocate (forces(problem%n, 2), source=0.0_wp)
-        forces(factor%pairs, :) = kept(:k, :)
-        do j = 1, s
-            forces(factor%changed(j), :) = 0.0_wp
-            if (factor%active(factor%changed(j))) forces(factor%changed(j), :) = right(j, :)
+    end subroutine border_rows
+
+    !> What the forces of joined pairs add to the gap of a pair.
+    pure subroutine add_joined(problem, compliance, factor, pair, row)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> The pair
+        integer, intent(in) :: pair
+        !> Its row on the unknowns of the changes
+        real(wp), intent(inout) :: row(:)
+
+        integer :: i
+
+        do i = 1, size(row)
+            associate (joined => factor%changed(i))
+                if (.not. factor%active(joined)) cycle
+                row(i) = problem%row_scale(pair)*compliance(pair, joined) &
+                    & *problem%row_scale(joined)
+            end associate
         end do
-        motion = kept(k + 1:m - 1, :)
-        part = kept(m, :)
-
-    contains
-
-        !> What the forces of joined pairs add to the gap of a pair.
-        pure subroutine add_joined(pair, row)
-            !> The pair
-            integer, intent(in) :: pair
-            !> Its row on the unknowns of the changes
-            real(wp), intent(inout) :: row(:)
-
-            integer :: i
-
-            do i = 1, s
-                associate (joined => factor%changed(i))
-                    if (.not. factor%active(joined)) cycle
-                    row(i) = problem%row_scale(pair)*compliance(pair, joined) &
-                        & *problem%row_scale(joined)
-                end associate
-            end do
-        end subroutine add_joined
-
-    end subroutine border_line
+    end subroutine add_joined
 
 end module flankload_path_factor

@@ -6,7 +6,8 @@
 module flankload_path_line
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, find_recession
-    use flankload_path_factor, only: path_problem, path_factor, factor_line, border_line
+    use flankload_path_factor, only: path_problem, path_factor, path_unknowns, factor_line, &
+        & border_line
     implicit none
     private
 
@@ -45,33 +46,30 @@ contains
         logical, intent(out) :: solved
 
         integer :: k
-        real(wp), allocatable :: forces(:, :), motion(:, :), part(:)
+        type(path_unknowns) :: unknowns
         logical :: accurate
 
         solved = .false.
         if (factor%n_changed >= 0) then
-            call border_line(problem, compliance, way, driver, factor, forces, motion, part, solved)
+            call border_line(problem, compliance, way, driver, factor, unknowns, solved)
         end if
         if (solved) then
-            call complete_line(problem, compliance, way, driver, factor, forces, motion, part, &
-                & line, accurate)
+            call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
             if (accurate) return
         end if
         call factor_line(problem, compliance, way, driver, factor, solved)
         if (.not. solved) return
-        if (allocated(forces)) deallocate (forces)
-        allocate (forces(problem%n, 2), source=0.0_wp)
+        if (allocated(unknowns%forces)) deallocate (unknowns%forces)
+        allocate (unknowns%forces(problem%n, 2), source=0.0_wp)
         k = size(factor%pairs)
-        forces(factor%pairs, :) = factor%solution(:k, :)
-        motion = factor%solution(k + 1:k + problem%n_motions, :)
-        part = factor%solution(k + problem%n_motions + 1, :)
-        call complete_line(problem, compliance, way, driver, factor, forces, motion, part, line, &
-            & accurate)
+        unknowns%forces(factor%pairs, :) = factor%solution(:k, :)
+        unknowns%motion = factor%solution(k + 1:k + problem%n_motions, :)
+        unknowns%part = factor%solution(k + problem%n_motions + 1, :)
+        call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
     end subroutine find_line
 
     !> Gaps of the line, and whether its equations are met to rounding.
-    pure subroutine complete_line(problem, compliance, way, driver, factor, forces, motion, part, &
-        & line, accurate)
+    pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K
@@ -82,12 +80,8 @@ contains
         integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(in) :: factor
-        !> Scaled forces at the start and their change, shape (n, 2)
-        real(wp), contiguous, intent(in) :: forces(:, :)
-        !> Motion and its change, shape (n_motions, 2)
-        real(wp), intent(in) :: motion(:, :)
-        !> λ and its change, shape (2)
-        real(wp), intent(in) :: part(:)
+        !> Its forces, motion and λ
+        type(path_unknowns), intent(in) :: unknowns
         !> The line
         type(path_line), intent(out) :: line
         !> What the rows lack is rounding
@@ -101,26 +95,28 @@ contains
         allocate (gaps(problem%n, 2))
         closed = factor%active
         accurate = .true.
-        do c = 1, 2
-            call find_recession(problem, compliance, forces(:, c), gaps(:, c))
-            gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
-            lacking = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
-            terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
-                & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
-            if (c == 1) then
-                gaps(:, c) = gaps(:, c) + way%gaps
-                lacking = lacking + way%base_loads
-                terms = max(terms, maxval(abs(way%gaps), mask=closed), maxval(abs(way%base_loads)))
-            end if
-            accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
-                & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
-        end do
-        line%value = merge(forces(:, 1), gaps(:, 1), closed)
-        line%change = merge(forces(:, 2), gaps(:, 2), closed)
-        line%motion = motion(:, 1)
-        line%motion_change = motion(:, 2)
-        line%part = part(1)
-        line%part_change = part(2)
+        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part)
+            do c = 1, 2
+                call find_recession(problem, compliance, forces(:, c), gaps(:, c))
+                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
+                lacking = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
+                terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
+                    & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
+                if (c == 1) then
+                    gaps(:, c) = gaps(:, c) + way%gaps
+                    lacking = lacking + way%base_loads
+                    terms = max(terms, maxval(abs(way%gaps), mask=closed), maxval(abs(way%base_loads)))
+                end if
+                accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
+                    & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
+            end do
+            line%value = merge(forces(:, 1), gaps(:, 1), closed)
+            line%change = merge(forces(:, 2), gaps(:, 2), closed)
+            line%motion = motion(:, 1)
+            line%motion_change = motion(:, 2)
+            line%part = part(1)
+            line%part_change = part(2)
+        end associate
         if (driver > 0) accurate = accurate &
             & .and. abs(line%value(driver)) <= line_tolerance*terms &
             & .and. abs(line%change(driver) - 1.0_wp) <= line_tolerance*terms
