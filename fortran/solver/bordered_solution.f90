@@ -21,6 +21,17 @@ module flankload_bordered_solution
     !> With smaller pivots half of the digits are lost: motions that are parted first lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
+    !> Solution of the bordered equations.
+    type :: solution_type
+        !> Scaled forces, shape (k), and motion, shape (n_motions)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: motion(:)
+        !> Least pivot of the motions beside the largest, 0 where one is loose
+        real(wp) :: least_pivot = 0.0_wp
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: inverse(:, :)
+    end type solution_type
+
 contains
 
     !> Solve the bordered equations.
@@ -42,45 +53,41 @@ contains
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out), optional :: tangent(:, :)
 
-        real(wp) :: least_pivot
-        real(wp), allocatable :: inverse(:, :)
+        type(solution_type) :: solution
 
         if (problem%symmetric) then
-            call solve_halfway(system, problem, r, s, forces, motion, least_pivot, inverse)
+            call solve_halfway(system, problem, r, s, solution)
         else
-            call solve_at_once(system, problem, r, s, forces, motion, least_pivot, inverse)
+            call solve_at_once(system, problem, r, s, solution)
         end if
-        solved = least_pivot > loose_motion
-        if (problem%n_motions > 1 .and. least_pivot < small_pivot) then
-            call solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
+        if (problem%n_motions > 1 .and. solution%least_pivot < small_pivot) then
+            call solve_spanned(system, problem, r, s, solution)
         end if
+        solved = solution%least_pivot > loose_motion
         if (.not. solved) then
             motion = 0.0_wp*s
             forces = 0.0_wp*r
             return
         end if
-        if (problem%spring > 0.0_wp) call leave_springs(problem, s, motion, inverse)
-        if (present(tangent)) call move_alloc(inverse, tangent)
+        if (problem%spring > 0.0_wp) then
+            call leave_springs(problem, s, solution%motion, solution%inverse)
+        end if
+        call move_alloc(solution%forces, forces)
+        call move_alloc(solution%motion, motion)
+        if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 
     !> The same where K is not symmetric, as above.
-    pure subroutine solve_at_once(system, problem, r, s, forces, motion, least_pivot, inverse)
+    pure subroutine solve_at_once(system, problem, r, s, solution)
         !> The system
         type(bordered_system), intent(in) :: system
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand side of the pairs, shape (k)
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
-        !> Right-hand side of the loads, shape (n_motions)
         real(wp), intent(in) :: s(:)
-        !> Scaled forces, shape (k)
-        real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion, shape (n_motions)
-        real(wp), allocatable, intent(out) :: motion(:)
-        !> Least pivot of the motions beside the largest, 0 where one is loose
-        real(wp), intent(out) :: least_pivot
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out) :: inverse(:, :)
+        !> The solution
+        type(solution_type), intent(out) :: solution
 
         integer :: q
         real(wp), allocatable :: columns(:, :), rows(:, :)
@@ -91,51 +98,41 @@ contains
         columns(:, q + 1) = r
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
-        inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(inverse, loose_motion, least_pivot)
-        if (least_pivot <= 0.0_wp) return
-        motion = matmul(inverse, s - matmul(columns(:, q + 1), rows))
-        forces = matmul(columns(:, :q), motion) + columns(:, q + 1)
+        solution%inverse = matmul(transpose(rows), columns(:, :q))
+        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        if (solution%least_pivot <= 0.0_wp) return
+        solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
+        solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
     end subroutine solve_at_once
 
     !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, where
     !> the columns of P and of T do not, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
-    pure subroutine solve_spanned(system, problem, r, s, forces, motion, solved, inverse)
+    pure subroutine solve_spanned(system, problem, r, s, solution)
         !> The system
         type(bordered_system), intent(in) :: system
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand side of the pairs, shape (k)
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
-        !> Right-hand side of the loads, shape (n_motions)
         real(wp), intent(in) :: s(:)
-        !> Scaled forces, shape (k)
-        real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion, shape (n_motions)
-        real(wp), allocatable, intent(out) :: motion(:)
-        !> False if a motion is loose
-        logical, intent(out) :: solved
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out) :: inverse(:, :)
+        !> The solution
+        type(solution_type), intent(out) :: solution
 
         integer :: c, q
-        real(wp) :: least_pivot
         type(spanned) :: of_motions, of_loads
         real(wp), allocatable :: columns(:, :), loads(:, :)
 
         q = problem%n_motions
         of_motions = span_columns(problem%motions(system%pairs, :))
         of_loads = span_columns(problem%load_rows(system%pairs, :))
-        solved = of_motions%independent .and. of_loads%independent
-        if (.not. solved) return
+        if (.not. (of_motions%independent .and. of_loads%independent)) return
         allocate (columns(size(system%pairs), q + 1))
         columns(:, :q) = of_motions%columns
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
-        inverse = matmul(transpose(of_loads%columns), columns(:, :q))
-        call invert(inverse, loose_motion, least_pivot)
-        solved = least_pivot > loose_motion
-        if (.not. solved) return
+        solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
+        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        if (solution%least_pivot <= loose_motion) return
         ! U⁻ᵀ [s 1]
         allocate (loads(q, q + 1), source=0.0_wp)
         loads(:, 1) = s
@@ -144,32 +141,25 @@ contains
         end do
         call solve_triangular(of_loads, .true., loads)
         loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
-        loads = matmul(inverse, loads)
-        forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
+        loads = matmul(solution%inverse, loads)
+        solution%forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
         call solve_triangular(of_motions, .false., loads)
-        motion = loads(:, 1)
-        inverse = loads(:, 2:)
+        solution%motion = loads(:, 1)
+        solution%inverse = loads(:, 2:)
     end subroutine solve_spanned
 
     !> The same where K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no way back,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
-    pure subroutine solve_halfway(system, problem, r, s, forces, motion, least_pivot, inverse)
+    pure subroutine solve_halfway(system, problem, r, s, solution)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand side of the pairs, shape (k)
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
-        !> Right-hand side of the loads, shape (n_motions)
         real(wp), intent(in) :: s(:)
-        !> Scaled forces, shape (k)
-        real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion, shape (n_motions)
-        real(wp), allocatable, intent(out) :: motion(:)
-        !> Least pivot of the motions beside the largest, 0 where one is loose
-        real(wp), intent(out) :: least_pivot
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out) :: inverse(:, :)
+        !> The solution
+        type(solution_type), intent(out) :: solution
 
         integer :: k, q, c, d, first_row
 
@@ -177,24 +167,25 @@ contains
         k = size(system%pairs)
         q = problem%n_motions
         first_row = merge(0, q, problem%same_rows)   ! Y_R is Y_B where R = B
-        allocate (forces(k), source=r)
-        allocate (motion(q), inverse(q, q))
-        call solve_lower(k, system%factor%matrix, 'N', forces)
-        associate (forward => system%forward)
+        allocate (solution%forces(k), source=r)
+        allocate (solution%inverse(q, q))
+        call solve_lower(k, system%factor%matrix, 'N', solution%forces)
+        associate (forward => system%forward, forces => solution%forces, &
+            & inverse => solution%inverse)
             do c = 1, q
                 do d = 1, q
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, loose_motion, least_pivot)
-            if (least_pivot <= 0.0_wp) return
-            motion = [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)]
-            motion = matmul(inverse, motion)
+            call invert(inverse, loose_motion, solution%least_pivot)
+            if (solution%least_pivot <= 0.0_wp) return
+            solution%motion = matmul(inverse, &
+                & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
             do c = 1, q
-                forces = forces + forward(:k, c)*motion(c)
+                forces = forces + forward(:k, c)*solution%motion(c)
             end do
         end associate
-        call solve_lower(k, system%factor%matrix, 'T', forces)
+        call solve_lower(k, system%factor%matrix, 'T', solution%forces)
     end subroutine solve_halfway
 
     !> Bring L⁻¹ B_a, and L⁻¹ R_a where R is another, up to the pairs of the system.

@@ -122,7 +122,6 @@ contains
         logical, allocatable :: absent(:)
         integer, allocatable :: place(:)
         real(wp), allocatable :: block(:, :), gaps(:), sizes(:), recession(:)
-        real(wp) :: energy
 
         allocate (wanted(0))
         call blank(result, size(diagonal), size(loads))
@@ -132,8 +131,7 @@ contains
         absent(known) = .false.
         most = max(first_columns, int(growing_part*size(known)))
         if (size(known) == 0) then
-            gaps = ways(diagonal, normal_gaps, motions, loads)
-            wanted = least(gaps, absent, most)
+            wanted = least(ways(diagonal, normal_gaps, motions, loads), absent, most)
             return
         end if
         allocate (place(size(diagonal)), source=0)
@@ -159,8 +157,8 @@ contains
             & structure == definite_matrix .or. structure == definite_part, result)
         if (structure /= definite_matrix) return
         recession = matmul(columns, part%forces)
-        energy = dot_product(part%forces, recession(known))
-        if (any(absent .and. recession**2 > energy_slack*energy*diagonal)) then
+        if (any(absent .and. recession**2 &
+            & > energy_slack*dot_product(part%forces, recession(known))*diagonal)) then
             result%unique = .false.
             result%status = status_not_unique
         end if

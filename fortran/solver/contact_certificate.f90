@@ -73,7 +73,8 @@ contains
             & maxval(max(-forces, 0.0_wp))/largest)
         degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
         result%margin = minval(forces/largest, mask=active)
-        call look_at_rows(problem, compliance, forces, whole_motion, rows, sizes, result, degenerate)
+        call look_at_rows(problem, compliance, forces, whole_motion, rows, sizes, result, &
+            & degenerate)
         if (problem%definite) then
             result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
@@ -134,7 +135,7 @@ contains
         result%margin = max(0.0_wp, result%margin)
     end subroutine look_at_rows
 
-    !> The status, for all methods: none but ill-conditioned promises less than rows met to rounding.
+    !> The status, for all methods: only ill-conditioned promises less than rows met to rounding.
     pure function status_of(result, degenerate) result(status)
         !> The state and its certificate
         type(contact_result), intent(in) :: result

@@ -69,7 +69,8 @@ contains
     end subroutine find_line
 
     !> Gaps of the line, and whether its equations are met to rounding.
-    pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
+    pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, &
+        & accurate)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K
@@ -105,7 +106,8 @@ contains
                 if (c == 1) then
                     gaps(:, c) = gaps(:, c) + way%gaps
                     lacking = lacking + way%base_loads
-                    terms = max(terms, maxval(abs(way%gaps), mask=closed), maxval(abs(way%base_loads)))
+                    terms = max(terms, maxval(abs(way%gaps), mask=closed), &
+                        & maxval(abs(way%base_loads)))
                 end if
                 accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
                     & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms

@@ -1,4 +1,4 @@
-"""The programs of fortran/README.md, built with the command that stands in their first line."""
+"""The programs of docs/reference/fortran.md, built with the command that stands in their first line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .conftest import ROOT, expect_printed, run
 from .nodal_position import NodalPosition
 from .nodal_sweep import NodalSweep
 
-TEXT = (ROOT / "fortran" / "README.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
 COMMAND = re.compile(r"(gfortran|gcc) ([\w.]+) `pkg-config --cflags --libs flankload`")
 SOURCES = {
     COMMAND.search(source)[2]: source

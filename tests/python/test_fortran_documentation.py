@@ -23,12 +23,12 @@ def procedures_of(path: Path) -> set[str]:
     }
 
 
-def table_rows() -> list[list[str]]:
-    """Names in code type of the last column, row by row."""
+def table_rows(column: int = -1) -> list[list[str]]:
+    """Names in code type of a column, row by row."""
     text = (FORTRAN / "README.md").read_text(encoding="utf-8")
     table = text.split("## Equation → file: procedure")[1].split("\n\n")[1]
     rows = [line.strip("|").split("|") for line in table.splitlines()[2:]]
-    return [re.findall(r"`([^`]+)`", row[-1]) for row in rows]
+    return [re.findall(r"`([^`]+)`", row[column]) for row in rows]
 
 
 def test_what_the_table_names_exists() -> None:
@@ -46,6 +46,12 @@ def test_what_the_table_names_exists() -> None:
             if name and (file is None or name not in procedures_of(PATHS[file])):
                 missing.append(f"{file}: {name}")
     assert not missing
+
+
+def test_the_table_names_the_folders() -> None:
+    for folders, names in zip(table_rows(2), table_rows(), strict=True):
+        files = [name.partition(": ")[0] for name in names if ".f90" in name]
+        assert {f"{PATHS[file].parent.name}/" for file in files} == {*folders}
 
 
 def test_the_table_leaves_no_file_out() -> None:
@@ -91,7 +97,7 @@ def silent_arguments(lines: list[str], start: int) -> list[str]:
 
 
 def test_arguments_stand_in_the_order_of_the_call() -> None:
-    text = (FORTRAN / "README.md").read_text(encoding="utf-8")
+    text = (FORTRAN.parent / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
     calls = {}
     for path in (FORTRAN / "flat").glob("*.f90"):
         source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))
