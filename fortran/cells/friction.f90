@@ -111,6 +111,7 @@ contains
         end do
         call sliding_changes(pairs%sliding(first:pairs%n), change)
         do i = first, pairs%n
+            ! Eq. (11), with the sign of the sliding
             pairs%friction(i) = coefficient_at(friction, pairs%site(i), pairs%s_1(i)) &
                 & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
                 & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
@@ -130,7 +131,7 @@ contains
         real(wp) :: lever
 
         lever = dot_product(point, normal)
-        lever = sign(lever, lever*cross(point, normal))
+        lever = sign(lever, lever*cross(point, normal))   ! Eq. (17) of the force (11)
     end function friction_lever
 
     !> Sliding speed at a pair.

@@ -38,7 +38,7 @@ contains
         end if
         n_loads = size(body%tangential, 2)
         values = mode_values(body, s)
-        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)
+        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eq. (11), (12)
         load_first = 1
         do while (load_first <= n)
             load_last = last_of_site(load_first)
@@ -47,6 +47,7 @@ contains
                 last = last_of_site(first)
                 carried = matmul(values(first:last, :), &
                     & body%tangential(:, :, body%block(site(first), site(load_first))))
+                ! Eq. (14), (15): mu a_T beside a_N
                 matrix(first:last, load_first:load_last) = &
                     & matrix(first:last, load_first:load_last) &
                     & + matmul(carried, transpose(loads(load_first:load_last, :)))

@@ -17,7 +17,7 @@ module flankload_nodal_sweep
     private
 
     public :: nodal_sweep_type
-    public :: sweep_nodal_positions, turned_body
+    public :: sweep_nodal_positions
 
     !> What is found; NaN where there is no state.
     type :: nodal_sweep_type

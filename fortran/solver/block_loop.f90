@@ -67,9 +67,8 @@ contains
 
     !> From any pairs that hold the loads to the state of contact.
     pure subroutine settle_blocks(problem, compliance, state, settled)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -108,9 +107,8 @@ contains
 
     !> Where a coarser problem has its contact; none if it does not settle.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         integer, allocatable :: pairs(:)
 
@@ -130,9 +128,8 @@ contains
 
     !> The open pairs; their gaps are computed here.
     pure subroutine open_pairs(problem, compliance, state, joining)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -154,9 +151,8 @@ contains
 
     !> Let the most open pairs join, as many as a step may take.
     pure subroutine let_join(problem, compliance, open, state, ready)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> All open pairs
         integer, intent(in) :: open(:)

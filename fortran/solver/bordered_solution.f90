@@ -101,6 +101,7 @@ contains
         solution%inverse = matmul(transpose(rows), columns(:, :q))
         call invert(solution%inverse, loose_motion, solution%least_pivot)
         if (solution%least_pivot <= 0.0_wp) return
+        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
         solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
         solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
     end subroutine solve_at_once
@@ -296,9 +297,8 @@ contains
     pure function bordered_condition(system, problem, compliance, tangent) result(condition)
         !> The system
         type(bordered_system), intent(in) :: system
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), intent(in) :: tangent(:, :)

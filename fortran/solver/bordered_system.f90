@@ -57,9 +57,8 @@ contains
     pure subroutine append_pair(system, problem, compliance, pair, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the pair
         integer, intent(in) :: pair
@@ -110,9 +109,8 @@ contains
     pure subroutine append_block(system, problem, compliance, pairs, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Numbers of the pairs
         integer, intent(in) :: pairs(:)
@@ -171,9 +169,8 @@ contains
     pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Which of the pairs of the system, in its order
         logical, intent(in) :: leaving(:)
@@ -212,9 +209,8 @@ contains
     pure subroutine drop_pair(system, problem, compliance, index, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Its place among the pairs of the system
         integer, intent(in) :: index
@@ -238,9 +234,8 @@ contains
     pure subroutine watch_growth(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> False if the pairs are singular
         logical, intent(out) :: accepted
@@ -256,9 +251,8 @@ contains
     pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> False if the pairs are singular
         logical, intent(out) :: accepted
@@ -272,9 +266,8 @@ contains
     pure function gather(system, problem, compliance) result(matrix)
         !> The system
         type(bordered_system), intent(in) :: system
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         real(wp), allocatable :: matrix(:, :)
 

@@ -22,9 +22,8 @@ contains
     !> entries of g and of what the loads lack. With v < 0 and no c_j > 0, but for those of unknowns
     !> that are zero in this case, nothing >= 0 meets it.
     pure function is_proof(problem, compliance, table, row, sense) result(proof)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The table
         type(simplex_table), intent(in) :: table

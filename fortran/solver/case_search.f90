@@ -81,9 +81,8 @@ contains
     !> One case with all that follow from it: it has no state where none of these has one, and is
     !> open where one of them is, or has not been looked at.
     pure recursive subroutine search_case(problem, compliance, table, cases, outcome)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Its table
         type(simplex_table), intent(inout) :: table
@@ -145,9 +144,8 @@ contains
     !> Dual simplex method: exchange variables until no basic one is negative, and none that is
     !> fixed other than zero.
     pure subroutine make_feasible(problem, compliance, table, cases, outcome)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The table
         type(simplex_table), intent(inout) :: table

@@ -34,9 +34,8 @@ contains
 
     !> The table without any pair decided: motions are expressed by gaps, the loads held.
     pure subroutine new_table(problem, compliance, start, consistent)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The table
         type(simplex_table), intent(out) :: start

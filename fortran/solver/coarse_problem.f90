@@ -34,9 +34,8 @@ contains
 
     !> The problem of one pair a cell, in the scales of the fine one.
     pure subroutine make_coarse(problem, compliance, coarse, coarse_compliance)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The coarse problem
         type(contact_problem), intent(out) :: coarse

@@ -30,9 +30,8 @@ contains
     !> Its rows are those of the caller: what the returned numbers lack there is what counts. K is
     !> looked at in few rows only: the gaps hold what the columns of the active pairs say.
     pure subroutine certify(problem, compliance, forces, gaps, motion, result)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n)
         real(wp), intent(in) :: forces(:)
@@ -88,9 +87,8 @@ contains
     !> How well rows are met, and how far open ones are from contact.
     pure subroutine look_at_rows(problem, compliance, forces, motion, rows, sizes, result, &
             & degenerate)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n), and motion from zero, shape (n_motions)
         real(wp), intent(in) :: forces(:)
@@ -169,9 +167,8 @@ contains
     !> make a second state. So either every pair is factored, or the caller knows that the matrix is
     !> positive definite, and only the active pairs, which the loop has read, are held against it.
     pure function is_unique(problem, compliance, pairs) result(unique)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs that are factored
         integer, intent(in) :: pairs(:)
@@ -204,9 +201,8 @@ contains
 
     !> Whether the symmetric part of W K + ρ R Rᵀ has a Cholesky factor: it is positive definite.
     pure function has_factor(problem, compliance, pairs, weights, spring) result(definite)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs that are factored
         integer, intent(in) :: pairs(:)
@@ -261,9 +257,8 @@ contains
     !> Without negative influences, levers and load no motion goes further than each pair p lets it,
     !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
     pure function possible_pairs(problem, compliance, motion) result(pairs)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled motion from zero of the state that was found, shape (n_motions)
         real(wp), intent(in) :: motion(:)
@@ -297,9 +292,8 @@ contains
     !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz demand of a positive
     !> definite K: what the loop has read of K, held against what the caller knows of it.
     pure function energy_bounds_rows(problem, compliance, forces, recession) result(passed)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled F and K F, shape (n)
         real(wp), intent(in) :: forces(:)

@@ -118,9 +118,8 @@ contains
     !> One pair at a time with rows exchanged; where the pairs are singular, with loads through
     !> springs.
     pure subroutine run_pivoted(problem, compliance, begin, pivots, state, rung, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with, then to go on with
         integer, allocatable, intent(inout) :: begin(:)
@@ -159,9 +158,8 @@ contains
 
     !> The fastest loop.
     pure function choose(problem, compliance, warm_pairs) result(rung)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)

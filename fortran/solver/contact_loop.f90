@@ -152,9 +152,8 @@ contains
     !> The ladder from the given rung down. Where what a rung has found misses its equations by more
     !> than rounding, more careful rungs begin afresh; the best of what they find is the answer.
     pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The method, not that of the paper
         integer, intent(in) :: method
@@ -194,9 +193,8 @@ contains
 
     !> Other rungs, where what was found misses its equations.
     pure subroutine begin_afresh(problem, compliance, method, symmetric, state, result, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The method
         integer, intent(in) :: method
@@ -283,9 +281,8 @@ contains
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(contact_result), intent(inout) :: result

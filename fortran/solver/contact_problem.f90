@@ -237,7 +237,7 @@ contains
         call find_recession(problem, compliance, forces, gaps)
         gaps = gaps + problem%gaps
         do c = 1, problem%n_motions
-            gaps = gaps - problem%motions(:, c)*motion(c)
+            gaps = gaps - problem%motions(:, c)*motion(c)   ! Eq. (18), row i times b_i
         end do
     end subroutine contact_gaps
 

@@ -14,9 +14,8 @@ contains
 
     !> The state of a loop with its certificate, in the caller's units.
     pure subroutine report_state(problem, compliance, state, result)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Where the loop ended
         type(loop_state), intent(in) :: state

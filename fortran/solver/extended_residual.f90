@@ -14,9 +14,8 @@ contains
 
     !> Right-hand sides that the forces and the motion still lack.
     pure subroutine extended_lack(problem, compliance, pairs, forces, motion, r, s)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs in contact
         integer, intent(in) :: pairs(:)

@@ -68,9 +68,8 @@ contains
 
     !> The most open pair, (31); 0 if none is open beyond the rounding of its row.
     pure subroutine most_open_pair(problem, compliance, state, joining)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state; its gaps are computed here
         type(loop_state), intent(inout) :: state
@@ -100,9 +99,8 @@ contains
 
     !> Whether a gap is negative beyond rounding.
     pure function is_open(problem, compliance, state, i, tolerance) result(open)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(in) :: state
@@ -119,9 +117,8 @@ contains
     !> Measure motions from where they are now, where the start was so far off that its size, not
     !> that of the caller's rows, would set the rounding.
     pure subroutine measure_from_here(problem, compliance, state)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -138,9 +135,8 @@ contains
 
     !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
     pure subroutine finish(problem, compliance, state, joining, done)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -205,9 +201,8 @@ contains
     !> would tell apart get the digits of the very numbers given. Kept only where every force stays
     !> positive and no pair opens.
     pure subroutine refine_extended(problem, compliance, state)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state

@@ -46,9 +46,8 @@ contains
     !> which large forces work, too, cannot tell them. They are none if without them the loads are
     !> held and the pairs still touch, to the rounding of the caller's rows.
     pure subroutine clear_rounding(problem, compliance, state)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state

@@ -49,9 +49,8 @@ contains
     !> Small loads at large gaps: the motions that close these have no digits for what the loads
     !> press together. With several motions forces found from them are refined.
     pure subroutine hold_loads_again(problem, compliance, system, forces, motion)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs in contact with their factor
         type(bordered_system), intent(inout) :: system

@@ -33,9 +33,8 @@ contains
 
     !> Find a state, or say why there is none.
     pure subroutine take_last_rung(problem, compliance, state, largest_part, none_proven, error)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state; without one its motion shows why
         type(loop_state), intent(out) :: state
@@ -101,9 +100,8 @@ contains
     !> them: where its Cholesky factor leads to no state, an LU factor may. And K may be singular
     !> among them, which loads that work through springs do not mind.
     pure subroutine settle_pairs(problem, compliance, pairs, state, settled)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: pairs(:)
@@ -132,9 +130,8 @@ contains
 
     !> The same with one kind of factor.
     pure subroutine settle_factored(problem, compliance, pairs, state, settled)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: pairs(:)

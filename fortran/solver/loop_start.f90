@@ -80,9 +80,8 @@ contains
 
     !> Begin with the first pairs.
     pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> First pairs and their forces
         integer, intent(in) :: first(:)
@@ -106,9 +105,8 @@ contains
 
     !> Begin with a given set: factor it as a block and let pairs go until no force is negative.
     pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: warm_pairs(:)
@@ -126,9 +124,8 @@ contains
 
     !> Solve for the pairs of the system and let those that pull leave, until none does.
     pure subroutine shed_pulling(problem, compliance, state, n_left, ready)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state

@@ -80,9 +80,8 @@ contains
 
     !> One row of the matrix of (32): the torque row for the first pair, (28) for the others.
     pure function reduced_row(problem, compliance, state, i, columns) result(row)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(in) :: state
@@ -107,9 +106,8 @@ contains
 
     !> Extend (32) by the row and column of the last pair.
     pure subroutine extend_equations(problem, compliance, state, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(inout) :: state
@@ -140,9 +138,8 @@ contains
 
     !> Solve (32), then φ and the final gaps.
     pure subroutine solve_equations(problem, compliance, state)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(inout) :: state
@@ -154,15 +151,15 @@ contains
         x(1, 1) = problem%loads(1)
         call solve_factored(state%factor, x)  ! Eq. (26), (32)
         state%forces(state%pairs) = x(:, 1)
-        state%motion = rotation(problem, compliance, state, x(:, 1))
+        state%motion = rotation(problem, compliance, state, x(:, 1))   ! Eq. (27), (33)
+        ! Eq. (34) with the sum that the print drops
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
     end subroutine solve_equations
 
     !> φ from the row of the first pair, (27) and (33).
     pure function rotation(problem, compliance, state, forces) result(motion)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(in) :: state
@@ -180,9 +177,8 @@ contains
 
     !> The pair with the least final gap angle, 0 if none is negative beyond rounding.
     pure function least_gap_angle(problem, compliance, state) result(joining)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(in) :: state
@@ -203,9 +199,8 @@ contains
 
     !> One refinement of the final equations, their condition and dφ/dM.
     pure subroutine refine(problem, compliance, state)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(inout) :: state

@@ -60,9 +60,8 @@ contains
 
     !> Let a pair join the active ones or leave them.
     pure subroutine change_sides(problem, compliance, way, pair, factor)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -111,9 +110,8 @@ contains
 
     !> Factor the equations of the present set and driver.
     pure subroutine factor_line(problem, compliance, way, driver, factor, solved)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -169,9 +167,8 @@ contains
 
     !> The gap of a pair as a row on forces of given pairs, motions and λ.
     pure function gap_row(problem, compliance, way, pair, pairs) result(row)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -204,9 +201,8 @@ contains
     !> driver, now free, and for each change the force of the pair that joined or the gap of the one
     !> that left. Their conditions D z + E y = s and the present driver give (E - D C) y = s - D z0.
     pure subroutine border_line(problem, compliance, way, driver, factor, unknowns, solved)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -255,9 +251,8 @@ contains
 
     !> D, E and s: the conditions of the changes and of the driver.
     pure subroutine border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -302,9 +297,8 @@ contains
 
     !> What the forces of joined pairs add to the gap of a pair.
     pure subroutine add_joined(problem, compliance, factor, pair, row)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
         type(path_factor), intent(in) :: factor

@@ -29,9 +29,8 @@ contains
 
     !> The line on which just the active pairs touch.
     pure subroutine find_line(problem, compliance, way, driver, factor, line, solved)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way
@@ -71,9 +70,8 @@ contains
     !> Gaps of the line, and whether its equations are met to rounding.
     pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, &
         & accurate)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(in) :: way

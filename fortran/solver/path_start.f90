@@ -12,7 +12,6 @@ module flankload_path_start
     private
 
     public :: begin_path, begin_elsewhere, made_up_pairs
-    public :: tie_breaker
 
     !> Ties of gaps are broken by this part of the scale of gaps and recessions.
     real(wp), parameter :: tie_breaker = 1.0e-11_wp
@@ -27,9 +26,8 @@ contains
     !> A state to begin with and the variable that drives: 0 for λ, else force (pair active) or gap
     !> of that pair; negative if nothing holds the loads.
     pure subroutine begin_path(problem, compliance, way, active, driver)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> What is followed
         type(path_problem), intent(out) :: way
@@ -85,9 +83,8 @@ contains
     !> A start that is made up: some pairs share the loads with those of the vertex, all of them
     !> touch, and the others have gaps of the size of what there is.
     pure subroutine begin_elsewhere(problem, compliance, number, way, active, driver)
-        !> The problem
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the start, from 1
         integer, intent(in) :: number

@@ -78,7 +78,7 @@ contains
         do
             call settle(problem, compliance, state, error)
             if (allocated(error)) return
-            call most_open_pair(problem, compliance, state, joining)
+            call most_open_pair(problem, compliance, state, joining)   ! Eq. (30), (31)
             if (joining == 0) then
                 call finish(problem, compliance, state, joining, done)
                 if (done) exit
@@ -125,9 +125,8 @@ contains
     !> Go towards the state in which just the active pairs touch; pairs whose force becomes zero on
     !> the way leave.
     pure subroutine settle(problem, compliance, state, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -184,9 +183,8 @@ contains
     !> The pair that left last held a motion that no other holds: what it carries follows from the
     !> loads, and only rounding has made it negative.
     pure subroutine take_back(problem, compliance, state, taken)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
@@ -202,9 +200,8 @@ contains
 
     !> Let a pair join; where its row depends on those in contact, another pair makes room.
     pure subroutine let_join(problem, compliance, joining, state, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the pair
         integer, intent(in) :: joining
@@ -253,9 +250,8 @@ contains
 
     !> Pairs that still wait must be open by no more than rounding; else the loop goes in circles.
     pure subroutine judge_waiting(problem, compliance, state, error)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(in) :: state

@@ -136,9 +136,8 @@ contains
 
     !> Refine the factors that follow from the sums that are known.
     pure subroutine refine(problem, compliance, given, y, z)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The sum
         type(equation_sum), intent(in) :: given
@@ -200,9 +199,8 @@ contains
 
     !> c_j
     pure subroutine sum_of_force(problem, compliance, y, z, j, total, terms)
-        !> The problem
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
-        !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Factors
         type(two_part), intent(in) :: y(:)

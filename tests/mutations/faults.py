@@ -154,7 +154,7 @@ _FORTRAN = (
     *_in(
         "bordered_solution.f90",
         "core python/test_contact_general.py",
-        ("matmul(inverse, s - matmul(", "matmul(inverse, s + matmul("),
+        ("inverse, s - matmul(", "inverse, s + matmul("),
         (
             "s(c) - dot_product(forward(:k, first_row + c)",
             "s(c) + dot_product(forward(:k, first_row + c)",
