@@ -3,7 +3,8 @@
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number
-    use flankload_error, only: error_type, status_text
+    use flankload_status, only: status_text
+    use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, solve_contact_problem, &
         & method_auto, method_single, method_paper, method_block, &
         & method_load_path, method_pivoted, method_cascade, method_primal, &

@@ -76,7 +76,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload_contact_loop, only: solve_contact_problem
     use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
-    use flankload_error, only: error_type, refused_argument
+    use flankload_status, only: refused_argument
+    use flankload_error, only: error_type
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -162,7 +163,8 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     use flankload_column_demand, only: solve_known_columns
     use flankload_contact_loop, only: method_paper
     use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
-    use flankload_error, only: error_type, refused_argument
+    use flankload_status, only: refused_argument
+    use flankload_error, only: error_type
     implicit none
     !> Number of pairs, of known columns, of motions, of pairs to begin with
     integer, intent(in) :: n

@@ -8,7 +8,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
     use flankload_contact_result, only: contact_result, counters_of, certificate_of
     use flankload_contact_sequence, only: solve_contact_sequence
-    use flankload_error, only: refused_argument
+    use flankload_status, only: refused_argument
     implicit none
     !> Number of problems
     integer, intent(in) :: n_problems

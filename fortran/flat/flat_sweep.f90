@@ -25,6 +25,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_columns, room, control, pair_site, pair_table, status, rotation, tangent, certificate, &
         & counters, site_force, site_peak, site_corner, n_pairs, first_pair, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+    use flankload_status, only: invalid_input
     use flankload_circle_pair, only: new_flank
     use flankload_flank_curve, only: new_flank_curve
     use flankload_friction, only: new_friction
@@ -169,7 +170,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     type(sweep_type) :: found
 
     nan = ieee_value(1.0d0, ieee_quiet_nan)
-    status = -4
+    status = invalid_input
     rotation = nan
     tangent = nan
     certificate = nan

@@ -19,6 +19,7 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
         & n_pairs, flank, radius, gap_angle, force, final_gap, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
+    use flankload_status, only: invalid_input
     use flankload_nodal_pairs, only: nodal_body, most_nodal_pairs, new_nodal_body
     use flankload_nodal_sweep, only: nodal_sweep_type, sweep_nodal_positions
     implicit none
@@ -90,7 +91,7 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     type(nodal_sweep_type) :: found
 
     nan = ieee_value(1.0d0, ieee_quiet_nan)
-    status = -4
+    status = invalid_input
     rotation = nan
     tangent = nan
     torque_2 = nan

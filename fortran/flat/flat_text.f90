@@ -2,7 +2,7 @@
 
 !> What a status says, in words: for Fortran.
 subroutine flankload_status_text(code, text)
-    use flankload_error, only: status_text
+    use flankload_status, only: status_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer, intent(in) :: code
@@ -15,7 +15,7 @@ end subroutine flankload_status_text
 !> What a status says, in words: for C, where a text ends with a null character.
 subroutine flankload_status_text_c(code, size, text) bind(c, name='flankload_status_text_c')
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
-    use flankload_error, only: status_text
+    use flankload_status, only: status_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer(c_int), intent(in), value :: code

@@ -8,7 +8,7 @@ program bench_contact
     use flankload, only: wp, solve_contact_problem, contact_result, error_type, method_auto, &
         & method_single, general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_contact_problem, only: contact_problem, new_contact_problem
-    use flankload_contact_ladder, only: climb
+    use flankload_contact_ladder, only: climb, ladder_end
     use flankload_loop_start, only: loop_state
     use flankload_paper_loop, only: paper_state, paper_loop
     use bench_limit, only: limit_gaps
@@ -200,9 +200,7 @@ contains
         type(loop_state) :: state
         type(paper_state) :: paper
         type(error_type), allocatable :: error
-        real(wp) :: part
-        integer :: rung
-        logical :: proven
+        type(ladder_end) :: ending
 
         call new_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
             & [case%torque], case%known, problem, error)
@@ -210,8 +208,7 @@ contains
             call paper_loop(problem, case%compliance, paper, error)
             if (.not. allocated(error)) call move_alloc(paper%forces, found)
         else
-            call climb(problem, case%compliance, method_auto, [integer ::], state, rung, part, &
-                & proven, error)
+            call climb(problem, case%compliance, method_auto, [integer ::], state, ending, error)
             if (.not. allocated(error)) call move_alloc(state%forces, found)
         end if
         if (allocated(found)) found = problem%load_scale*problem%row_scale*found

@@ -1,6 +1,7 @@
 !> A compliance matrix that makes its columns when they are asked for.
 module matrix_columns
-    use flankload, only: wp, column_source
+    use flankload_kinds, only: wp
+    use flankload_column_demand, only: column_source
     implicit none
     private
 
@@ -25,11 +26,16 @@ contains
 
 end module matrix_columns
 
-!> Tests of many contact problems and of columns on demand, without Python.
+!> Tests of many contact problems and of columns on demand, without Python; linked with base/ and
+!> solver/ alone.
 program test_many
-    use flankload, only: wp, contact_result, error_type, solve_contact_problem, &
-        & solve_contact_loads, solve_contact_sequence, solve_on_demand, method_auto, &
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type
+    use flankload_contact_loop, only: contact_result, solve_contact_problem, method_auto, &
         & definite_matrix
+    use flankload_contact_loads, only: solve_contact_loads
+    use flankload_contact_sequence, only: solve_contact_sequence
+    use flankload_column_demand, only: solve_on_demand
     use matrix_columns, only: matrix_source
     implicit none
 

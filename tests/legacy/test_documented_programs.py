@@ -1,4 +1,4 @@
-"""The programs of fortran/README.md, built with the command that stands in their first line."""
+"""The programs of docs/reference/fortran.md, built with the command that stands in their first line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.support.nodal_position import NodalPosition
 from tests.support.nodal_sweep import NodalSweep
 from tests.support.programs import ROOT, expect_printed, run
 
-TEXT = (ROOT / "fortran" / "README.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
 COMMAND = re.compile(r"(gfortran|gcc) ([\w.]+) `pkg-config --cflags --libs flankload`")
 SOURCES = {
     COMMAND.search(source)[2]: source

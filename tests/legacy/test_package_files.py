@@ -13,7 +13,7 @@ import pytest
 from tests.support.nodal_position import DATA
 from tests.support.programs import EXAMPLES, ROOT, built, run, written
 
-EXPORTS = runpy.run_path(str(ROOT / "fortran" / "exported_symbols.py"))
+EXPORTS = runpy.run_path(str(ROOT / "fortran" / "install" / "exported_symbols.py"))
 PROJECT = """cmake_minimum_required(VERSION 3.18)
 project(loads C Fortran)
 find_package(flankload 0.1 CONFIG REQUIRED)
@@ -44,7 +44,7 @@ def test_module_internals_are_not_exported(prefix) -> None:
     flat = {name for name in shown if not name.startswith("__")}
     prototypes = (ROOT / "fortran" / "flat" / "flankload.h").read_text(encoding="utf-8")
     assert flat == set(re.findall(r"\b(flankload_\w+)\(", prototypes)) | {"flankload_status_text_"}
-    sources = sorted((ROOT / "fortran").glob("*.f90"))
+    sources = sorted((ROOT / "fortran").rglob("*.f90"))
     public = EXPORTS["public_names"](ROOT / "fortran" / "flankload.f90")
     types = EXPORTS["types_of"](sources)
     procedures = {name.partition("_MOD_")[2] for name in shown - flat if "_MOD___" not in name}

@@ -9,6 +9,7 @@ from pathlib import Path
 from tests.support.paths import FORTRAN
 
 SOURCES = sorted(FORTRAN.rglob("*.f90"))
+PATHS = {path.name: path for path in SOURCES}
 HEAD = re.compile(
     r"^\s*(?:(?:pure|elemental|recursive|impure)\s+)*(subroutine|function)\s+(\w+)\s*\(",
     re.IGNORECASE,
@@ -23,12 +24,12 @@ def procedures_of(path: Path) -> set[str]:
     }
 
 
-def table_rows() -> list[list[str]]:
-    """Names in code type of the last column, row by row."""
+def table_rows(column: int = -1) -> list[list[str]]:
+    """Names in code type of a column, row by row."""
     text = (FORTRAN / "README.md").read_text(encoding="utf-8")
     table = text.split("## Equation → file: procedure")[1].split("\n\n")[1]
     rows = [line.strip("|").split("|") for line in table.splitlines()[2:]]
-    return [re.findall(r"`([^`]+)`", row[-1]) for row in rows]
+    return [re.findall(r"`([^`]+)`", row[column]) for row in rows]
 
 
 def test_what_the_table_names_exists() -> None:
@@ -40,21 +41,27 @@ def test_what_the_table_names_exists() -> None:
         for name in row:
             if ".f90" in name:
                 file, _, name = name.partition(": ")
-                if not (FORTRAN / file).is_file():
+                if file not in PATHS:
                     missing.append(file)
                     continue
-            if name and (file is None or name not in procedures_of(FORTRAN / file)):
+            if name and (file is None or name not in procedures_of(PATHS[file])):
                 missing.append(f"{file}: {name}")
     assert not missing
+
+
+def test_the_table_names_the_folders() -> None:
+    for folders, names in zip(table_rows(2), table_rows(), strict=True):
+        files = [name.partition(": ")[0] for name in names if ".f90" in name]
+        assert {f"{PATHS[file].parent.name}/" for file in files} == {*folders}
 
 
 def test_the_table_leaves_no_file_out() -> None:
     """But for what is not of the method: kinds, rounding, errors, LAPACK, the façade."""
     named = {name.partition(": ")[0] for row in table_rows() for name in row if ".f90" in name}
-    beside = {"kinds.f90", "rounding.f90", "error.f90", "lapack.f90", "flankload.f90"}
+    beside = {"kinds.f90", "rounding.f90", "status.f90", "error.f90", "lapack.f90"}
     beside |= {"contact_result.f90"}
     inner = {"bordered_solution.f90", "factor_block.f90"}
-    files = {path.name for path in FORTRAN.glob("*.f90")}
+    files = {path.name for path in FORTRAN.glob("*/*.f90") if path.parent.name != "flat"}
     assert files - named - beside - inner == set()
 
 
@@ -91,7 +98,7 @@ def silent_arguments(lines: list[str], start: int) -> list[str]:
 
 
 def test_arguments_stand_in_the_order_of_the_call() -> None:
-    text = (FORTRAN / "README.md").read_text(encoding="utf-8")
+    text = (FORTRAN.parent / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
     calls = {}
     for path in (FORTRAN / "flat").glob("*.f90"):
         source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))
@@ -116,5 +123,5 @@ def test_public_names_of_the_module_are_described() -> None:
     table = text.split("**What `use flankload` brings:**")[1].split("\n\n")[1]
     rows = [row.split("|")[1] for row in table.splitlines()[2:]]
     described = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-    public = runpy.run_path(str(FORTRAN / "exported_symbols.py"))["public_names"]
+    public = runpy.run_path(str(FORTRAN / "install" / "exported_symbols.py"))["public_names"]
     assert sorted(described) == sorted(public(FORTRAN / "flankload.f90"))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flankload.contact.problem import DEFINITE, RUNGS, ContactProblem
 from flankload.contact.state import ContactInfo, ContactState, undetermined_groups
+from flankload.contact.status import OUT_OF_RANGE
 from flankload.errors import (
     ContactError,
     InputError,
@@ -19,9 +20,6 @@ from flankload.errors import (
 )
 
 Vector = NDArray[np.float64]
-
-#: Code of the core where a double has no room for the state.
-OUT_OF_RANGE = -7
 
 
 class CoreAnswer(NamedTuple):

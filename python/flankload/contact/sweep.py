@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
+from flankload.contact.status import NO_ROOM, STOPPED
 from flankload.contact.sweep_failure import raise_first_failure
 from flankload.cost import Account, held_bytes
 from flankload.errors import InputError
@@ -32,9 +33,6 @@ LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 CUT_END = 2
 #: What the core notes at a site where an end that is left out would touch.
 END_WOULD_TOUCH = -3
-#: Status of a position whose pairs found no room: it is asked for again, with more; of one that was
-#: not begun.
-NO_ROOM, STOPPED = -15, -16
 #: What the core counts of every state, in its order.
 CORE_COUNTERS = (
     "pivots",

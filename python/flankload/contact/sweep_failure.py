@@ -7,52 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.errors import (
-    ContactError,
-    InputError,
-    NoContactState,
-    PivotLimit,
-    SingularContact,
-)
+from flankload.contact.status import EXCEPTIONS, words
+from flankload.errors import NoContactState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-#: Status of a position without an answer: the contact loop's codes, then those of the stages before
-#: it.
-FAILURES: dict[int, tuple[type[ContactError], str]] = {
-    -1: (NoContactState, "no state of contact was found for this torque"),
-    -2: (PivotLimit, "the contact loop used up its pivots"),
-    -3: (
-        SingularContact,
-        "no pair holds the rotation, or the pairs in contact depend on each other",
-    ),
-    -4: (InputError, "numbers that do not make a contact problem"),
-    -5: (InputError, "no pair could carry the torque"),
-    -7: (InputError, "forces, gaps or rotation beyond the range of a double"),
-    -11: (NoContactState, "no circle about O1 cuts two facing flanks: no flank can touch here"),
-    -12: (PivotLimit, "more places of least gap than can be kept: the profiles are too wavy"),
-    -13: (PivotLimit, "the contact keeps reaching the end of its cells"),
-    -14: (PivotLimit, "a circle about O1 misses the flank of body 2 inside the contact"),
-    -16: (ContactError, "stopped before it was solved"),
+#: Where the core speaks of a contact problem in general, and a scene has words of its own.
+IN_A_SCENE = {
+    -1: "no state of contact was found for this torque",
+    -3: "no pair holds the rotation, or the pairs in contact depend on each other",
+    -5: "no pair could carry the torque",
+    -7: "forces, gaps or rotation beyond the range of a double",
     -17: (
-        InputError,
-        (
-            'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
-            'and touch over a length (contact = "pairs" follows that)'
-        ),
+        'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
+        'and touch over a length (contact = "pairs" follows that)'
     ),
-    -18: (PivotLimit, "the half-widths of the lumped contacts do not settle"),
-    -20: (PivotLimit, "finite forces and their influence numbers do not come to rest"),
-    -21: (
-        NoContactState,
-        "only tips or fillets come near here, which effects.tip_contact = false leaves out",
-    ),
+    -21: "only tips or fillets come near here, which effects.tip_contact = false leaves out",
 }
-
-
 #: The torque that a jammed pair can hold is looked for from this part on, in so many steps, which
 #: leave 3e-4 of it after so many rounds.
 LEAST_HELD, HELD_STEPS, HELD_ROUNDS = 1e-4, 40, 3
@@ -96,8 +70,9 @@ def raise_first_failure(
         f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
     )
     more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
-    kind, reason = FAILURES[int(status[k, t])]
-    if status[k, t] != NoContactState.code:
+    code = int(status[k, t])
+    kind, reason = EXCEPTIONS[code], IN_A_SCENE.get(code) or words(code)
+    if code != NoContactState.code:
         raise kind(f"{where}: {reason}{more}")
     part, proven = certificate[:2, k, t]
     held = float(torques[t] * part)

@@ -15,7 +15,8 @@ from flankload import _core
 from flankload.contact import sweep as sweep_room
 from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import COLUMNS
-from flankload.contact.sweep_failure import raise_first_failure
+from flankload.contact.status import EXCEPTIONS, NO_ROOM, words
+from flankload.contact.sweep_failure import IN_A_SCENE, raise_first_failure
 from tests.support.sweep_calls import TORQUES, assert_same, job, run
 
 
@@ -169,3 +170,16 @@ def test_what_the_core_call_raises_reaches_the_caller() -> None:
 
     with pytest.raises(MemoryError, match="too many pairs"):
         call_and_watch(core, np.zeros(2, dtype=np.intc))
+
+
+def test_every_status_of_a_position_has_an_exception_and_words() -> None:
+    """But for tension, which only the paper's loop leaves, and what a sweep never says."""
+    of_position = {*range(-7, 0), *range(-21, -10)} - {-6, NO_ROOM, -19}
+    assert {*EXCEPTIONS} == of_position
+    for code in of_position:
+        with pytest.raises(EXCEPTIONS[code], match="position 0") as caught:
+            raise_first_failure(
+                np.array([[code]]), np.zeros(1), np.ones(1), np.zeros((3, 1, 1)), rubs=False
+            )
+        assert (IN_A_SCENE.get(code) or words(code)) in str(caught.value)
+    assert words(-18) == "the half-widths of the lumped contacts do not settle"

@@ -1,0 +1,110 @@
+!> Every status code of the library and its words; the flat interface hands the words to others.
+module flankload_status
+    implicit none
+    private
+
+    public :: status_text, refused_argument
+    public :: status_solved, status_ill_conditioned, status_degenerate, status_not_unique
+    public :: no_contact_state, pivot_limit, singular_contact, invalid_input, invalid_scale, &
+        & negative_force, out_of_range
+    public :: code_no_zone, code_too_many_zones, code_unsettled_cells, code_circle_misses, &
+        & code_no_room, code_stopped, code_conforms, code_unsettled_widths, code_unsteady_points, &
+        & code_forces_move, code_only_ends
+
+    ! States
+    integer, parameter :: status_solved = 0, status_ill_conditioned = 1, status_degenerate = 2, &
+        & status_not_unique = 3
+    ! Contact problems without a state
+    integer, parameter :: no_contact_state = -1, pivot_limit = -2, singular_contact = -3
+    integer, parameter :: invalid_input = -4, invalid_scale = -5, negative_force = -6
+    integer, parameter :: out_of_range = -7
+    ! Positions without a state
+    integer, parameter :: code_no_zone = -11, code_too_many_zones = -12
+    integer, parameter :: code_unsettled_cells = -13, code_circle_misses = -14
+    integer, parameter :: code_no_room = -15, code_stopped = -16
+    integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
+    integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
+    integer, parameter :: code_only_ends = -21
+    !> Arguments that are not valid are counted down from here, where -1 … are taken.
+    integer, parameter :: before_arguments = -100
+
+    !> A code and its words.
+    type :: status_type
+        integer :: code
+        character(len=80) :: words
+    end type status_type
+
+    type(status_type), parameter :: registry(*) = [ &
+        & status_type(status_solved, 'solved'), &
+        & status_type(status_ill_conditioned, &
+        & 'solved; ill-conditioned: the split between pairs is uncertain, sums are right'), &
+        & status_type(status_degenerate, &
+        & 'solved; degenerate: a pair has neither force nor gap'), &
+        & status_type(status_not_unique, &
+        & 'solved; it is not certain that no other state exists'), &
+        & status_type(no_contact_state, 'no state of contact holds these loads'), &
+        & status_type(pivot_limit, 'the contact loop used up its pivots'), &
+        & status_type(singular_contact, &
+        & 'no pair holds a motion, or the pairs in contact depend on each other'), &
+        & status_type(invalid_input, 'numbers that do not make a contact problem'), &
+        & status_type(invalid_scale, &
+        & 'a diagonal or row scale that is not positive, or no lever for the torque'), &
+        & status_type(negative_force, 'the final state of the growing loop needs tension'), &
+        & status_type(out_of_range, &
+        & 'forces, gaps or motions beyond the range of the numbers in these units'), &
+        & status_type(code_no_zone, &
+        & 'no circle about O1 cuts two facing flanks: no flank can touch here'), &
+        & status_type(code_too_many_zones, &
+        & 'more places of least gap than can be kept: the profiles are too wavy'), &
+        & status_type(code_unsettled_cells, 'the contact keeps reaching the end of its cells'), &
+        & status_type(code_circle_misses, &
+        & 'a circle about O1 misses the flank of body 2 inside the contact'), &
+        & status_type(code_no_room, 'no room any more for the pairs of this position'), &
+        & status_type(code_stopped, 'stopped before it was solved'), &
+        & status_type(code_conforms, &
+        & 'lumped contact has no place of least gap where flanks conform'), &
+        & status_type(code_unsettled_widths, &
+        & 'the half-widths of the lumped contacts do not settle'), &
+        & status_type(code_unsteady_points, &
+        & 'points not steadily outwards or inwards about O1, or a normal through O1'), &
+        & status_type(code_forces_move, &
+        & 'finite forces and their influence numbers do not come to rest'), &
+        & status_type(code_only_ends, &
+        & 'flanks are nearest to each other at ends that are left out')]
+
+contains
+
+    !> `info` of a procedure whose -1 … -7 say why there is no state: -(100 + i) for argument i.
+    pure function refused_argument(valid) result(info)
+        !> Whether each argument is valid, from the first one on
+        logical, intent(in) :: valid(:)
+        integer :: info
+
+        info = 0
+        if (.not. all(valid)) info = before_arguments - findloc(valid, .false., dim=1)
+    end function refused_argument
+
+    !> What a status says, in words.
+    pure function status_text(code) result(text)
+        !> Status of a contact problem or of a position, or `info` of a procedure
+        integer, intent(in) :: code
+        character(len=:), allocatable :: text
+
+        character(len=12) :: number
+        integer :: k
+
+        do k = 1, size(registry)
+            if (registry(k)%code /= code) cycle
+            text = trim(registry(k)%words)
+            return
+        end do
+        if (code < before_arguments) then
+            write (number, '(i0)') before_arguments - code
+            text = 'argument '//trim(number)//' is not valid'
+        else
+            write (number, '(i0)') code
+            text = 'no status has the number '//trim(number)
+        end if
+    end function status_text
+
+end module flankload_status

@@ -1,0 +1,229 @@
+!> Contact pairs of a position: cells along the flanks around each place of least gap, with their
+!> gap angles (3.2) and lever arms (17).
+module flankload_contact_pairs
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
+    use flankload_polar_geometry, only: angle_between, cross
+    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_reach, only: is_level
+    use flankload_contact_grid, only: grid_type
+    use flankload_contact_normal, only: normal_at, normal_type
+    implicit none
+    private
+
+    public :: pairs_type
+    public :: append_pairs, reserve_pairs, take_out_of_mirror
+
+    !> All pairs of a position, as columns.
+    type :: pairs_type
+        integer :: n = 0
+        !> Site and zone of each pair, shape (n)
+        integer, allocatable :: site(:), zone(:)
+        !> Arc lengths on both flanks and widths of the cells there [mm], shape (n)
+        real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
+        !> Radius of the circle about O1 [mm], turn of body 1 that closes the gap [rad], shape (n);
+        !> coast flanks are open while body 1 has turned further
+        real(wp), allocatable :: radius(:), gap_angle(:)
+        !> Lever arms about O1 [mm]: of the force on body 1, friction included (torque row), and of
+        !> the pair (row scale); negative on coast flanks
+        real(wp), allocatable :: torque_lever(:), lever(:)
+        !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
+        !> sign, shape (n); not allocated without friction
+        real(wp), allocatable :: sliding(:), friction(:)
+        !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
+        real(wp), allocatable :: point(:, :), normal(:, :)
+    end type pairs_type
+
+contains
+
+    !> Make room for n pairs; the old ones are dropped.
+    pure subroutine reserve_pairs(pairs, n)
+        !> The pairs
+        type(pairs_type), intent(out) :: pairs
+        !> How many can be appended
+        integer, intent(in) :: n
+
+        allocate (pairs%site(n), pairs%zone(n), source=0)
+        allocate (pairs%s_1(n), pairs%s_2(n), pairs%cell_1(n), pairs%cell_2(n), &
+            & pairs%radius(n), pairs%gap_angle(n), pairs%torque_lever(n), pairs%lever(n), &
+            & source=0.0_wp)
+        allocate (pairs%point(2, n), pairs%normal(2, n), source=0.0_wp)
+    end subroutine reserve_pairs
+
+    !> Append the pairs of one zone.
+    pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
+            & normal, deviation, pairs, found)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone and its number
+        type(zone_type), intent(in) :: zone
+        integer, intent(in) :: number
+        !> Its cells
+        type(grid_type), intent(in) :: grid
+        !> Direction of the forces over its contact
+        type(normal_type), intent(in) :: normal
+        !> Metal that touches early, sum of both flanks, along the normal [mm]
+        real(wp), intent(in) :: deviation
+        !> The pairs; room must have been reserved
+        type(pairs_type), intent(inout) :: pairs
+        !> False if a circle misses flank 2
+        logical, intent(out) :: found
+
+        integer :: k
+        real(wp) :: s_1, cell, s_2_range(2), normals(2, 2)
+        type(pair_type) :: pair, last_even(2)
+
+        s_2_range = [zone%s_2_low, zone%s_2_high]
+        pair = zone%nearest
+        last_even = zone%nearest
+        found = .true.
+        if (is_level(zone)) then
+            last_even%s_2 = [guessed_s_2(pair, zone%level_low), guessed_s_2(pair, zone%level_high)]
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_low, s_2_range, &
+                & last_even(1), found)
+            if (.not. found) return
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_high, s_2_range, &
+                & last_even(2), found)
+            if (.not. found) return
+        end if
+        do k = 1, grid%n
+            call look_at_cell(grid, k, s_1, cell)
+            pair%s_2 = guessed_s_2(pair, s_1)
+            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
+            if (.not. found) return
+            if (is_level(zone)) then
+                normals = own_normals(pair)
+                if (s_1 < zone%level_low) call take_steadier(last_even(1), pair, normals)
+                if (s_1 > zone%level_high) call take_steadier(last_even(2), pair, normals)
+            else
+                normals(:, 1) = normal_at(normal, s_1, 1)
+                normals(:, 2) = normal_at(normal, s_1, 2)
+            end if
+            call append_pair(zone, pair, cell, normals, deviation, pairs)
+            if (flank_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(flank_2))
+            pairs%zone(pairs%n) = number
+        end do
+    end subroutine append_pairs
+
+    !> Place and width of a cell.
+    pure subroutine look_at_cell(grid, k, s_1, cell)
+        !> The cells
+        type(grid_type), intent(in) :: grid
+        !> Which one
+        integer, intent(in) :: k
+        !> Arc length of flank 1 and width there [mm]
+        real(wp), intent(out) :: s_1
+        real(wp), intent(out) :: cell
+
+        s_1 = grid%first + (k - 1)*grid%cell
+        cell = grid%cell
+        if (.not. allocated(grid%ends)) return
+        s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
+        cell = grid%ends(k + 1) - grid%ends(k)
+        if (allocated(grid%centers)) s_1 = grid%centers(k)
+    end subroutine look_at_cell
+
+    !> Normals of both flanks at a pair, out of body 1.
+    pure function own_normals(pair) result(normals)
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        !> Shape (2, bodies)
+        real(wp) :: normals(2, 2)
+
+        ! n = t turned by a right angle, so |P x n| = |P . t|
+        normals(:, 1) = [-pair%tangent_1(2), pair%tangent_1(1)]
+        normals(:, 2) = [pair%tangent_2(2), -pair%tangent_2(1)]
+    end function own_normals
+
+    !> Beyond the ends of even gap one flank turns away, over an edge: the force stands normal to
+    !> the other one. All of the body's motion along a normal that turns with the edge would make a
+    !> kink where the edge begins.
+    !>
+    !> Both normals stand as far apart as both points: where the gap is closed they are one.
+    pure subroutine take_steadier(edge, pair, normals)
+        !> The pair where the gap stops to be even
+        type(pair_type), intent(in) :: edge
+        !> The pair beyond
+        type(pair_type), intent(in) :: pair
+        !> Normals of both flanks, out of body 1, shape (2, bodies)
+        real(wp), intent(inout) :: normals(2, 2)
+
+        if (abs(angle_between(edge%tangent_1, pair%tangent_1)) &
+            & > abs(angle_between(edge%tangent_2, pair%tangent_2))) then
+            normals(:, 1) = turned(normals(:, 2), -pair%gap_angle)
+        else
+            normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
+        end if
+    end subroutine take_steadier
+
+    !> A direction, turned counter-clockwise.
+    pure function turned(direction, angle) result(new)
+        !> The direction
+        real(wp), intent(in) :: direction(2)
+        !> Angle [rad]
+        real(wp), intent(in) :: angle
+        real(wp) :: new(2)
+
+        new = cos(angle)*direction + sin(angle)*[-direction(2), direction(1)]
+    end function turned
+
+    !> Append a pair with its levers.
+    pure subroutine append_pair(zone, pair, cell, normals, deviation, pairs)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        !> Width of its cell on flank 1 [mm]
+        real(wp), intent(in) :: cell
+        !> Directions of its force by each flank, out of body 1, shape (2, bodies)
+        real(wp), intent(in) :: normals(2, 2)
+        !> Metal that touches early [mm]
+        real(wp), intent(in) :: deviation
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: i
+        real(wp) :: lever_1, lever_2, own(2, 2)
+
+        own = own_normals(pair)
+        lever_1 = abs(cross(pair%point_1, normals(:, 1)))   ! Eq. (17)
+        lever_2 = abs(cross(pair%point_2, normals(:, 2)))
+        i = pairs%n + 1
+        pairs%n = i
+        pairs%site(i) = zone%site
+        pairs%s_1(i) = pair%s_1
+        pairs%s_2(i) = pair%s_2
+        pairs%cell_1(i) = cell
+        pairs%cell_2(i) = cell*abs(cross(pair%point_1, own(:, 1))/cross(pair%point_2, own(:, 2)))
+        pairs%radius(i) = pair%radius
+        pairs%torque_lever(i) = lever_1
+        ! one lever for both bodies: K stays symmetric
+        pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
+        pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
+        pairs%point(:, i) = pair%point_1
+        pairs%normal(:, i) = normals(:, 1)
+    end subroutine append_pair
+
+    !> Turn pairs of coast flanks, which were laid in the mirror, back: on the other side of the
+    !> line of centres forces turn body 1 the other way.
+    pure subroutine take_out_of_mirror(first, pairs)
+        !> The first of these pairs; the others follow up to the last one that there is
+        integer, intent(in) :: first
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        associate (last => pairs%n)
+            pairs%torque_lever(first:last) = -pairs%torque_lever(first:last)
+            pairs%lever(first:last) = -pairs%lever(first:last)
+            pairs%gap_angle(first:last) = -pairs%gap_angle(first:last)
+            pairs%point(2, first:last) = -pairs%point(2, first:last)
+            pairs%normal(2, first:last) = -pairs%normal(2, first:last)
+        end associate
+    end subroutine take_out_of_mirror
+
+end module flankload_contact_pairs

@@ -1,0 +1,263 @@
+!> Coulomb friction at contact pairs: which way flanks slide, and what that does to the torque row.
+!>
+!> The force of a pair on body 1 is -n F + mu sigma t F, t towards growing arc length of flank 1 and
+!> sigma the sign of the sliding speed (v2 - v1).t there; on body 2 it is the opposite.
+module flankload_friction
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
+    use flankload_polar_geometry, only: angle_between, cross
+    use flankload_circle_pair, only: pair_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_pairs, only: pairs_type
+    implicit none
+    private
+
+    public :: friction_type
+    public :: new_friction, coefficient_at, rub_pairs
+    public :: friction_lever, slide_at, mean_sign, half_turn_between
+
+    !> What a scene says of friction.
+    type :: friction_type
+        !> Arc lengths on flank 1, ascending [mm], shape (n)
+        real(wp), allocatable :: places(:)
+        !> Friction coefficient there, linear between and even beyond them, shape (n, sites)
+        real(wp), allocatable :: values(:, :)
+    end type friction_type
+
+    !> Sliding below this part of the speeds of both surfaces is no sliding: bodies that turn
+    !> together about one axis have nothing but rounding there.
+    real(wp), parameter :: least_sliding = 1.0e-7_wp
+    !> Bodies whose speeds differ by less than this part turn at one rate.
+    real(wp), parameter :: one_rate = 1.0e-9_wp
+
+contains
+
+    !> Friction of a table.
+    pure function new_friction(places, values) result(friction)
+        !> Arc lengths on flank 1 [mm], shape (n)
+        real(wp), intent(in) :: places(:)
+        !> Friction coefficient, shape (n, sites)
+        real(wp), intent(in) :: values(:, :)
+        type(friction_type) :: friction
+
+        friction%places = places
+        friction%values = values
+    end function new_friction
+
+    !> Friction coefficient at a place of a site.
+    pure function coefficient_at(friction, site, s) result(coefficient)
+        !> What the scene says
+        type(friction_type), intent(in) :: friction
+        !> Site
+        integer, intent(in) :: site
+        !> Arc length on flank 1 [mm]
+        real(wp), intent(in) :: s
+        real(wp) :: coefficient
+
+        integer :: k, n
+        real(wp) :: part
+
+        n = size(friction%places)
+        if (n == 1 .or. s <= friction%places(1)) then
+            coefficient = friction%values(1, site)
+            return
+        end if
+        coefficient = friction%values(n, site)
+        if (s >= friction%places(n)) return
+        k = count(friction%places <= s)
+        part = (s - friction%places(k))/(friction%places(k + 1) - friction%places(k))
+        coefficient = (1.0_wp - part)*friction%values(k, site) + part*friction%values(k + 1, site)
+    end function coefficient_at
+
+    !> Sliding speed, friction factor mu sigma and torque lever of the pairs of one zone.
+    !>
+    !> Each surface runs along its own flank there, so that the speed changes its sign inside a
+    !> contact that lies over the pitch point. Inside the cell in which it does, the factor is the
+    !> mean over the cell: the state stays smooth in the position. Bodies that turn at one rate on
+    !> axes apart (a spline with an offset) slide everywhere by the same vector.
+    pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, first, &
+            & pairs)
+        !> What the scene says
+        type(friction_type), intent(in) :: friction
+        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        real(wp), intent(in) :: speeds(2)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its first pair; the others follow up to the last one that there is
+        integer, intent(in) :: first
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: i
+        real(wp) :: turn(2), speeds_there, largest
+        real(wp) :: change(pairs%n - first + 1)
+
+        if (.not. allocated(pairs%sliding)) then
+            allocate (pairs%sliding(size(pairs%site)), pairs%friction(size(pairs%site)), &
+                & source=0.0_wp)
+        end if
+        turn = half_turn_between(zone%nearest)
+        largest = 0.0_wp
+        do i = first, pairs%n
+            call slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, pairs%s_1(i), &
+                & pairs%s_2(i), pairs%normal(:, i), pairs%sliding(i), speeds_there)
+            largest = max(largest, speeds_there)
+        end do
+        call sliding_changes(pairs%sliding(first:pairs%n), change)
+        do i = first, pairs%n
+            ! Eq. (11), with the sign of the sliding
+            pairs%friction(i) = coefficient_at(friction, pairs%site(i), pairs%s_1(i)) &
+                & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
+                & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
+            pairs%torque_lever(i) = pairs%torque_lever(i) &
+                & + pairs%friction(i)*friction_lever(pairs%point(:, i) - frame_1%origin, &
+                & pairs%normal(:, i))
+        end do
+    end subroutine rub_pairs
+
+    !> Lever of the tangential force in the torque row: m = b - mu sigma sign(P x n) P x t, with P x
+    !> t = -P.n.
+    pure function friction_lever(point, normal) result(lever)
+        !> Point of flank 1 as seen from O1 [mm], and normal out of body 1
+        real(wp), intent(in) :: point(2)
+        real(wp), intent(in) :: normal(2)
+        !> What mu sigma multiplies [mm]
+        real(wp) :: lever
+
+        lever = dot_product(point, normal)
+        lever = sign(lever, lever*cross(point, normal))   ! Eq. (17) of the force (11)
+    end function friction_lever
+
+    !> Sliding speed at a pair.
+    pure subroutine slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, s_2, &
+            & normal, sliding, speeds_there)
+        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        real(wp), intent(in) :: speeds(2)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The zone, and cosine and sine of half the angle between its normals
+        type(zone_type), intent(in) :: zone
+        real(wp), intent(in) :: turn(2)
+        !> Places on both flanks [mm]
+        real(wp), intent(in) :: s_1
+        real(wp), intent(in) :: s_2
+        !> Direction of the force there
+        real(wp), intent(in) :: normal(2)
+        !> (v2 - v1).t, and the speeds of both surfaces together [mm per rad of the position]
+        real(wp), intent(out) :: sliding
+        real(wp), intent(out) :: speeds_there
+
+        real(wp), dimension(2) :: point_1, point_2, normal_1, normal_2
+
+        call placed_point(flank_1, frame_1, s_1, point_1, normal_1)
+        call placed_point(flank_2, frame_2, s_2, point_2, normal_2)
+        point_1 = point_1 - frame_1%origin
+        ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
+        normal_1 = turned([-normal_1(2), normal_1(1)], turn)
+        if (zone%level_high > zone%level_low) then
+            ! flanks that lie upon each other have one normal, which turns with its point until
+            ! both meet
+            normal_2 = turned(normal_1, &
+                & turn_by(angle_between(point_1, point_2 - frame_1%origin)))
+        else
+            normal_2 = turned([normal_2(2), -normal_2(1)], [turn(1), -turn(2)])
+        end if
+        point_2 = point_2 - frame_2%origin
+        ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
+        sliding = speeds(1)*dot_product(point_1, normal_1) &
+            & - speeds(2)*dot_product(point_2, normal_2)
+        if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
+            ! nothing rolls, the axes alone are apart: each flank's own normal, however little it
+            ! differs from the other's, would bring more speed than there is
+            sliding = dot_product(speeds(2)*frame_2%origin - speeds(1)*frame_1%origin, normal)
+        end if
+        speeds_there = abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2)
+    end subroutine slide_at
+
+    !> Mean sign of the sliding over a Hertz contact, weighted with its pressure.
+    !>
+    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h) it is 2/pi (asin u +
+    !> u sqrt(1 - u²)), and 1 or -1 where |u| >= 1.
+    pure subroutine mean_sign(at_ends, speeds_there, mean, slope, part)
+        !> Sliding speeds at the ends of the contact [mm per rad of the position]
+        real(wp), intent(in) :: at_ends(2)
+        !> Speeds of both surfaces together
+        real(wp), intent(in) :: speeds_there
+        !> The mean, its derivative by u, and u within -1 and 1
+        real(wp), intent(out) :: mean
+        real(wp), intent(out) :: slope
+        real(wp), intent(out) :: part
+
+        real(wp), parameter :: two_over_pi = 2.0_wp/acos(-1.0_wp)
+
+        part = sum(at_ends)/max(abs(at_ends(2) - at_ends(1)), &
+            & 2.0_wp*least_sliding*speeds_there, tiny(1.0_wp))
+        part = max(-1.0_wp, min(1.0_wp, part))
+        mean = two_over_pi*(asin(part) + part*sqrt(1.0_wp - part**2))
+        slope = 2.0_wp*two_over_pi*sqrt(1.0_wp - part**2)
+    end subroutine mean_sign
+
+    !> Half the turn from the normal of flank 1 to that of flank 2 at a place of least gap, once it
+    !> is closed: none, but where a corner works and both turn towards each other by half of it.
+    pure function half_turn_between(nearest) result(turn)
+        !> The pair of least gap
+        type(pair_type), intent(in) :: nearest
+        !> Cosine and sine
+        real(wp) :: turn(2)
+
+        turn = turn_by(0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) &
+            & - nearest%gap_angle))
+    end function half_turn_between
+
+    !> A turn by an angle.
+    pure function turn_by(angle) result(turn)
+        !> Angle [rad]
+        real(wp), intent(in) :: angle
+        !> Cosine and sine
+        real(wp) :: turn(2)
+
+        turn = [cos(angle), sin(angle)]
+    end function turn_by
+
+    !> A vector turned to the left.
+    pure function turned(vector, turn) result(other)
+        !> The vector
+        real(wp), intent(in) :: vector(2)
+        !> Cosine and sine of the angle
+        real(wp), intent(in) :: turn(2)
+        real(wp) :: other(2)
+
+        other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
+    end function turned
+
+    !> By how much the sliding speed changes over each cell of a zone.
+    pure subroutine sliding_changes(sliding, change)
+        !> Sliding speeds of neighbouring cells
+        real(wp), intent(in) :: sliding(:)
+        !> Their changes over a cell, without sign
+        real(wp), intent(out) :: change(:)
+
+        integer :: n, k
+
+        n = size(sliding)
+        change = 0.0_wp
+        if (n < 2) return
+        change(1) = abs(sliding(2) - sliding(1))
+        change(n) = abs(sliding(n) - sliding(n - 1))
+        do k = 2, n - 1
+            change(k) = 0.5_wp*(abs(sliding(k + 1) - sliding(k)) &
+                & + abs(sliding(k) - sliding(k - 1)))
+        end do
+    end subroutine sliding_changes
+
+end module flankload_friction

@@ -1,0 +1,103 @@
+!> Cells with nodes in their middles: where compliances are tables between nodes, pairs closer than
+!> these would ask the tables for more than they hold, and K would be singular.
+module flankload_node_cells
+    use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
+    use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
+    use flankload_polar_geometry, only: circle_meets_flank
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_grid, only: grid_type
+    implicit none
+    private
+
+    public :: lay_on_nodes, circles_through
+
+contains
+
+    !> Lay the cells of a zone on nodes: all between the ends of its grid, and one more to both
+    !> sides.
+    pure subroutine lay_on_nodes(places, zone, grid)
+        !> Arc lengths on flank 1 at which pairs may stand [mm], ascending
+        real(wp), intent(in) :: places(:)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its grid; the ends are given
+        type(grid_type), intent(inout) :: grid
+
+        integer :: first, last, k
+        real(wp) :: same
+        real(wp), allocatable :: around(:)
+
+        same = tie*(zone%s_1_high - zone%s_1_low)
+        ! the stretch over which circles cut both flanks, or what another zone has left of it
+        first = 1 + count(places < merge(zone%s_1_low, grid%low, grid%open_low) - same)
+        last = count(places <= merge(zone%s_1_high, grid%high, grid%open_high) + same)
+        if (.not. grid%open_low .and. grid%low > zone%s_1_low) then
+            first = 1 + count(places < grid%low)
+        else if (grid%open_low .and. first > 1) then
+            first = first - 1
+            if (places(first) < zone%s_1_low - same) first = first + 1
+        end if
+        if (.not. grid%open_high .and. grid%high < zone%s_1_high) then
+            last = count(places < grid%high)
+        else if (grid%open_high .and. last < size(places)) then
+            last = last + 1
+            if (places(last) > zone%s_1_high + same) last = last - 1
+        end if
+        grid%open_low = grid%open_low .and. first > 1
+        grid%open_high = grid%open_high .and. last < size(places)
+        grid%n = max(0, last - first + 1)
+        if (grid%n == 0) then
+            ! a stretch between two nodes
+            grid%n = 1
+            grid%open_low = .false.
+            grid%open_high = .false.
+            grid%centers = [zone%nearest%s_1]
+            grid%ends = [grid%low, grid%high]
+            return
+        end if
+        grid%centers = min(zone%s_1_high, max(zone%s_1_low, places(first:last)))
+        around = [places(max(1, first - 1)), grid%centers, places(min(size(places), last + 1))]
+        grid%ends = [(0.5_wp*(around(k) + around(k + 1)), k=1, grid%n + 1)]
+    end subroutine lay_on_nodes
+
+    !> Where circles about O1 through the nodes of flank 2 cut flank 1.
+    pure function circles_through(nodes, flank_2, frame_2, flank_1, frame_1, zone) result(places)
+        !> Arc lengths of the nodes of flank 2 [mm], ascending
+        real(wp), intent(in) :: nodes(:)
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> Flank of body 1 and where it stands (its axis is O1)
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> The zone, within whose stretch they do
+        type(zone_type), intent(in) :: zone
+        !> Arc lengths on flank 1 [mm], ascending
+        real(wp), allocatable :: places(:)
+
+        integer :: k
+        real(wp) :: s, low, high, same, point(2), tangent(2)
+        real(wp) :: met(size(nodes))
+        logical :: found, meets(size(nodes))
+
+        low = min(zone%s_2_low, zone%s_2_high)
+        high = max(zone%s_2_low, zone%s_2_high)
+        same = tie*(high - low)
+        meets = nodes >= low - same .and. nodes <= high + same
+        met = 0.0_wp
+        do k = 1, size(nodes)
+            if (.not. meets(k)) cycle
+            call placed_point(flank_2, frame_2, min(high, max(low, nodes(k))), point, tangent)
+            s = zone%nearest%s_1
+            call circle_meets_flank(flank_1, frame_1, norm2(point), &
+                & [zone%s_1_low, zone%s_1_high], s, point, tangent, found)
+            met(k) = s
+            meets(k) = found
+        end do
+        places = pack(met, meets)
+        if (size(places) < 2) return
+        if (places(size(places)) < places(1)) places = places(size(places):1:-1)
+    end function circles_through
+
+end module flankload_node_cells

@@ -1,0 +1,82 @@
+!> What friction adds to the influence numbers, (12), (14), (15): tangential forces move flanks
+!> along their normals, too.
+module flankload_tangential_influence
+    use flankload_kinds, only: wp
+    use flankload_compliance_field, only: compliance_type, mode_values, strip_jump
+    use flankload_tabled_influence, only: add_tangential_table
+    implicit none
+    private
+
+    public :: add_tangential
+
+contains
+
+    !> Add what one body recedes under the friction forces of all pairs.
+    !>
+    !> With C_nt = n.u for a unit force along t, each body's own n and t (n2 = -n1, t2 = -t1), the
+    !> force -n F + mu sigma t F of either body recedes by (C_nn - mu sigma C_nt) F.
+    pure subroutine add_tangential(body, site, s, cell, friction, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Site of each pair, arc length [mm] and width of the cell [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        real(wp), intent(in) :: cell(:)
+        !> mu sigma of each pair, shape (n)
+        real(wp), intent(in) :: friction(:)
+        !> K [mm/N], shape (n, n); unsymmetric from here on
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: n, n_loads, i, j, first, last, load_first, load_last
+        real(wp), allocatable :: values(:, :), loads(:, :), carried(:, :)
+
+        n = size(s)
+        if (.not. allocated(body%tangential)) return
+        if (allocated(body%nodes)) then
+            call add_tangential_table(body, site, s, friction, matrix)
+            return
+        end if
+        n_loads = size(body%tangential, 2)
+        values = mode_values(body, s)
+        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eq. (11), (12)
+        load_first = 1
+        do while (load_first <= n)
+            load_last = last_of_site(load_first)
+            first = 1
+            do while (first <= n)
+                last = last_of_site(first)
+                carried = matmul(values(first:last, :), &
+                    & body%tangential(:, :, body%block(site(first), site(load_first))))
+                ! Eq. (14), (15): mu a_T beside a_N
+                matrix(first:last, load_first:load_last) = &
+                    & matrix(first:last, load_first:load_last) &
+                    & + matmul(carried, transpose(loads(load_first:load_last, :)))
+                first = last + 1
+            end do
+            do j = load_first, load_last
+                do i = load_first, load_last
+                    matrix(i, j) = matrix(i, j) &
+                        & - friction(j)*strip_jump(s(i) - s(j), cell(j), body%jump)
+                end do
+            end do
+            load_first = load_last + 1
+        end do
+
+    contains
+
+        !> Last pair of the run of pairs that share a site.
+        pure function last_of_site(k) result(at)
+            !> First pair of the run
+            integer, intent(in) :: k
+            integer :: at
+
+            at = k
+            do while (at < n)
+                if (site(at + 1) /= site(k)) exit
+                at = at + 1
+            end do
+        end function last_of_site
+
+    end subroutine add_tangential
+
+end module flankload_tangential_influence

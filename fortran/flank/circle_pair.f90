@@ -1,0 +1,179 @@
+!> A contact pair: where a circle about O1 cuts two flanks (section 3.2 of the paper).
+module flankload_circle_pair
+    use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
+    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length, curve_point, &
+        & placed_point
+    use flankload_polar_geometry, only: angle_between, circle_meets_flank, cross
+    implicit none
+    private
+
+    public :: flank_type, pair_type
+    public :: new_flank, pair_on_circle, guessed_s_2
+
+    !> A flank with the samples in which minima are first looked for.
+    type :: flank_type
+        type(flank_curve_type) :: curve
+        !> Arc length of the samples [mm], ascending; all breaks of the curve are among them
+        real(wp), allocatable :: s(:)
+        !> The samples in the frame of the body [mm], shape (2, n), and their distance from its axis
+        real(wp), allocatable :: point(:, :)
+        real(wp), allocatable :: radius(:)
+        !> 1 where the sample is a sharp corner, -1 where it is another end of the curve, else 0
+        integer, allocatable :: special(:)
+        !> First sample from which on the radius grows up to the tip
+        integer :: first_rising = 1
+        !> Where smooth roundings begin [mm of arc length], on which side they lie (1: towards
+        !> greater arc length, -1: towards smaller), and by how much the curvature changes there
+        !> [1/mm], shape (roundings)
+        real(wp), allocatable :: roundings(:), rounding_jumps(:)
+        integer, allocatable :: rounding_sides(:)
+    end type flank_type
+
+    !> A contact pair: the points A and B in which a circle about O1 cuts the two flanks.
+    type :: pair_type
+        !> Arc lengths of A and B [mm]
+        real(wp) :: s_1 = 0.0_wp, s_2 = 0.0_wp
+        !> Radius of the circle about O1 [mm]
+        real(wp) :: radius = 0.0_wp
+        !> Gap angle A O1 B [rad], positive while body 1 must still turn
+        real(wp) :: gap_angle = 0.0_wp
+        !> Change of the gap angle along flank 1 [rad/mm]
+        real(wp) :: slope = 0.0_wp
+        !> Points and unit tangents in the common frame
+        real(wp) :: point_1(2) = 0.0_wp, tangent_1(2) = 0.0_wp
+        real(wp) :: point_2(2) = 0.0_wp, tangent_2(2) = 0.0_wp
+    end type pair_type
+
+    !> Samples a flank: fine enough to see every minimum of tooth-like profiles.
+    integer, parameter :: samples_per_flank = 96
+    !> A flank that stands this steeply across its circle ends there: the pair (and 1/(P.t)) is
+    !> lost.
+    real(wp), parameter :: least_rise = 0.02_wp
+contains
+
+    !> A flank from its curve: samples at every break and evenly between.
+    pure function new_flank(curve) result(flank)
+        !> The curve in the frame of its body
+        type(flank_curve_type), intent(in) :: curve
+        type(flank_type) :: flank
+
+        integer :: interval, n_intervals, n_inner, i, k, n
+        real(wp) :: step, tangent(2)
+        integer, allocatable :: parts(:)
+
+        n_intervals = ubound(curve%breaks, 1)
+        step = curve_length(curve)/samples_per_flank
+        allocate (parts(n_intervals))
+        do interval = 1, n_intervals
+            parts(interval) = max(1, &
+                & ceiling((curve%breaks(interval) - curve%breaks(interval - 1))/step - tie))
+        end do
+        n = sum(parts) + 1
+        flank%curve = curve
+        allocate (flank%s(n), flank%radius(n), flank%point(2, n), source=0.0_wp)
+        allocate (flank%special(n), source=0)
+        k = 1
+        do interval = 1, n_intervals
+            n_inner = parts(interval)
+            do i = 0, n_inner - 1
+                flank%s(k) = curve%breaks(interval - 1) + real(i, wp)/n_inner &
+                    & *(curve%breaks(interval) - curve%breaks(interval - 1))
+                if (i == 0 .and. curve%corners(interval - 1)) flank%special(k) = 1
+                k = k + 1
+            end do
+        end do
+        flank%s(n) = curve%breaks(n_intervals)
+        if (flank%special(1) == 0) flank%special(1) = -1
+        flank%special(n) = merge(1, -1, curve%corners(n_intervals))
+        if (curve%closed) flank%special([1, n]) = 0
+        flank%first_rising = 1
+        do k = 1, n
+            call curve_point(curve, flank%s(k), flank%point(:, k), tangent)
+            flank%radius(k) = norm2(flank%point(:, k))
+            if (dot_product(flank%point(:, k), tangent) < least_rise*flank%radius(k) &
+                & .and. k < n) then
+                flank%first_rising = k + 1
+            end if
+        end do
+        call find_roundings(flank)
+    end function new_flank
+
+    !> Where the curvature changes at once, by much: there the pressure has a peak of its own.
+    pure subroutine find_roundings(flank)
+        !> The flank, its curve given
+        type(flank_type), intent(inout) :: flank
+
+        !> There the flank is so many times as curved, convex.
+        real(wp), parameter :: many_times = 4.0_wp
+        !> Beside a break, relative to the interval.
+        real(wp), parameter :: beside = 1.0e-6_wp
+        integer :: k, n
+        real(wp) :: before, behind, point(2), tangent(2)
+
+        allocate (flank%roundings(0), flank%rounding_jumps(0), flank%rounding_sides(0))
+        associate (breaks => flank%curve%breaks)
+            n = ubound(breaks, 1)
+            do k = 1, n - 1
+                if (flank%curve%corners(k)) cycle
+                call curve_point(flank%curve, breaks(k) - beside*(breaks(k) - breaks(k - 1)), &
+                    & point, tangent, before)
+                call curve_point(flank%curve, breaks(k) + beside*(breaks(k + 1) - breaks(k)), &
+                    & point, tangent, behind)
+                if (max(before, behind) <= many_times*min(abs(before), abs(behind))) cycle
+                flank%roundings = [flank%roundings, breaks(k)]
+                flank%rounding_jumps = [flank%rounding_jumps, abs(behind - before)]
+                flank%rounding_sides = [flank%rounding_sides, merge(1, -1, behind > before)]
+            end do
+        end associate
+    end subroutine find_roundings
+
+    !> The pair on the circle through the place s_1 of flank 1.
+    pure subroutine pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
+        !> Flank of body 1 and where it stands
+        type(flank_curve_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_curve_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> Arc length on flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        !> Arc lengths on flank 2 between which the circle cuts it [mm], shape (2)
+        real(wp), intent(in) :: s_2_range(2)
+        !> On entry pair%s_2 is a guess
+        type(pair_type), intent(inout) :: pair
+        !> False if the circle does not cut flank 2 in that range
+        logical, intent(out) :: found
+
+        real(wp) :: rise_1, rise_2
+
+        pair%s_1 = s_1
+        call placed_point(flank_1, frame_1, s_1, pair%point_1, pair%tangent_1)
+        pair%radius = sqrt(pair%point_1(1)**2 + pair%point_1(2)**2)
+        call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range, pair%s_2, pair%point_2, &
+            & pair%tangent_2, found)
+        if (.not. found) return
+        pair%gap_angle = angle_between(pair%point_1, pair%point_2)   ! ε_anf of Eq. (2)
+        rise_1 = dot_product(pair%point_1, pair%tangent_1)
+        rise_2 = dot_product(pair%point_2, pair%tangent_2)
+        ! a rounding that ends on the tip circle lies along it there
+        rise_2 = sign(max(abs(rise_2), epsilon(rise_2)*pair%radius), rise_2)
+        ! polar angle over arc length: cross/r², radius over arc length: dot/r
+        pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
+            & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
+    end subroutine pair_on_circle
+
+    !> Where flank 2 about meets the circle through another place of flank 1: dr = (P.t) ds/r.
+    pure function guessed_s_2(pair, s_1) result(s_2)
+        !> A pair not far away
+        type(pair_type), intent(in) :: pair
+        !> The place on flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        !> Arc length on flank 2 [mm]
+        real(wp) :: s_2
+
+        s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
+            & /dot_product(pair%point_2, pair%tangent_2)
+    end function guessed_s_2
+
+end module flankload_circle_pair

@@ -1,0 +1,192 @@
+!> Gap angles of two flanks on many circles about O1: where to look for places of least gap.
+module flankload_gap_scan
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: curve_length, frame_type
+    use flankload_polar_geometry, only: circle_meets_flank, cross
+    use flankload_circle_pair, only: flank_type
+    implicit none
+    private
+
+    public :: scan_type
+    public :: scan_gaps
+
+    !> Two flanks where they stand, and the circles about O1 on which they were looked at.
+    type :: scan_type
+        !> Where the flanks stand
+        type(frame_type) :: frame_1, frame_2
+        !> Places on flank 1, ascending: its samples and the circles through special points of flank
+        !> 2
+        real(wp), allocatable :: s_1(:)
+        !> Tangent of half the least gap angle on that circle: it grows with the angle
+        real(wp), allocatable :: gap(:)
+        !> Segment of flank 2's polyline that makes it, 0 where the circle misses flank 2
+        integer, allocatable :: segment(:)
+        !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else
+        !> 0
+        integer, allocatable :: corner(:)
+        !> Distance of flank 2's samples from O1 [mm]
+        real(wp), allocatable :: radius_2(:)
+        !> First and last circle of the stretch in question, all of which cut flank 2
+        integer :: first = 1, last = 0
+        !> One-sided slopes at a corner are taken this far beside it [mm]
+        real(wp) :: beside = 0.0_wp
+    end type scan_type
+
+    !> That distance relative to the length of flank 1.
+    real(wp), parameter :: beside_part = 1.0e-9_wp
+    !> A circle through a sample of flank 2 is one through a sample of flank 1 where it comes so
+    !> near to it: flanks of shafts and hubs end on common circles by design.
+    real(wp), parameter :: same_circle = 128.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> Gap angles on sample circles, flank 2 taken as the polyline of its samples.
+    pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, scan)
+        !> Flank of body 1 and where it stands
+        type(flank_type), intent(in) :: flank_1
+        type(frame_type), intent(in) :: frame_1
+        !> Flank of body 2 and where it stands
+        type(flank_type), intent(in) :: flank_2
+        type(frame_type), intent(in) :: frame_2
+        !> The circles and the gaps
+        type(scan_type), intent(out) :: scan
+
+        integer :: k, n
+        real(wp), allocatable :: radius(:), place_1(:, :), place_2(:, :)
+
+        scan%frame_1 = frame_1
+        scan%frame_2 = frame_2
+        scan%beside = beside_part*curve_length(flank_1%curve)
+        place_2 = placed_samples(flank_2, frame_2)
+        scan%radius_2 = sqrt(place_2(1, :)**2 + place_2(2, :)**2)
+        k = flank_1%first_rising
+        n = size(flank_1%s) - k + 1
+        if (minval(scan%radius_2) > flank_1%radius(k + n - 1)) n = 0   ! far away
+        scan%s_1 = flank_1%s(k:k + n - 1)
+        scan%corner = flank_1%special(k:k + n - 1)
+        if (n > 0) then
+            radius = flank_1%radius(k:k + n - 1)
+            place_1 = placed_samples(flank_1, frame_1)
+            place_1 = place_1(:, k:)
+            call add_special_circles(flank_1, flank_2, scan, radius, place_1)
+        end if
+        n = size(scan%s_1)
+        allocate (scan%gap(n), source=huge(1.0_wp))
+        allocate (scan%segment(n), source=0)
+        if (n > 0) call find_gaps(scan%radius_2, place_2, radius, place_1, scan%gap, scan%segment)
+    end subroutine scan_gaps
+
+    !> Add the circles through special points of flank 2.
+    pure subroutine add_special_circles(flank_1, flank_2, scan, radius, place_1)
+        !> Flanks of both bodies
+        type(flank_type), intent(in) :: flank_1
+        type(flank_type), intent(in) :: flank_2
+        !> The circles
+        type(scan_type), intent(inout) :: scan
+        !> Their radii [mm], and where they cut flank 1, shape (2, n)
+        real(wp), allocatable, intent(inout) :: radius(:)
+        real(wp), allocatable, intent(inout) :: place_1(:, :)
+
+        integer :: l, n, at
+        real(wp) :: s, point(2), tangent(2)
+        logical :: found
+
+        associate (radius_2 => scan%radius_2)
+            do l = 1, size(radius_2)
+                if (flank_2%special(l) == 0) cycle
+                n = size(radius)
+                at = minloc(abs(radius - radius_2(l)), dim=1)
+                if (abs(radius(at) - radius_2(l)) <= same_circle*radius_2(l)) then
+                    if (scan%corner(at) <= 0 .and. flank_2%special(l) > 0) scan%corner(at) = 2
+                    if (scan%corner(at) == 0) scan%corner(at) = -2
+                    radius_2(l) = radius(at)
+                    cycle
+                end if
+                if (radius_2(l) < radius(1) .or. radius_2(l) > radius(n)) cycle
+                at = count(radius < radius_2(l))
+                s = scan%s_1(at)
+                call circle_meets_flank(flank_1%curve, scan%frame_1, radius_2(l), &
+                    & scan%s_1(at:at + 1), s, point, tangent, found)
+                if (.not. found) cycle
+                scan%s_1 = [scan%s_1(:at), s, scan%s_1(at + 1:)]
+                radius = [radius(:at), radius_2(l), radius(at + 1:)]
+                scan%corner = [scan%corner(:at), 2*flank_2%special(l), scan%corner(at + 1:)]
+                place_1 = reshape([place_1(:, :at), point, place_1(:, at + 1:)], [2, n + 1])
+            end do
+        end associate
+    end subroutine add_special_circles
+
+    !> The least gap on each circle, and the segment of flank 2 that makes it.
+    pure subroutine find_gaps(radius_2, place_2, radius, place_1, gap, segment)
+        !> Samples of flank 2: distance from O1 [mm], places, shape (2, samples)
+        real(wp), contiguous, intent(in) :: radius_2(:)
+        real(wp), contiguous, intent(in) :: place_2(:, :)
+        !> The circles and where they cut flank 1, shape (2, n)
+        real(wp), contiguous, intent(in) :: radius(:)
+        real(wp), contiguous, intent(in) :: place_1(:, :)
+        !> Tangent of half the least gap angle on each
+        real(wp), contiguous, intent(inout) :: gap(:)
+        !> The segment, 0 where the circle misses flank 2
+        integer, contiguous, intent(inout) :: segment(:)
+
+        integer :: l, k
+        real(wp) :: point(2), weight, half_tangent, low, high
+
+        do l = 1, size(radius_2) - 1
+            low = min(radius_2(l), radius_2(l + 1))
+            high = max(radius_2(l), radius_2(l + 1))
+            if (high < radius(1) .or. low > radius(size(radius))) cycle
+            do k = first_beyond(radius, low), size(radius)
+                if (radius(k) > high) exit
+                weight = 0.5_wp
+                if (radius_2(l + 1) /= radius_2(l)) then
+                    weight = (radius(k) - radius_2(l))/(radius_2(l + 1) - radius_2(l))
+                end if
+                point = (1.0_wp - weight)*place_2(:, l) + weight*place_2(:, l + 1)
+                half_tangent = cross(place_1(:, k), point) &
+                    & /max(radius(k)**2 + dot_product(place_1(:, k), point), tiny(1.0_wp))
+                if (half_tangent < gap(k)) then
+                    gap(k) = half_tangent
+                    segment(k) = l
+                end if
+            end do
+        end do
+    end subroutine find_gaps
+
+    !> The samples of a flank in the common frame.
+    pure function placed_samples(flank, frame) result(places)
+        !> The flank
+        type(flank_type), intent(in) :: flank
+        !> Where it stands
+        type(frame_type), intent(in) :: frame
+        real(wp) :: places(2, size(flank%s))
+
+        places(1, :) = frame%origin(1) + frame%cosine*flank%point(1, :) &
+            & - frame%sine*flank%point(2, :)
+        places(2, :) = frame%origin(2) + frame%sine*flank%point(1, :) &
+            & + frame%cosine*flank%point(2, :)
+    end function placed_samples
+
+    !> First entry of an ascending list that is not below a value.
+    pure function first_beyond(list, value) result(index)
+        !> Ascending values
+        real(wp), intent(in) :: list(:)
+        !> Value looked for; some entry is not below it
+        real(wp), intent(in) :: value
+        integer :: index
+
+        integer :: below, middle
+
+        below = 0
+        index = size(list)
+        do while (index - below > 1)
+            middle = (below + index)/2
+            if (list(middle) < value) then
+                below = middle
+            else
+                index = middle
+            end if
+        end do
+    end function first_beyond
+
+end module flankload_gap_scan

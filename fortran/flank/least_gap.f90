@@ -1,0 +1,156 @@
+!> The exact place of least gap between two flanks, beside a sample that has less gap than its
+!> neighbours (section 3.2 of the paper).
+module flankload_least_gap
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: curve_length, placed_point
+    use flankload_circle_pair, only: flank_type, pair_on_circle, pair_type
+    use flankload_gap_scan, only: scan_type
+    implicit none
+    private
+
+    public :: exact_pair, walk_downhill
+
+    !> The least gap is found to this fraction of the flank's length: the gap is flat there, so its
+    !> own error is of second order.
+    real(wp), parameter :: place_tolerance = 1.0e-10_wp
+    !> A circle laid through a sample may miss it by some roundings.
+    real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> The exact pair at a place: flank 2 searched from a segment of its polyline outwards, so
+    !> that of several branches (a rounded tip turns back) the same one is followed.
+    pure subroutine exact_pair(flank_1, flank_2, scan, s, l, pair, found)
+        !> Flanks of both bodies
+        type(flank_type), intent(in) :: flank_1
+        type(flank_type), intent(in) :: flank_2
+        !> Where they stand, and their circles
+        type(scan_type), intent(in) :: scan
+        !> Place on flank 1 [mm]
+        real(wp), intent(in) :: s
+        !> Segment of flank 2
+        integer, intent(in) :: l
+        !> The pair
+        type(pair_type), intent(inout) :: pair
+        !> False if the circle misses flank 2 there
+        logical, intent(out) :: found
+
+        integer :: step, at, side, segments
+        real(wp) :: radius, low, high, point(2), tangent(2)
+
+        call placed_point(flank_1%curve, scan%frame_1, s, point, tangent)
+        radius = norm2(point)
+        found = .false.
+        segments = size(scan%radius_2) - 1
+        do step = 0, segments
+            do side = -1, 1, 2
+                at = l + side*step
+                if (flank_2%curve%closed) at = 1 + modulo(at - 1, segments)
+                if (at < 1 .or. at > segments) cycle
+                low = scan%radius_2(at) - radius
+                high = scan%radius_2(at + 1) - radius
+                if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*radius) cycle
+                pair%s_2 = 0.5_wp*(flank_2%s(at) + flank_2%s(at + 1))
+                call pair_on_circle(flank_1%curve, scan%frame_1, flank_2%curve, scan%frame_2, s, &
+                    & flank_2%s(at:at + 1), pair, found)
+                if (found) return
+            end do
+        end do
+    end subroutine exact_pair
+
+    !> From a sample to where the gap is least: a sample, or a place between two.
+    !>
+    !> The polyline of flank 2 may mislead by a sample or two; the exact slopes do not.
+    pure subroutine walk_downhill(flank_1, flank_2, scan, from, nearest, at_corner, found)
+        !> Flanks of both bodies
+        type(flank_type), intent(in) :: flank_1
+        type(flank_type), intent(in) :: flank_2
+        !> Where they stand, and their circles
+        type(scan_type), intent(in) :: scan
+        !> The sample
+        integer, intent(in) :: from
+        !> The pair of least gap
+        type(pair_type), intent(inout) :: nearest
+        !> What the sample is if the pair lies on one
+        integer, intent(out) :: at_corner
+        !> False if an exact pair could not be found
+        logical, intent(out) :: found
+
+        integer :: k, side
+        type(pair_type) :: near, far
+
+        do side = -1, 1, 2
+            k = from
+            do
+                call exact_pair(flank_1, flank_2, scan, scan%s_1(k), scan%segment(k), nearest, &
+                    & found)
+                if (.not. found) return
+                at_corner = scan%corner(k)
+                if (k == merge(scan%first, scan%last, side < 0)) exit
+                call exact_pair(flank_1, flank_2, scan, scan%s_1(k) + side*scan%beside, &
+                    & scan%segment(k), near, found)
+                if (.not. found) return
+                if (side*near%slope >= 0.0_wp) exit
+                call exact_pair(flank_1, flank_2, scan, scan%s_1(k + side) - side*scan%beside, &
+                    & scan%segment(k + side), far, found)
+                if (.not. found) return
+                if (side*far%slope > 0.0_wp) then
+                    at_corner = 0
+                    call find_root(flank_1, flank_2, scan, near, far, scan%segment(k), nearest, &
+                        & found)
+                    return
+                end if
+                k = k + side
+            end do
+            if (k /= from) return
+        end do
+    end subroutine walk_downhill
+
+    !> Root of the slope of the gap angle (regula falsi, Illinois).
+    pure subroutine find_root(flank_1, flank_2, scan, one_end, other_end, l, pair, found)
+        !> Flanks of both bodies
+        type(flank_type), intent(in) :: flank_1
+        type(flank_type), intent(in) :: flank_2
+        !> Where they stand, and their circles
+        type(scan_type), intent(in) :: scan
+        !> Pairs that enclose the root
+        type(pair_type), intent(in) :: one_end
+        type(pair_type), intent(in) :: other_end
+        !> Segment of flank 2 near the root
+        integer, intent(in) :: l
+        !> The pair of least gap
+        type(pair_type), intent(inout) :: pair
+        !> False if no pair is found on the way
+        logical, intent(out) :: found
+
+        integer, parameter :: max_steps = 80
+        integer :: step, side
+        real(wp) :: left, right, f_left, f_right, s
+
+        left = one_end%s_1
+        f_left = one_end%slope
+        right = other_end%s_1
+        f_right = other_end%slope
+        side = 0
+        do step = 1, max_steps
+            s = (f_right*left - f_left*right)/(f_right - f_left)
+            if (mod(step, 4) == 0) s = 0.5_wp*(left + right)
+            call exact_pair(flank_1, flank_2, scan, s, l, pair, found)
+            if (.not. found) return
+            if (pair%slope == 0.0_wp) return
+            if (pair%slope*f_right > 0.0_wp) then
+                right = s
+                f_right = pair%slope
+                if (side == -1) f_left = 0.5_wp*f_left
+                side = -1
+            else
+                left = s
+                f_left = pair%slope
+                if (side == 1) f_right = 0.5_wp*f_right
+                side = 1
+            end if
+            if (abs(right - left) <= place_tolerance*curve_length(flank_1%curve)) return
+        end do
+    end subroutine find_root
+
+end module flankload_least_gap

@@ -1,0 +1,226 @@
+!> One position from points and a compliance between them: the plain way of the paper (section 3).
+!>
+!> Compliances are tables over the places of two points, (21) and (22), read between the points by
+!> straight lines. The answer to a point load at its own place grows with every halving of the
+!> spacing, so the error of this way falls slowly: it is for programs that bring such tables.
+module flankload_nodal_pairs
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: flank_curve_type, frame_type
+    use flankload_polar_geometry, only: angle_between, circle_meets_flank
+    use flankload_node_curve, only: curve_through_points
+    use flankload_nodal_circles, only: is_steady, radii_about, shared_circles
+    use flankload_nodal_table, only: between, nodal_place
+    implicit none
+    private
+
+    public :: nodal_body, nodal_pairs_type
+    public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
+
+    !> Flanks of one body as points, and how these move.
+    type :: nodal_body
+        !> Points of one flank after the other, in order along each, common frame [mm],
+        !> shape (2, n)
+        real(wp), allocatable :: points(:, :)
+        !> Last point of each flank, shape (0:n_flanks), 0 before the first one
+        integer, allocatable :: last(:)
+        !> Displacement of point i along the normal out of the material for a unit force on the
+        !> body at point j along the normal there [mm/N], shape (n, n)
+        real(wp), allocatable :: compliance(:, :)
+    end type nodal_body
+
+    !> Pairs of points A and B on circles about O1.
+    type :: nodal_pairs_type
+        !> How many there are
+        integer :: n = 0
+        !> Flank of each pair, shape (n)
+        integer, allocatable :: flank(:)
+        !> Radius of its circle about O1 [mm], shape (n)
+        real(wp), allocatable :: radius(:)
+        !> Gap angle A O1 B [rad], positive while body 1 must still turn
+        real(wp), allocatable :: gap_angle(:)
+        !> Row lever b, and lever m of the normal force in the torque about O1 [mm], (17) and (19)
+        real(wp), allocatable :: lever(:), torque_lever(:)
+        !> Lever of the normal force about O2 [mm]
+        real(wp), allocatable :: torque_lever_2(:)
+        !> Where A and B are between the points of their bodies
+        type(nodal_place), allocatable :: place_1(:), place_2(:)
+    end type nodal_pairs_type
+
+    !> A force line that passes O1 nearer than this part of the radius has no lever worth the name.
+    real(wp), parameter :: least_lever = 0.01_wp
+
+contains
+
+    !> Make a body from the arrays that a program hands over.
+    pure function new_nodal_body(sizes, points, compliance) result(body)
+        !> Number of points of each flank, at least 2 each
+        integer, intent(in) :: sizes(:)
+        !> Points of one flank after the other, in order along each, common frame [mm],
+        !> shape (2, n)
+        real(wp), intent(in) :: points(:, :)
+        !> Compliance between them [mm/N], shape (n, n)
+        real(wp), intent(in) :: compliance(:, :)
+        type(nodal_body) :: body
+
+        integer :: f
+
+        body%points = points
+        body%compliance = compliance
+        allocate (body%last(0:size(sizes)), source=0)
+        do f = 1, size(sizes)
+            body%last(f) = body%last(f - 1) + sizes(f)
+        end do
+    end function new_nodal_body
+
+    !> As many pairs as there can be at any position.
+    pure function most_nodal_pairs(body_1, n_circles) result(n)
+        !> Body 1
+        type(nodal_body), intent(in) :: body_1
+        !> Circles to a flank; 0: one through every point of body 1
+        integer, intent(in) :: n_circles
+        integer :: n
+
+        n = size(body_1%points, 2)
+        if (n_circles > 0) n = n_circles*ubound(body_1%last, 1)
+    end function most_nodal_pairs
+
+    !> Lay circles about O1 through facing flanks and pair their points.
+    pure subroutine find_nodal_pairs(body_1, body_2, axis_1, axis_2, turn, n_circles, pairs, bad)
+        !> The bodies; flank k of one faces flank k of the other
+        type(nodal_body), intent(in) :: body_1
+        type(nodal_body), intent(in) :: body_2
+        !> O1 and O2 [mm], shape (2)
+        real(wp), intent(in) :: axis_1(2)
+        real(wp), intent(in) :: axis_2(2)
+        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
+        integer, intent(in) :: turn
+        !> Circles to a flank, evenly spread; 0: one through every point of body 1 that body 2 faces
+        !> and through the ends of body 2 between these
+        integer, intent(in) :: n_circles
+        !> The pairs
+        type(nodal_pairs_type), intent(out) :: pairs
+        !> 0; or the body whose points do not go steadily outwards or inwards about O1, or whose
+        !> normal passes through it
+        integer, intent(out) :: bad
+
+        integer :: f, c, k
+        real(wp) :: a(2), b(2), t_1(2), t_2(2), lever_1, lever_2
+        real(wp), allocatable :: radii(:), radii_1(:), radii_2(:)
+        type(flank_curve_type) :: curve_1, curve_2
+
+        call reserve(pairs, most_nodal_pairs(body_1, n_circles))
+        bad = 0
+        do f = 1, ubound(body_1%last, 1)
+            radii_1 = radii_about(axis_1, flank_points(body_1, f))
+            radii_2 = radii_about(axis_1, flank_points(body_2, f))
+            if (.not. is_steady(radii_2)) bad = 2
+            if (.not. is_steady(radii_1)) bad = 1
+            if (bad > 0) return
+            radii = shared_circles(radii_1, radii_2, n_circles)
+            if (size(radii) == 0) cycle
+            curve_1 = curve_through_points(flank_points(body_1, f))
+            curve_2 = curve_through_points(flank_points(body_2, f))
+            do c = 1, size(radii)
+                k = pairs%n + 1
+                call place_on_circle(curve_1, axis_1, radii_1, radii(c), pairs%place_1(k), a, t_1)
+                call place_on_circle(curve_2, axis_1, radii_2, radii(c), pairs%place_2(k), b, t_2)
+                ! |P x n| = |P . t|
+                lever_1 = abs(dot_product(a - axis_1, t_1))
+                lever_2 = abs(dot_product(b - axis_1, t_2))
+                if (lever_2 < least_lever*radii(c)) bad = 2
+                if (lever_1 < least_lever*radii(c)) bad = 1
+                if (bad > 0) return
+                pairs%place_1(k)%point = pairs%place_1(k)%point + body_1%last(f - 1)
+                pairs%place_2(k)%point = pairs%place_2(k)%point + body_2%last(f - 1)
+                pairs%flank(k) = f
+                pairs%radius(k) = radii(c)
+                pairs%gap_angle(k) = turn*angle_between(a - axis_1, b - axis_1)   ! ε_anf of (2)
+                pairs%torque_lever(k) = lever_1   ! Eq. (17)
+                pairs%lever(k) = 0.5_wp*(lever_1 + lever_2)
+                pairs%torque_lever_2(k) = abs(dot_product(a - axis_2, t_1))
+                pairs%n = k
+            end do
+        end do
+    end subroutine find_nodal_pairs
+
+    !> K = diag(b) A of all pairs, (5)–(10), from tables over the places of two points (21), (22).
+    pure subroutine nodal_influences(body_1, body_2, pairs, matrix)
+        !> The bodies
+        type(nodal_body), intent(in) :: body_1
+        type(nodal_body), intent(in) :: body_2
+        !> The pairs
+        type(nodal_pairs_type), intent(in) :: pairs
+        !> K [mm/N], shape (n, n)
+        real(wp), intent(out) :: matrix(:, :)
+
+        integer :: i, j
+
+        do j = 1, pairs%n
+            do i = 1, pairs%n
+                matrix(i, j) = between(body_1%compliance, pairs%place_1(i), pairs%place_1(j)) &
+                    & + between(body_2%compliance, pairs%place_2(i), pairs%place_2(j))   ! Eq. (10)
+            end do
+        end do
+    end subroutine nodal_influences
+
+
+    !> Where a flank meets a circle about O1.
+    pure subroutine place_on_circle(curve, axis_1, radii, radius, place, point, tangent)
+        !> The flank in the common frame
+        type(flank_curve_type), intent(in) :: curve
+        !> O1 [mm]
+        real(wp), intent(in) :: axis_1(2)
+        !> Radii of its points [mm], growing or falling
+        real(wp), intent(in) :: radii(:)
+        !> Radius of the circle, among these [mm]
+        real(wp), intent(in) :: radius
+        !> Between which points
+        type(nodal_place), intent(out) :: place
+        !> The point [mm] and the unit tangent there
+        real(wp), intent(out) :: point(2)
+        real(wp), intent(out) :: tangent(2)
+
+        integer :: k, n
+        real(wp) :: s
+        logical :: found
+        type(frame_type) :: frame
+
+        n = size(radii)
+        k = min(n - 1, max(1, count(radii <= radius)))
+        if (radii(n) < radii(1)) k = min(n - 1, max(1, count(radii >= radius)))
+        ! circle_meets_flank looks from the origin
+        frame%origin = -axis_1
+        s = curve%breaks(k - 1) + (curve%breaks(k) - curve%breaks(k - 1)) &
+            & *(radius - radii(k))/(radii(k + 1) - radii(k))
+        call circle_meets_flank(curve, frame, radius, curve%breaks(k - 1:k), s, &
+            & point, tangent, found)
+        point = point + axis_1
+        place%point = k
+        place%part = (s - curve%breaks(k - 1))/(curve%breaks(k) - curve%breaks(k - 1))
+    end subroutine place_on_circle
+
+    !> Points of one flank.
+    pure function flank_points(body, flank) result(points)
+        !> The body
+        type(nodal_body), intent(in) :: body
+        !> Number of the flank
+        integer, intent(in) :: flank
+        real(wp), allocatable :: points(:, :)
+
+        points = body%points(:, body%last(flank - 1) + 1:body%last(flank))
+    end function flank_points
+
+    !> Make room for pairs.
+    pure subroutine reserve(pairs, n)
+        !> The pairs
+        type(nodal_pairs_type), intent(out) :: pairs
+        !> How many can be appended
+        integer, intent(in) :: n
+
+        allocate (pairs%flank(n), source=0)
+        allocate (pairs%radius(n), pairs%gap_angle(n), pairs%lever(n), pairs%torque_lever(n), &
+            & pairs%torque_lever_2(n), source=0.0_wp)
+        allocate (pairs%place_1(n), pairs%place_2(n))
+    end subroutine reserve
+
+end module flankload_nodal_pairs

@@ -1,0 +1,175 @@
+!> The equations between the places of a position at the lumped level, and one pass over them.
+!>
+!> b_i (phi - eps_i) = sum_j S_ij F_j + N_i(F_i) for the places in contact, with the near field
+!> N_i = c F_i (1/2 + ln(2/h_i)) and h_i how far the gap has grown by c F_i. With friction
+!> sum_j X_ij T_j comes to it, and sum_i (m_i F_i + l_i T_i) = M. What is not linear in F is
+!> linearised at the last forces, and the contact loop solves the rest.
+module flankload_lumped_pass
+    use flankload_kinds, only: wp
+    use flankload_status, only: invalid_scale, no_contact_state
+    use flankload_error, only: error_type
+    use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
+        & solve_contact_problem, symmetric_matrix
+    use flankload_lumped_place, only: place_type
+    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_state, only: count_lumped, position_state
+    use flankload_tangential_influence, only: add_tangential
+    implicit none
+    private
+
+    public :: couple, solve_pass
+
+    !> Forces stand when none changes by more than this part of the largest: Newton's next step
+    !> would be its square.
+    real(wp), parameter :: settled = 1.0e-8_wp
+
+contains
+
+    !> What the places recede under each other's forces, and under tangential ones.
+    pure subroutine couple(body_1, body_2, position, of, coupling, rubbing)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> Recession at place i for a unit normal force at j, without the near field of i itself
+        !> [mm/N], shape (n, n)
+        real(wp), allocatable, intent(out) :: coupling(:, :)
+        !> The same for a unit force along flank 1; (n, 0) without friction
+        real(wp), allocatable, intent(out) :: rubbing(:, :)
+
+        integer :: n
+        real(wp) :: ones(size(of)), no_width(size(of))
+
+        n = size(of)
+        coupling = position%coupling(of, of)
+        associate (zones => position%zones(of))
+            if (.not. allocated(body_1%friction)) then
+                allocate (rubbing(n, 0))
+                return
+            end if
+            allocate (rubbing(n, n), source=0.0_wp)
+            ones = 1.0_wp
+            no_width = tiny(1.0_wp)
+            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, no_width, ones, &
+                & rubbing)
+            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, no_width, ones, &
+                & rubbing)
+        end associate
+    end subroutine couple
+
+    !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
+    pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &
+            & state, stands, error)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> The places, shape (zones)
+        type(place_type), intent(in) :: places(:)
+        !> What they recede by, as above
+        real(wp), intent(in) :: coupling(:, :)
+        real(wp), intent(in) :: rubbing(:, :)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> True: lines through the origin instead of tangents
+        logical, intent(in) :: secant
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(inout) :: forces(:)
+        !> The pairs on entry, then what is found
+        type(position_state), intent(inout) :: state
+        !> Whether the forces stand
+        logical, intent(out) :: stands
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: k, n
+        logical :: rubs, through_origin(size(of))
+        real(wp) :: loads(1)
+        real(wp), dimension(size(of)) :: last, line, beside, gaps
+        real(wp) :: matrix(size(of), size(of)), motions(size(of), 1), load_rows(size(of), 1)
+        type(contact_result) :: contact
+
+        n = size(of)
+        rubs = size(rubbing, 2) > 0
+        last = forces(of)
+        through_origin = secant .or. .not. last > 0.0_wp
+        matrix = coupling
+        associate (place => places(of))
+            gaps = place%lever*position%gap(of)
+            motions(:, 1) = place%lever
+            load_rows(:, 1) = place%torque_lever
+            loads = torque
+            call straighten(place%force, place%approach, place%approach_slope, through_origin, &
+                & line, beside)
+            ! levers change with the force, too: of the order of what is settled, but in the
+            ! derivatives
+            line = line + place%lever_slope*(position%gap(of) - state%rotation)
+            beside = beside - place%lever_slope*(position%gap(of) - state%rotation)*place%force
+            load_rows(:, 1) = load_rows(:, 1) + place%torque_lever_slope*place%force
+            loads = loads + sum(place%torque_lever_slope*place%force**2)
+            do k = 1, n
+                matrix(k, k) = matrix(k, k) + line(k)
+            end do
+            gaps = gaps + beside
+            if (rubs) then
+                call straighten(place%force, place%tangential, place%tangential_slope, &
+                    & through_origin, line, beside)
+                do k = 1, n
+                    matrix(:, k) = matrix(:, k) + rubbing(:, k)*line(k)
+                end do
+                gaps = gaps + matmul(rubbing, beside)
+                load_rows(:, 1) = load_rows(:, 1) + place%lever_along*line &
+                    & + place%lever_along_slope*place%tangential
+                loads = loads - sum(place%lever_along*beside &
+                    & - place%lever_along_slope*place%tangential*place%force)
+            end if
+        end associate
+        call solve_contact_problem(matrix, gaps, motions, load_rows, loads, &
+            & merge(general_matrix, symmetric_matrix, rubs), method_single, &
+            & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
+        call count_lumped(contact%pivots, state)
+        state%refactorisations = state%refactorisations + contact%refactorisations
+        if (allocated(error)) then
+            state%largest_part = contact%largest_part
+            state%none_proven = contact%none_proven
+            if (error%code == invalid_scale .and. rubs) then
+                ! friction turns every lever against the torque: nothing can be held
+                error%code = no_contact_state
+                state%largest_part = 0.0_wp
+                state%none_proven = .true.
+            end if
+            return
+        end if
+        stands = all(abs(contact%forces - last) <= settled*maxval(contact%forces))
+        forces(of) = contact%forces
+        state%status = contact%status
+        state%rotation = contact%motion(1)
+        state%tangent = contact%tangent(1, 1)
+        state%forces = contact%forces
+        state%gaps = contact%gaps
+        state%condition = contact%condition
+        state%backward_error = contact%backward_error
+        state%margin = contact%margin
+    end subroutine solve_pass
+
+    !> A line for what depends on the force: its tangent, or through the origin.
+    elemental subroutine straighten(force, value, tangent, through_origin, line, at_zero)
+        !> A force [N]
+        real(wp), intent(in) :: force
+        !> Value there, and its derivative
+        real(wp), intent(in) :: value
+        real(wp), intent(in) :: tangent
+        !> Which line
+        logical, intent(in) :: through_origin
+        !> Its slope, and its value at no force
+        real(wp), intent(out) :: line
+        real(wp), intent(out) :: at_zero
+
+        line = merge(value/force, tangent, through_origin)
+        at_zero = merge(0.0_wp, value - tangent*force, through_origin)
+    end subroutine straighten
+
+end module flankload_lumped_pass

@@ -1,0 +1,230 @@
+!> Forces of the pairs of a position: influence numbers and contact loop. Where influence numbers of
+!> finite forces are asked for they follow from the forces found, until these stand.
+module flankload_pair_forces
+    use flankload_kinds, only: wp
+    use flankload_status, only: invalid_scale, no_contact_state, code_forces_move
+    use flankload_error, only: error_type, fatal_error
+    use flankload_flank_curve, only: placed_point
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_compliance_field, only: compliance_type
+    use flankload_influence_number, only: influence_matrix, normal_influences
+    use flankload_tangential_influence, only: add_tangential
+    use flankload_finite_influence, only: departures
+    use flankload_contact_loop, only: contact_result, method_auto, method_single, &
+        & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
+    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_state, only: position_state
+    implicit none
+    private
+
+    public :: solve_pairs
+
+    !> From so many pairs on the ladder chooses the loop, and uniqueness rests on K being elastic:
+    !> to factor all of it would cost more than the state.
+    integer, parameter :: many_pairs = 200
+    !> Influence numbers of finite forces are made anew so often at most, until no force moves by
+    !> more than this part of the largest; forces below another part of it count as small ones.
+    integer, parameter :: max_finite_passes = 120
+    real(wp), parameter :: standing = 1.0e-8_wp, least_finite = 1.0e-6_wp
+    !> At sharp corners, where flanks move by more than a cell, two thirds of a change may be left
+    !> by the next pass; more than this part is not believed.
+    real(wp), parameter :: largest_part = 0.9_wp
+
+contains
+
+    !> Build K of the pairs and solve.
+    subroutine solve_pairs(body_1, body_2, position, warm_pairs, torque, finite_steps, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position; only finite forces ask for it
+        type(position_type), intent(in) :: position
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Influence numbers of finite forces by so many steps of each; 0: of small ones
+        integer, intent(in) :: finite_steps
+        !> The pairs on entry, then what is found
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n, structure
+        real(wp), allocatable :: matrix(:, :)
+
+        n = state%pairs%n
+        allocate (matrix(n, n))
+        call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
+        state%columns = state%columns + n
+        if (allocated(state%pairs%friction)) then
+            state%tangential_columns = state%tangential_columns + n
+        end if
+        structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
+        ! with friction several states may exist: all of K is looked at
+        if (allocated(state%pairs%friction)) structure = general_matrix
+        call solve_matrix(matrix, structure, warm_pairs, torque, state, error)
+        if (finite_steps == 0 .or. allocated(error)) return
+        call follow_forces(body_1, body_2, position, matrix, torque, finite_steps, state, error)
+    end subroutine solve_pairs
+
+    !> Influence numbers of the forces found, and forces with these, until they stand.
+    subroutine follow_forces(body_1, body_2, position, matrix, torque, n_steps, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> K of small forces [mm/N], shape (n, n)
+        real(wp), intent(in) :: matrix(:, :)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Number of steps of each force
+        integer, intent(in) :: n_steps
+        !> What was found for small forces, then what is found
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found, or the forces do not come to rest
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: pass, i
+        real(wp), allocatable :: moves_1(:, :, :), moves_2(:, :, :), points_1(:, :), points_2(:, :)
+        real(wp), allocatable :: before(:), changed(:, :), change(:), last_change(:)
+        real(wp) :: part
+
+        call unit_displacements(body_1, position, state%pairs, 1, points_1, moves_1)
+        call unit_displacements(body_2, position, state%pairs, 2, points_2, moves_2)
+        before = state%forces
+        allocate (change(state%pairs%n), source=0.0_wp)
+        do pass = 1, max_finite_passes
+            changed = matrix
+            do i = 1, state%pairs%n
+                if (.not. before(i) > least_finite*maxval(before)) cycle
+                ! body 1 turns back from its mate, body 2 on
+                changed(:, i) = changed(:, i) + state%pairs%lever(:state%pairs%n) &
+                    & *(departures(points_2, state%pairs%site(:state%pairs%n), moves_2(:, :, i), &
+                    & before(i), n_steps) - departures(points_1, &
+                    & state%pairs%site(:state%pairs%n), moves_1(:, :, i), before(i), n_steps))
+            end do
+            call solve_matrix(changed, general_matrix, pack([(i, i=1, size(before))], &
+                & before > 0.0_wp), torque, state, error)
+            state%finite_passes = state%finite_passes + 1
+            state%columns = state%columns + state%pairs%n
+            if (allocated(error)) return
+            last_change = change
+            change = state%forces - before
+            if (maxval(abs(change)) <= standing*maxval(state%forces)) return
+            before = state%forces
+            if (mod(pass, 3) == 0) then
+                ! what is left shrinks by the same part each time: all of it at once (Aitken)
+                part = dot_product(change, last_change)/dot_product(last_change, last_change)
+                part = max(-1.0_wp, min(largest_part, part))
+                before = max(0.0_wp, before + part/(1.0_wp - part)*change)
+            end if
+        end do
+        call fatal_error(error, code_forces_move, &
+            & 'influence numbers of finite forces and forces do not come to rest')
+    end subroutine follow_forces
+
+    !> How the points of a body's flanks move under a unit force of each pair, with its friction.
+    pure subroutine unit_displacements(body, position, pairs, number, points, moves)
+        !> The body
+        type(body_type), intent(in) :: body
+        !> The position
+        type(position_type), intent(in) :: position
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> 1 or 2
+        integer, intent(in) :: number
+        !> The points about O1 [mm], shape (2, n)
+        real(wp), allocatable, intent(out) :: points(:, :)
+        !> Displacement of the points under each force [mm/N], shape (2, n, n)
+        real(wp), allocatable, intent(out) :: moves(:, :, :)
+
+        integer :: n, i, j
+        real(wp) :: t(2), out(2)
+        real(wp), allocatable :: s(:), cell(:), along(:, :), across(:, :), skew(:, :)
+        type(compliance_type) :: other
+
+        n = pairs%n
+        allocate (points(2, n), moves(2, n, n), along(n, n), skew(n, n), across(n, n), &
+            & source=0.0_wp)
+        s = merge(pairs%s_1(:n), pairs%s_2(:n), number == 1)
+        cell = merge(pairs%cell_1(:n), pairs%cell_2(:n), number == 1)
+        call normal_influences(body%compliance, pairs%site(:n), s, cell, across)
+        ! minus friction times displacement: of -1 the displacement itself
+        call add_tangential(body%compliance, pairs%site(:n), s, cell, &
+            & [(-1.0_wp, i=1, n)], skew)
+        if (allocated(body%compliance%along)) then
+            other = body%compliance
+            other%smooth = other%along
+            call normal_influences(other, pairs%site(:n), s, cell, along)
+        end if
+        do i = 1, n
+            if (number == 1) then
+                call placed_point(body%flank%curve, position%frames_1(pairs%site(i)), s(i), &
+                    & points(:, i), t)
+            else
+                call placed_point(body%flank%curve, position%frames_2(pairs%site(i)), s(i), &
+                    & points(:, i), t)
+            end if
+            out = [-t(2), t(1)]
+            do j = 1, n
+                ! along the tangent under a normal force: the other way round (Betti)
+                moves(:, i, j) = -across(i, j)*out - skew(j, i)*t
+                if (.not. allocated(pairs%friction)) cycle
+                moves(:, i, j) = moves(:, i, j) &
+                    & + pairs%friction(j)*(skew(i, j)*out + along(i, j)*t)
+            end do
+        end do
+        points = points - spread(position%frames_1(1)%origin, 2, n)
+    end subroutine unit_displacements
+
+    !> Forces for given influence numbers.
+    subroutine solve_matrix(matrix, structure, warm_pairs, torque, state, error)
+        !> K [mm/N], shape (n, n), and its structure
+        real(wp), intent(in) :: matrix(:, :)
+        integer, intent(in) :: structure
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The pairs on entry, then what is found
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n
+        real(wp), allocatable :: motions(:, :), load_rows(:, :)
+        type(contact_result) :: contact
+
+        n = state%pairs%n
+        allocate (motions(n, 1), load_rows(n, 1))
+        motions(:, 1) = state%pairs%lever
+        load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
+        call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
+            & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
+            & warm_pairs, contact, error)
+        state%pivots = state%pivots + contact%pivots
+        state%refactorisations = state%refactorisations + contact%refactorisations
+        if (allocated(error)) then
+            state%largest_part = contact%largest_part
+            state%none_proven = contact%none_proven
+            if (error%code == invalid_scale .and. allocated(state%pairs%friction)) then
+                ! friction turns every lever against the torque: nothing can be held
+                error%code = no_contact_state
+                state%largest_part = 0.0_wp
+                state%none_proven = .true.
+            end if
+            return
+        end if
+        state%status = contact%status
+        state%rotation = contact%motion(1)
+        state%tangent = contact%tangent(1, 1)
+        call move_alloc(contact%forces, state%forces)
+        call move_alloc(contact%gaps, state%gaps)
+        state%condition = contact%condition
+        state%backward_error = contact%backward_error
+        state%margin = contact%margin
+    end subroutine solve_matrix
+
+end module flankload_pair_forces

@@ -1,0 +1,306 @@
+!> The cells of a position under one torque: grids around the places of least gap, laid for the
+!> forces that are expected there, and laid anew where other forces were found.
+module flankload_position_cells
+    use flankload_kinds, only: wp
+    use flankload_status, only: code_circle_misses
+    use flankload_error, only: error_type, fatal_error
+    use flankload_rounding, only: tie
+    use flankload_flank_curve, only: flank_curve_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_normal, only: contact_normal, normal_type
+    use flankload_contact_reach, only: edges_within, zone_reach
+    use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
+    use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
+    use flankload_friction, only: rub_pairs
+    use flankload_gap_shift, only: has_shift, shift_pairs
+    use flankload_lumped_hertz, only: least_half_width
+    use flankload_node_cells, only: circles_through, lay_on_nodes
+    use flankload_position_zones, only: body_type, position_type
+    implicit none
+    private
+
+    public :: cells_type, grid_settings
+    public :: level_pairs, level_lumped
+    public :: new_cells, measure_reach, reached_curvatures, lay_pairs, expected_pairs, check_grids
+
+    !> Levels of contact: pairs on cells, or one unknown for each place of contact.
+    integer, parameter :: level_pairs = 0, level_lumped = 1
+
+    !> The level of contact, and how fine the cells are.
+    type :: grid_settings
+        !> One of the levels above
+        integer :: level = level_pairs
+        !> Cells on the Hertz half-width
+        real(wp) :: strips_per_half_width = 10.0_wp
+        !> The same where a sharp corner lies inside the grid
+        real(wp) :: corner_strips_per_half_width = 30.0_wp
+        !> Half-width of the grid in Hertz half-widths
+        real(wp) :: zone_half_widths = 2.5_wp
+        !> Influence numbers of finite forces, by so many steps of each force; 0: of small ones
+        integer :: finite_steps = 0
+    end type grid_settings
+
+    !> For what the cells are laid, and how they lie.
+    type :: cells_type
+        !> Which zones have cells, shape (zones)
+        logical, allocatable :: joins(:)
+        !> Forces that the zones are expected to carry, and the least ones that cells are laid for
+        !> [N], shape (zones)
+        real(wp), allocatable :: estimate(:), least(:)
+        !> Forces for which the cells were laid [N], shape (zones)
+        real(wp), allocatable :: part(:)
+        !> How far the cells shall reach to both sides, in reaches of the contact; widened where a
+        !> force stands at an end, shape (2, zones)
+        real(wp), allocatable :: widths(:, :)
+        !> How far the contacts are expected to reach to both sides [mm], shape (2, zones)
+        real(wp), allocatable :: reach(:, :)
+        !> Grids of the zones, shape (zones)
+        type(grid_type), allocatable :: grids(:)
+    end type cells_type
+
+    !> Grids are widened by this factor when a force stands at their end.
+    real(wp), parameter :: widening = 1.6_wp
+    !> A zone that carries little gets cells as if it carried this part of the whole load.
+    real(wp), parameter :: least_part = 0.02_wp
+
+contains
+
+    !> No cells yet, only for what they shall be laid.
+    pure function new_cells(position, torque, estimate, joins, settings) result(cells)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces that the zones are expected to carry [N], shape (zones)
+        real(wp), intent(in) :: estimate(:)
+        !> Zones that shall have cells, shape (zones)
+        logical, intent(in) :: joins(:)
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        type(cells_type) :: cells
+
+        integer :: n
+
+        n = size(position%zones)
+        cells%joins = joins
+        cells%estimate = estimate
+        cells%least = least_part*torque/position%zones%lever
+        if (any(position%zones%side < 0.0_wp)) then
+            ! flanks that press on each other across a tooth carry more than the torque
+            cells%least = max(cells%least, least_part*maxval(estimate))
+        end if
+        allocate (cells%part(n), cells%reach(2, n), source=0.0_wp)
+        allocate (cells%widths(2, n), source=settings%zone_half_widths)
+        allocate (cells%grids(n))
+    end function new_cells
+
+    !> How far the contacts reach under the forces that are expected.
+    pure subroutine measure_reach(body_1, body_2, position, cells)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> For what the cells are laid; the reach is filled in
+        type(cells_type), intent(inout) :: cells
+
+        integer :: z, site
+
+        cells%part = max(cells%estimate, cells%least)
+        cells%reach = 0.0_wp
+        do z = 1, size(cells%joins)
+            if (.not. cells%joins(z)) cycle
+            site = position%zones(z)%site
+            cells%reach(:, z) = max(least_half_width(position%flank_length), &
+                & zone_reach(body_1%flank%curve, position%frames_1(site), body_2%flank%curve, &
+                & position%frames_2(site), position%zones(z), position%kernel*cells%part(z)))
+        end do
+    end subroutine measure_reach
+
+    !> Sums of curvatures that would let the contacts reach as far [1/mm]; where nothing is known
+    !> of that, those at the places of least gap.
+    pure function reached_curvatures(position, cells) result(curvatures)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> The cells, their reach measured
+        type(cells_type), intent(in) :: cells
+        real(wp) :: curvatures(size(cells%joins))
+
+        curvatures = position%zones%curvature
+        where (cells%joins) curvatures = 8.0_wp*position%kernel*cells%part &
+            & /max(sum(cells%reach, dim=1), least_half_width(position%flank_length))**2
+    end function reached_curvatures
+
+    !> Lay the cells and the pairs on them.
+    pure subroutine lay_pairs(body_1, body_2, position, settings, cells, pairs, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> For what the cells are laid, their reach measured, and how they lie
+        type(cells_type), intent(inout) :: cells
+        !> The pairs
+        type(pairs_type), intent(out) :: pairs
+        !> Set if a circle misses flank 2
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: z, site, first
+        type(normal_type) :: normal
+        logical :: found
+
+        associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
+            & frames_2 => position%frames_2)
+            do z = 1, size(zones)
+                if (.not. cells%joins(z)) cycle
+                site = zones(z)%site
+                grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
+                    & edges_within(body_1%flank, frames_1(site), body_2%flank, frames_2(site), &
+                    & zones(z), cells%reach(:, z)), cells%widths(:, z), &
+                    & settings%strips_per_half_width, settings%corner_strips_per_half_width)
+            end do
+            call part_grids(body_1%flank%curve, body_2%flank%curve, position, cells%joins, grids)
+            do z = 1, size(zones)
+                if (cells%joins(z)) call lay_cells_of(zones(z), grids(z))
+            end do
+            call reserve_pairs(pairs, sum(grids%n, mask=cells%joins))
+            do z = 1, size(zones)
+                if (.not. cells%joins(z)) cycle
+                site = zones(z)%site
+                first = pairs%n + 1
+                normal = contact_normal(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                    & frames_2(site), zones(z), cells%reach(:, z))
+                call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                    & frames_2(site), zones(z), z, grids(z), normal, &
+                    & body_1%deviations(site) + body_2%deviations(site), pairs, found)
+                if (.not. found) then
+                    call fatal_error(error, code_circle_misses, &
+                        & 'a circle about O1 misses the flank of body 2 inside a zone')
+                    return
+                end if
+                if (has_shift(body_1%compliance, body_2%compliance)) then
+                    call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
+                end if
+                if (allocated(body_1%friction)) then
+                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, &
+                        & body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                        & frames_2(site), zones(z), first, pairs)
+                end if
+                if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
+            end do
+        end associate
+
+    contains
+
+        !> Lay the cells of a zone: on the nodes of flank 1 where there are any, else on circles
+        !> through those of flank 2.
+        pure subroutine lay_cells_of(zone, grid)
+            !> The zone
+            type(zone_type), intent(in) :: zone
+            !> Its grid
+            type(grid_type), intent(inout) :: grid
+
+            if (allocated(body_1%compliance%nodes)) then
+                call lay_on_nodes(body_1%compliance%nodes, zone, grid)
+            else if (allocated(body_2%compliance%nodes)) then
+                call lay_on_nodes(circles_through(body_2%compliance%nodes, body_2%flank%curve, &
+                    & position%frames_2(zone%site), body_1%flank%curve, &
+                    & position%frames_1(zone%site), zone), zone, grid)
+            else
+                call lay_cells(zone, grid)
+            end if
+        end subroutine lay_cells_of
+
+    end subroutine lay_pairs
+
+    !> Part the grids of neighbouring zones of a site.
+    pure subroutine part_grids(flank_1, flank_2, position, joins, grids)
+        !> The flanks
+        type(flank_curve_type), intent(in) :: flank_1
+        type(flank_curve_type), intent(in) :: flank_2
+        !> The position; its zones of a site stand by ascending arc length
+        type(position_type), intent(in) :: position
+        !> Which of the zones join
+        logical, intent(in) :: joins(:)
+        !> Their grids
+        type(grid_type), intent(inout) :: grids(:)
+
+        integer :: z, last, site
+
+        last = 0
+        do z = 1, size(joins)
+            if (.not. joins(z)) cycle
+            site = position%zones(z)%site
+            if (last > 0) then
+                if (position%zones(last)%site == site) call part_neighbours(flank_1, &
+                    & position%frames_1(site), flank_2, position%frames_2(site), &
+                    & position%zones(last), position%zones(z), grids(last), grids(z))
+            end if
+            last = z
+        end do
+    end subroutine part_grids
+
+    !> The pairs inside the contacts that are expected: the loop's warm set.
+    pure function expected_pairs(pairs, zones, cells) result(warm)
+        !> The pairs, their zones, and what is expected of these
+        type(pairs_type), intent(in) :: pairs
+        type(zone_type), intent(in) :: zones(:)
+        type(cells_type), intent(in) :: cells
+        integer, allocatable :: warm(:)
+
+        integer :: i, z
+        real(wp) :: beyond, within(2)
+        logical :: expected(pairs%n)
+
+        do i = 1, pairs%n
+            z = pairs%zone(i)
+            beyond = pairs%s_1(i) - zones(z)%nearest%s_1
+            ! the centre of a cell on the edge of a contact is not inside
+            within = (1.0_wp - tie)*cells%reach(:, z)
+            expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -within(1) &
+                & .and. beyond < within(2)
+        end do
+        warm = pack([(i, i=1, pairs%n)], expected)
+    end function expected_pairs
+
+    !> Widen grids at whose ends a force stands; learn the forces of the zones.
+    pure subroutine check_grids(forces, cells, settled)
+        !> Forces of the pairs on the cells [N], shape (pairs)
+        real(wp), intent(in) :: forces(:)
+        !> The cells
+        type(cells_type), intent(inout) :: cells
+        !> False if the cells must be laid anew
+        logical, intent(out) :: settled
+
+        !> Cells laid for this many times the force, or for so small a part, are laid anew: they
+        !> would be too coarse, or end too early.
+        real(wp), parameter :: too_far = 2.0_wp
+        integer :: z, first, last
+        real(wp) :: wanted
+
+        settled = .true.
+        cells%estimate = 0.0_wp
+        first = 1
+        do z = 1, size(cells%joins)
+            if (.not. cells%joins(z)) cycle
+            last = first + cells%grids(z)%n - 1
+            cells%estimate(z) = sum(forces(first:last))
+            if (cells%grids(z)%open_low .and. forces(first) > 0.0_wp) then
+                cells%widths(1, z) = widening*cells%widths(1, z)
+                settled = .false.
+            end if
+            if (cells%grids(z)%open_high .and. forces(last) > 0.0_wp) then
+                cells%widths(2, z) = widening*cells%widths(2, z)
+                settled = .false.
+            end if
+            wanted = max(cells%estimate(z), cells%least(z))
+            if (wanted > too_far*cells%part(z) .or. cells%part(z) > too_far*wanted) then
+                settled = .false.
+            end if
+            first = last + 1
+        end do
+    end subroutine check_grids
+
+end module flankload_position_cells

@@ -1,0 +1,181 @@
+!> A position under its torques, at the level that is asked for: lumped, or by cells, influence
+!> numbers and contact loop; the cells are laid anew until every force lies inside them and no flank
+!> left out could touch.
+module flankload_position_load
+    use flankload_kinds, only: wp
+    use flankload_status, only: code_unsettled_cells
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_zones, only: zone_type
+    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_position, only: solve_lumped
+    use flankload_position_zones, only: body_type, look_at_position, position_type
+    use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
+        & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
+    use flankload_pair_forces, only: solve_pairs
+    use flankload_position_state, only: blank_state, count_lumped, note_ends, position_state, &
+        & presses_across, unloaded_state, would_touch
+    implicit none
+    private
+
+    public :: solve_position
+
+    !> Cells are laid so often at most; widened 12 times they cover any flank.
+    integer, parameter :: max_passes = 14
+    !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
+    !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
+    real(wp), parameter :: joining = 0.02_wp
+    !> A contact is not that of a parabola where its width differs by half as much: beside a kink, a
+    !> rounding or an end, where curvatures change at once and widths do not.
+    real(wp), parameter :: other_shape = 0.1_wp
+
+contains
+
+    !> Solve one position for several torques; no answer depends on the other torques.
+    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Their turns [rad]
+        real(wp), intent(in) :: angle_1
+        real(wp), intent(in) :: angle_2
+        !> Torques on body 1 [N mm]
+        real(wp), intent(in) :: torques(:)
+        !> The level of contact, and how fine its cells are
+        type(grid_settings), intent(in) :: settings
+        !> What is found, shape (torques); without a state the status is an error code
+        type(position_state), intent(out) :: states(:)
+        !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
+        real(wp), intent(in), optional :: speeds(2)
+
+        integer :: t
+        logical :: known
+        type(position_type) :: position
+        type(error_type), allocatable :: error
+
+        known = .false.
+        do t = 1, size(torques)
+            if (.not. known) then
+                call look_at_position(body_1, body_2, angle_1, angle_2, torques(t), position, error)
+                known = .not. (allocated(error) .or. position%conforms)
+                if (present(speeds)) position%speeds = speeds
+            end if
+            if (.not. allocated(error)) then
+                call blank_state(size(body_1%site_angles), states(t))
+                if (torques(t) <= 0.0_wp .and. .not. presses_across(position)) then
+                    call unloaded_state(position, states(t))
+                else if (settings%level == level_lumped) then
+                    call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
+                else
+                    call solve_load(body_1, body_2, position, torques(t), settings, states(t), &
+                        & error)
+                end if
+            end if
+            if (allocated(error)) then
+                states(t)%status = error%code
+                deallocate (error)
+            else if (allocated(position%ends)) then
+                call note_ends(position, states(t))
+            end if
+        end do
+    end subroutine solve_position
+
+    !> One torque, on cells.
+    subroutine solve_load(body_1, body_2, position, torque, settings, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm], above 0 unless flanks press on each other across the teeth
+        real(wp), intent(in) :: torque
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> What is found; blank on entry
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: pass, spent
+        type(cells_type) :: cells
+        real(wp), allocatable :: estimate(:), curvatures(:)
+        real(wp) :: rotation
+        logical, allocatable :: touches(:)
+        logical :: settled
+
+        associate (zones => position%zones, gap => position%gap)
+            call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
+                & zones%curvature, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
+                & position%flank_length, position%kernel, torque, estimate, rotation, spent, error)
+            call count_lumped(spent, state)
+            if (allocated(error)) return
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
+                & .or. gap < zones%side*rotation + joining*maxval(zones%side*rotation - gap), &
+                & settings)
+            call measure_reach(body_1, body_2, position, cells)
+            curvatures = reached_curvatures(position, cells)
+            if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
+                call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
+                    & curvatures, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
+                    & position%flank_length, position%kernel, torque, estimate, rotation, spent, &
+                    & error)
+                call count_lumped(spent, state)
+                if (allocated(error)) return
+                cells%estimate = estimate
+                cells%joins = cells%joins .or. estimate > 0.0_wp
+                call measure_reach(body_1, body_2, position, cells)
+            end if
+            do pass = 1, max_passes
+                state%passes = pass
+                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
+                call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
+                if (allocated(error)) return
+                call solve_pairs(body_1, body_2, position, expected_pairs(state%pairs, zones, &
+                    & cells), torque, settings%finite_steps, state, error)
+                if (allocated(error)) return
+                call check_grids(state%forces, cells, settled)
+                touches = would_touch(position, cells%estimate, state%rotation)
+                if (any(touches .and. .not. cells%joins)) settled = .false.
+                cells%joins = cells%joins .or. touches
+                if (settled) exit
+            end do
+            if (.not. settled) then
+                call fatal_error(error, code_unsettled_cells, &
+                    & 'contact keeps reaching the end of its cells')
+                return
+            end if
+            call sum_over_sites(state, zones)
+        end associate
+    end subroutine solve_load
+
+
+    !> Forces, peaks and corners of the sites.
+    pure subroutine sum_over_sites(state, zones)
+        !> What was found
+        type(position_state), intent(inout) :: state
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+
+        integer :: i, z, site, worked
+        real(wp) :: peak, beyond
+
+        do i = 1, state%pairs%n
+            site = state%pairs%site(i)
+            z = state%pairs%zone(i)
+            peak = 2.0_wp*state%forces(i)/(state%pairs%cell_1(i) + state%pairs%cell_2(i))
+            state%site_force(site) = state%site_force(site) + state%forces(i)
+            state%site_peak(site) = max(state%site_peak(site), peak)
+            if (state%forces(i) <= 0.0_wp) cycle
+            ! a corner works where it makes the least gap, or where the contact has grown up to it
+            worked = max(0, zones(z)%corner)
+            beyond = state%pairs%s_1(i) - zones(z)%nearest%s_1
+            if (abs(zones(z)%to_corner_low + beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_low)
+            end if
+            if (abs(zones(z)%to_corner_high - beyond) < state%pairs%cell_1(i)) then
+              worked = max(worked, zones(z)%corner_high)
+            end if
+            state%site_corner(site) = max(state%site_corner(site), worked)
+        end do
+    end subroutine sum_over_sites
+
+end module flankload_position_load

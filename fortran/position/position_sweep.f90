@@ -1,0 +1,244 @@
+!> All positions and all torques of a sweep in one call. A position is independent of the others,
+!> and a torque of the others at a position: threads share the positions, and every answer is
+!> bitwise the same whatever their number and whatever else is asked for.
+!>
+!> Memory: the numbers of the sites for all states, the pairs packed into the caller's room, and one
+!> position for each thread.
+module flankload_position_sweep
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use flankload_kinds, only: wp
+    use flankload_status, only: no_contact_state, code_no_room, code_stopped
+    use flankload_position_zones, only: body_type
+    use flankload_position_cells, only: grid_settings
+    use flankload_position_load, only: solve_position
+    use flankload_position_state, only: position_state
+    implicit none
+    private
+
+    public :: sweep_type
+    public :: sweep_positions
+    public :: n_counters, pair_columns, pair_columns_with_friction
+
+    !> What is found in a sweep; NaN where there is no state.
+    type :: sweep_type
+        !> 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
+        integer, allocatable :: status(:, :)
+        !> Rotation [rad] and its growth with the torque [rad/(N mm)], shape (positions, torques)
+        real(wp), allocatable :: rotation(:, :), tangent(:, :)
+        !> Backward error, condition, margin, shape (3, positions, torques); where contact has no
+        !> state, part of the torque that can be held and 1 if there is none for certain
+        real(wp), allocatable :: certificate(:, :, :)
+        !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
+        !> tangential forces, lumped solutions, finite ones, shape (n_counters, positions, torques);
+        !> of states without an answer and of those that found no room, too
+        integer, allocatable :: counters(:, :, :)
+        !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (-1: the
+        !> site that touches without torque, -2: no parabola's contact at the lumped level, both off
+        !> corners), shape (sites, positions, torques)
+        real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
+        integer, allocatable :: site_corner(:, :, :)
+        !> Number of pairs, and where the first of them stands in the caller's room (from 1), shape
+        !> (positions, torques)
+        integer, allocatable :: n_pairs(:, :), first_pair(:, :)
+    end type sweep_type
+
+    !> Counters of a state.
+    integer, parameter :: n_counters = 7
+    !> Columns of a pair: s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm], lever of
+    !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
+    !> coefficient times its sign.
+    integer, parameter :: pair_columns = 11, pair_columns_with_friction = 13
+
+contains
+
+    !> Solve every position for every torque.
+    subroutine sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, &
+            & control, pair_site, pair_table, found)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Turns of the bodies [rad], shape (positions)
+        real(wp), intent(in) :: angles_1(:)
+        real(wp), intent(in) :: angles_2(:)
+        !> Speeds of both bodies [rad per rad of the position], shape (2, positions), or (2, 0)
+        !> without friction
+        real(wp), intent(in) :: speeds(:, :)
+        !> Torques on body 1 [N mm]
+        real(wp), intent(in) :: torques(:)
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> Shared with the caller while this runs. (1): anything but 0 asks to stop, positions not
+        !> yet begun are left out; (2): grows by one with each position that is done
+        integer, intent(inout) :: control(2)
+        !> Site of each pair, and its columns, shape (room) and (pair_columns or
+        !> pair_columns_with_friction, room); the pairs of a state stand together. No room: pairs
+        !> are not wanted
+        integer, intent(inout) :: pair_site(:)
+        real(wp), intent(inout) :: pair_table(:, :)
+        !> What is found
+        type(sweep_type), intent(out) :: found
+
+        integer :: k, used, asked_to_stop
+
+        call reserve(found, size(body_1%site_angles), size(angles_1), size(torques))
+        used = 0
+        !$omp parallel do schedule(dynamic) private(asked_to_stop)
+        do k = 1, size(angles_1)
+            ! Atomic: the caller's other thread writes it, so that each read goes to memory.
+            !$omp atomic read
+            asked_to_stop = control(1)
+            if (asked_to_stop == 0) call take_position(k)
+        end do
+        !$omp end parallel do
+
+    contains
+
+        !> Solve one position, if there may still be room for its pairs.
+        subroutine take_position(at)
+            !> Number of the position
+            integer, intent(in) :: at
+
+            integer :: before, needed, room
+            type(position_state) :: states(size(torques))
+
+            room = size(pair_site)
+            found%status(at, :) = code_no_room
+            !$omp atomic read
+            before = used
+            if (before > room) return
+            if (size(speeds, 2) > 0) then
+                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
+                    & states, speeds(:, at))
+            else
+                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
+                    & states)
+            end if
+            needed = 0
+            if (room > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
+            !$omp atomic capture
+            before = used
+            used = used + needed
+            !$omp end atomic
+            call note_work(at, states, found)
+            if (before + needed > room) return
+            call note_states(at, states, found)
+            if (room > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
+            !$omp atomic update
+            control(2) = control(2) + 1
+        end subroutine take_position
+
+    end subroutine sweep_positions
+
+    !> Nothing found yet.
+    pure subroutine reserve(found, n_sites, n_positions, n_torques)
+        !> What is found
+        type(sweep_type), intent(out) :: found
+        !> Numbers of sites, positions and torques
+        integer, intent(in) :: n_sites
+        integer, intent(in) :: n_positions
+        integer, intent(in) :: n_torques
+
+        real(wp) :: nan
+
+        nan = ieee_value(1.0_wp, ieee_quiet_nan)
+        allocate (found%status(n_positions, n_torques), source=code_stopped)
+        allocate (found%rotation(n_positions, n_torques), source=nan)
+        allocate (found%tangent(n_positions, n_torques), source=nan)
+        allocate (found%certificate(3, n_positions, n_torques), source=nan)
+        allocate (found%counters(n_counters, n_positions, n_torques), source=0)
+        allocate (found%site_force(n_sites, n_positions, n_torques), source=nan)
+        allocate (found%site_peak(n_sites, n_positions, n_torques), source=nan)
+        allocate (found%site_corner(n_sites, n_positions, n_torques), source=0)
+        allocate (found%n_pairs(n_positions, n_torques), source=0)
+        allocate (found%first_pair(n_positions, n_torques), source=0)
+    end subroutine reserve
+
+    !> Note what a position took, found or not.
+    pure subroutine note_work(k, states, found)
+        !> Number of the position
+        integer, intent(in) :: k
+        !> Its states, shape (torques)
+        type(position_state), intent(in) :: states(:)
+        !> What is found
+        type(sweep_type), intent(inout) :: found
+
+        integer :: t
+
+        do t = 1, size(states)
+            associate (state => states(t))
+                found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
+                    & state%refactorisations, state%tangential_columns, state%lumped_solutions, &
+                    & state%finite_passes]
+            end associate
+        end do
+    end subroutine note_work
+
+    !> Note what was found at a position.
+    pure subroutine note_states(k, states, found)
+        !> Number of the position
+        integer, intent(in) :: k
+        !> Its states, shape (torques)
+        type(position_state), intent(in) :: states(:)
+        !> What is found
+        type(sweep_type), intent(inout) :: found
+
+        integer :: t
+
+        do t = 1, size(states)
+            associate (state => states(t))
+                found%status(k, t) = state%status
+                if (state%status == no_contact_state) then
+                    found%certificate(:2, k, t) = [state%largest_part, &
+                        & merge(1.0_wp, 0.0_wp, state%none_proven)]
+                end if
+                if (state%status < 0) cycle
+                found%rotation(k, t) = state%rotation
+                found%tangent(k, t) = state%tangent
+                found%certificate(:, k, t) = [state%backward_error, state%condition, state%margin]
+                found%site_force(:, k, t) = state%site_force
+                found%site_peak(:, k, t) = state%site_peak
+                found%site_corner(:, k, t) = state%site_corner
+                found%n_pairs(k, t) = state%pairs%n
+            end associate
+        end do
+    end subroutine note_states
+
+    !> Pack the pairs of a position into the caller's room.
+    pure subroutine pack_pairs(k, states, before, pair_site, pair_table, found)
+        !> Number of the position
+        integer, intent(in) :: k
+        !> Its states, shape (torques)
+        type(position_state), intent(in) :: states(:)
+        !> Pairs that stand in the room before those of this position
+        integer, intent(in) :: before
+        !> Sites and columns of the pairs
+        integer, intent(inout) :: pair_site(:)
+        real(wp), intent(inout) :: pair_table(:, :)
+        !> What is found
+        type(sweep_type), intent(inout) :: found
+
+        integer :: t, i, at
+
+        at = before
+        do t = 1, size(states)
+            associate (state => states(t), pairs => states(t)%pairs)
+                if (state%status < 0) cycle
+                found%first_pair(k, t) = at + 1
+                do i = 1, pairs%n
+                    at = at + 1
+                    pair_site(at) = pairs%site(i)
+                    pair_table(:pair_columns, at) = [pairs%s_1(i), pairs%s_2(i), pairs%radius(i), &
+                        & pairs%point(1, i), pairs%point(2, i), pairs%normal(1, i), &
+                        & pairs%normal(2, i), state%forces(i), &
+                        & 0.5_wp*(pairs%cell_1(i) + pairs%cell_2(i)), state%gaps(i), &
+                        & pairs%torque_lever(i)]
+                end do
+                if (allocated(pairs%friction)) then
+                    pair_table(pair_columns + 1, at - pairs%n + 1:at) = pairs%sliding(:pairs%n)
+                    pair_table(pair_columns + 2, at - pairs%n + 1:at) = pairs%friction(:pairs%n)
+                end if
+            end associate
+        end do
+    end subroutine pack_pairs
+
+end module flankload_position_sweep

@@ -1,0 +1,303 @@
+!> A position as such: where the flanks of both bodies stand and where they come nearest to each
+!> other. Nothing of it depends on the torque, but for flanks that conform.
+module flankload_position_zones
+    use flankload_kinds, only: wp
+    use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
+        & code_only_ends
+    use flankload_error, only: error_type, fatal_error
+    use flankload_flank_curve, only: curve_length, frame_type, new_frame
+    use flankload_friction, only: friction_type
+    use flankload_compliance_field, only: closed_strip_kernel, compliance_type, strip_kernel
+    use flankload_circle_pair, only: flank_type
+    use flankload_contact_zones, only: find_zones, zone_type
+    use flankload_influence_number, only: smooth_compliance
+    use flankload_lumped_hertz, only: least_half_width
+    use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
+    implicit none
+    private
+
+    public :: body_type, position_type
+    public :: look_at_position
+
+    !> What a body hands over.
+    type :: body_type
+        type(flank_type) :: flank
+        type(compliance_type) :: compliance
+        !> Axis [mm]
+        real(wp) :: origin(2) = 0.0_wp
+        !> Angle of each site's flank in the frame of the body [rad], shape (sites)
+        real(wp), allocatable :: site_angles(:)
+        !> Metal that touches early at each site, along the normal [mm], shape (sites)
+        real(wp), allocatable :: deviations(:)
+        !> Side of each site (body 1 alone): 1 working flanks, -1 coast flanks, whose angles are
+        !> those of the mirrored bodies; the former stand first, shape (sites); not allocated
+        !> without coast flanks
+        integer, allocatable :: sides(:)
+        !> Friction of its flanks with those of body 2 (body 1 alone); not allocated without
+        type(friction_type), allocatable :: friction
+    end type body_type
+
+    !> Where the flanks stand and come nearest to each other.
+    type :: position_type
+        !> Where the flanks of both bodies stand, shape (sites)
+        type(frame_type), allocatable :: frames_1(:), frames_2(:)
+        !> Places of least gap, those of a site together, and their gap angles with all deviations
+        !> and shifts [rad], shape (zones)
+        type(zone_type), allocatable :: zones(:)
+        real(wp), allocatable :: gap(:)
+        !> The same places at the ends of flanks that are cut: they do not count; not allocated
+        !> where there are none
+        type(zone_type), allocatable :: ends(:)
+        real(wp), allocatable :: end_gap(:)
+        !> Compliance of both bodies between the zones, without the near field of a zone itself
+        !> [mm/N], shape (zones, zones)
+        real(wp), allocatable :: coupling(:, :)
+        !> c of both bodies: strength of the logarithm [mm/N]
+        real(wp) :: kernel = 0.0_wp
+        !> Length of flank 1 [mm]: what is small or flat is so beside it
+        real(wp) :: flank_length = 0.0_wp
+        !> The zones hold for the torque only for which they were found: flanks conform
+        logical :: conforms = .false.
+        !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
+        !> them
+        real(wp) :: speeds(2) = 0.0_wp
+    end type position_type
+
+    !> No real job needs more zones, in all or on each site where there are many sites; more than
+    !> that is refused, not cut off.
+    integer, parameter :: max_zones = 64, max_zones_per_site = 6
+    !> Conforming flanks are even where their gap changes by less than this part of what closes
+    !> under an equal share of the load: then all of the stretch carries.
+    real(wp), parameter :: closed_part = 0.5_wp
+
+contains
+
+    !> Find the places of least gap.
+    pure subroutine look_at_position(body_1, body_2, angle_1, angle_2, torque, position, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Their turns [rad]
+        real(wp), intent(in) :: angle_1
+        real(wp), intent(in) :: angle_2
+        !> Torque on body 1 [N mm]; only flanks that conform ask for it
+        real(wp), intent(in) :: torque
+        !> What is found
+        type(position_type), intent(out) :: position
+        !> Set if no flanks meet, or a place of least gap could not be made exact
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: site, n_sites, n_working, n_zones, z
+        real(wp) :: closed_moment
+        real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
+        type(zone_type), allocatable :: zones(:)
+        integer, allocatable :: sides(:)
+        logical, allocatable :: faces(:)
+        logical :: lost, conforms
+
+        n_sites = size(body_1%site_angles)
+        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
+        n_zones = 0
+        position%kernel = body_1%compliance%kernel + body_2%compliance%kernel
+        position%flank_length = curve_length(body_1%flank%curve)
+        allocate (sides(n_sites), source=1)
+        if (allocated(body_1%sides)) sides = body_1%sides
+        n_working = count(sides > 0)
+        closed_moment = closed_part*position%kernel*torque/n_working
+        faces = sites_that_face(body_1, body_2, angle_1, 1, n_working)
+        if (n_working < n_sites) then
+            faces = [faces, sites_that_face(body_1, body_2, -angle_1, n_working + 1, n_sites)]
+        end if
+        do site = 1, n_sites
+            position%frames_1(site) = new_frame(body_1%origin, &
+                & sides(site)*angle_1 + body_1%site_angles(site))
+            position%frames_2(site) = new_frame(body_2%origin, &
+                & sides(site)*angle_2 + body_2%site_angles(site))
+            if (.not. faces(site)) cycle
+            call find_zones(body_1%flank, position%frames_1(site), body_2%flank, &
+                & position%frames_2(site), site, closed_moment, zones, n_zones, conforms, lost)
+            position%conforms = position%conforms .or. conforms
+            if (lost) then
+                call fatal_error(error, code_circle_misses, &
+                    & 'a place of least gap could not be made exact')
+                return
+            end if
+        end do
+        if (n_zones == 0) then
+            call fatal_error(error, code_no_zone, &
+                & 'no circle about O1 cuts two facing flanks at this position')
+            return
+        end if
+        if (n_zones > size(zones)) then
+            call fatal_error(error, code_too_many_zones, &
+                & 'more places of least gap than can be kept: profile too wavy')
+            return
+        end if
+        zones(:n_zones)%side = sides(zones(:n_zones)%site)
+        if (.not. any(zones(:n_zones)%side > 0.0_wp)) then
+            call fatal_error(error, code_no_zone, 'only coast flanks face each other')
+            return
+        end if
+        if (any(zones(:n_zones)%left_out)) then
+            position%ends = pack(zones(:n_zones), zones(:n_zones)%left_out)
+            position%end_gap = gaps_without_load(body_1, body_2, position%ends)
+        end if
+        position%zones = pack(zones(:n_zones), .not. zones(:n_zones)%left_out)
+        n_zones = size(position%zones)
+        if (.not. any(position%zones%side > 0.0_wp)) then
+            call fatal_error(error, code_only_ends, &
+                & 'at this position flanks are nearest to each other at ends that are left out')
+            return
+        end if
+        if (has_shift(body_1%compliance, body_2%compliance)) then
+            call shift_zones(body_1%flank%curve, position%frames_1, body_2%flank%curve, &
+                & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
+        end if
+        position%gap = gaps_without_load(body_1, body_2, position%zones)
+        associate (found => position%zones)
+            smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
+            smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
+        end associate
+        position%coupling = smooth_1 + smooth_2
+        call add_far_fields(body_1%compliance, body_2%compliance, &
+            & least_half_width(position%flank_length), position%zones, position%coupling)
+        position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n_zones)], &
+            & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
+            & body_2%compliance%kernel, position%flank_length)
+    end subroutine look_at_position
+
+    !> Add the near fields of both bodies between places on the same flanks.
+    pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> Width that stands for a place [mm]
+        real(wp), intent(in) :: width
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> Compliance between them [mm/N], shape (zones, zones)
+        real(wp), intent(inout) :: coupling(:, :)
+
+        integer :: i, j
+
+        do j = 1, size(zones)
+            do i = 1, size(zones)
+                if (i == j .or. zones(i)%site /= zones(j)%site) cycle
+                coupling(i, j) = coupling(i, j) &
+                    & + far_field(body_1, zones(i)%nearest%s_1 - zones(j)%nearest%s_1, width) &
+                    & + far_field(body_2, zones(i)%nearest%s_2 - zones(j)%nearest%s_2, width)
+            end do
+        end do
+    end subroutine add_far_fields
+
+    !> Near field of a body between two places of a site [mm/N].
+    pure function far_field(body, distance, width) result(recession)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Distance along its flank [mm]
+        real(wp), intent(in) :: distance
+        !> Width that stands for a place [mm]
+        real(wp), intent(in) :: width
+        real(wp) :: recession
+
+        recession = 0.0_wp
+        if (.not. body%kernel > 0.0_wp) return
+        if (body%closed) then
+            recession = closed_strip_kernel(distance, width, width, body%s_high - body%s_low, &
+                & body%kernel)
+        else
+            recession = strip_kernel(distance, width, body%kernel)
+        end if
+    end function far_field
+
+    !> Gap angles with all deviations and shifts [rad].
+    pure function gaps_without_load(body_1, body_2, zones) result(gap)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Places of least gap
+        type(zone_type), intent(in) :: zones(:)
+        real(wp) :: gap(size(zones))
+
+        gap = zones%gap_angle &
+            & - (body_1%deviations(zones%site) + body_2%deviations(zones%site))/zones%lever
+        if (has_shift(body_1%compliance, body_2%compliance)) gap = gap &
+            & - zone_shift(body_1%compliance, body_2%compliance, zones)/zones%lever
+    end function gaps_without_load
+
+    !> Weight of body 1's lever in the one lever that both bodies have: its part of what recedes.
+    !>
+    !> rec_1/b_1 + rec_2/b_2 = (rec_1 + rec_2)/b needs just these weights. With half of each a body
+    !> that yields much more than the other (a long arm) bends the gap by its large rotation: 0.5 %
+    !> of the pressure of a roller on an arm seven times as long as wide. One weight for a position:
+    !> a place of least gap may jump where flanks conform.
+    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, flank_length) result(share)
+        !> Smooth compliance of the bodies at the zones, without the zones' influence on each other
+        !> [mm/N], shape (zones)
+        real(wp), intent(in) :: smooth_1(:)
+        real(wp), intent(in) :: smooth_2(:)
+        !> c of the bodies [mm/N]
+        real(wp), intent(in) :: kernel_1
+        real(wp), intent(in) :: kernel_2
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
+        real(wp) :: share
+
+        !> Half-width of a contact, about, as a part of the flank's length
+        real(wp), parameter :: usual_part = 0.005_wp
+        !> As far as this beside one half the parts do not matter (0.01 % of the pressure of gears):
+        !> both levers then weigh the same.
+        real(wp), parameter :: alike = 0.3_wp
+        real(wp) :: near, one, two, part
+
+        near = 0.5_wp + log(2.0_wp/(usual_part*flank_length))
+        one = sum(max(0.0_wp, smooth_1 + kernel_1*near))
+        two = sum(max(0.0_wp, smooth_2 + kernel_2*near))
+        share = 0.5_wp
+        if (.not. one + two > 0.0_wp) return
+        part = one/(one + two) - 0.5_wp
+        share = 0.5_wp + sign(0.5_wp*max(0.0_wp, abs(part) - alike)/(0.5_wp - alike), part)
+    end function lever_share
+
+    !> Sites whose flanks are on this side of both bodies.
+    !>
+    !> Where sites go round a body more than once they name the same tooth again: only the one that
+    !> has come round by less than half a turn of either body is meant.
+    pure function sites_that_face(body_1, body_2, angle_1, first, last) result(faces)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Turn of body 1 [rad]
+        real(wp), intent(in) :: angle_1
+        !> First and last site of one side
+        integer, intent(in) :: first
+        integer, intent(in) :: last
+        logical :: faces(last - first + 1)
+
+        real(wp), parameter :: half_turn = acos(-1.0_wp)
+        real(wp) :: turn_1, turn_2, span_1, span_2, widest, polar, meshing
+        integer :: n
+
+        n = size(faces)
+        faces = .true.
+        if (n < 2) return
+        turn_1 = body_1%site_angles(last) - body_1%site_angles(first)
+        turn_2 = body_2%site_angles(last) - body_2%site_angles(first)
+        span_1 = abs(turn_1)
+        span_2 = abs(turn_2)
+        widest = max(span_1, span_2)
+        ! sites that go just once round span a pitch less than a turn
+        if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
+        ! flanks meet between both axes, or beyond O1 where both bodies turn the same way
+        meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
+        associate (point => body_1%flank%point(:, size(body_1%flank%s)/2))
+            ! a flank stands beside its own axis or at the mesh: the cut is far from both
+            polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
+                & - 0.5_wp*half_turn
+        end associate
+        faces = abs(polar - meshing + angle_1 + body_1%site_angles(first:last)) &
+            & <= half_turn*span_1/widest
+    end function sites_that_face
+
+end module flankload_position_zones

@@ -1,0 +1,229 @@
+!> The contact loop in blocks: many pairs join at once, those that would pull leave at once.
+!>
+!> Fast where the contact grows by whole regions, as on flanks. Nothing makes its energy fall, so it
+!> is watched: where the number of pairs that pull or are open has not fallen within a few steps, it
+!> gives up, and the owner goes on one pair at a time from where it stands.
+module flankload_block_loop
+    use flankload_kinds, only: wp
+    use flankload_error, only: error_type
+    use flankload_contact_problem, only: contact_problem, contact_gaps, least_row_sizes, &
+        & row_tolerance
+    use flankload_bordered_system, only: append_block, append_pair
+    use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, shed_pulling
+    use flankload_final_refinement, only: finish
+    use flankload_coarse_problem, only: make_coarse, refine_pairs, cell
+    implicit none
+    private
+
+    public :: block_loop, settle_blocks
+
+    !> Part of the pairs in contact that may join at once. More would let too many in, and a pair
+    !> that leaves early takes the tail of the factor with it.
+    real(wp), parameter :: joining_part = 0.5_wp
+    !> So many may join at once always.
+    integer, parameter :: joining_at_least = 16
+    !> Steps within which the number of wrong pairs must fall
+    integer, parameter :: patience = 5
+    !> A coarser problem has so many pairs at least; beyond it is guessed from one coarser still.
+    integer, parameter :: least_coarse = 8
+    integer, parameter :: many_coarse = 500
+
+contains
+
+    !> Run the loop.
+    pure recursive subroutine block_loop(problem, compliance, warm_pairs, cascade, state, settled, &
+        & error)
+        !> The problem; its motions are measured from the start that is chosen here
+        type(contact_problem), intent(inout) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with; none: the pair that touches first
+        integer, intent(in) :: warm_pairs(:)
+        !> Without pairs to begin with, begin where a coarser problem has its contact
+        logical, intent(in) :: cascade
+        !> The state; where the loop gave up, its pairs are where to go on from
+        type(loop_state), intent(out) :: state
+        !> False where the loop gave up
+        logical, intent(out) :: settled
+        !> The loads cannot be held, or a motion is loose
+        type(error_type), allocatable, intent(out) :: error
+
+        integer, allocatable :: first(:), begin(:)
+        real(wp), allocatable :: first_forces(:)
+        logical :: ready
+
+        settled = .false.
+        call start_loop(problem, first, first_forces, state, error)
+        if (allocated(error)) return
+        ready = .false.
+        begin = warm_pairs
+        if (cascade .and. size(begin) == 0 .and. problem%n >= cell*least_coarse) then
+            begin = coarse_guess(problem, compliance)
+        end if
+        if (size(begin) > 0) call start_warm(problem, compliance, begin, state, ready)
+        if (.not. ready) call start_cold(problem, compliance, first, first_forces, state, ready)
+        if (ready) call settle_blocks(problem, compliance, state, settled)
+    end subroutine block_loop
+
+    !> From any pairs that hold the loads to the state of contact.
+    pure subroutine settle_blocks(problem, compliance, state, settled)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False where the loop gave up
+        logical, intent(out) :: settled
+
+        integer, allocatable :: joining(:)
+        logical :: ready, done
+        integer :: wrong, fewest, since, one
+
+        settled = .false.
+        ready = .true.
+        fewest = huge(1)
+        since = 0
+        do while (ready)
+            call shed_pulling(problem, compliance, state, wrong, ready)
+            if (.not. ready) return
+            call open_pairs(problem, compliance, state, joining)
+            wrong = wrong + size(joining)
+            if (size(joining) == 0) then
+                call finish(problem, compliance, state, one, done)
+                settled = done .and. one == 0
+                if (settled) return
+                if (one > 0) joining = [one]
+                wrong = 1
+            end if
+            since = since + 1
+            if (wrong < fewest) then
+                fewest = wrong
+                since = 0
+            end if
+            if (since >= patience) return
+            call let_join(problem, compliance, joining, state, ready)
+        end do
+    end subroutine settle_blocks
+
+    !> Where a coarser problem has its contact; none if it does not settle.
+    pure recursive function coarse_guess(problem, compliance) result(pairs)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        integer, allocatable :: pairs(:)
+
+        type(contact_problem) :: coarse
+        type(loop_state) :: state
+        type(error_type), allocatable :: error
+        real(wp), allocatable :: coarse_compliance(:, :)
+        logical :: settled
+
+        allocate (pairs(0))
+        call make_coarse(problem, compliance, coarse, coarse_compliance)
+        call block_loop(coarse, coarse_compliance, pairs, coarse%n >= many_coarse, state, settled, &
+            & error)
+        if (allocated(error) .or. .not. settled) return
+        pairs = refine_pairs(problem%n, state%system%pairs, state%forces(state%system%pairs))
+    end function coarse_guess
+
+    !> The open pairs; their gaps are computed here.
+    pure subroutine open_pairs(problem, compliance, state, joining)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> The pairs that are open beyond rounding
+        integer, allocatable, intent(out) :: joining(:)
+
+        integer :: i
+        logical, allocatable :: active(:)
+        real(wp), allocatable :: sizes(:)
+
+        allocate (sizes(problem%n), active(problem%n))
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+        call least_row_sizes(problem, state%gaps, state%motion, sizes)
+        active = .false.
+        active(state%system%pairs) = .true.
+        joining = pack([(i, i=1, problem%n)], &
+            & .not. active .and. state%gaps < -row_tolerance*sizes)
+    end subroutine open_pairs
+
+    !> Let the most open pairs join, as many as a step may take.
+    pure subroutine let_join(problem, compliance, open, state, ready)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> All open pairs
+        integer, intent(in) :: open(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if none of them could join
+        logical, intent(out) :: ready
+
+        integer :: k, most
+        integer, allocatable :: joining(:)
+        logical :: accepted
+
+        most = max(joining_at_least, int(joining_part*size(state%system%pairs)))
+        joining = open
+        if (size(open) > most) joining = pack(open, &
+            & state%gaps(open) <= nth_least(state%gaps(open), most))
+        call append_block(state%system, problem, compliance, joining, ready)
+        if (ready) then
+            state%pivots = state%pivots + size(joining)
+            return
+        end if
+        ! Some depend on others: those that do not, one by one.
+        do k = 1, size(joining)
+            call append_pair(state%system, problem, compliance, joining(k), accepted)
+            if (accepted) state%pivots = state%pivots + 1
+            ready = ready .or. accepted
+        end do
+    end subroutine let_join
+
+    !> The n-th number in ascending order (Hoare's choice).
+    pure function nth_least(numbers, n) result(number)
+        !> Any numbers
+        real(wp), intent(in) :: numbers(:)
+        !> Place, from 1
+        integer, intent(in) :: n
+        real(wp) :: number
+
+        integer :: i, j, low, high
+        real(wp) :: pivot
+        real(wp), allocatable :: part(:)
+
+        part = numbers
+        low = 1
+        high = size(part)
+        do while (low < high)
+            pivot = part((low + high)/2)
+            i = low
+            j = high
+            do
+                do while (part(i) < pivot)
+                    i = i + 1
+                end do
+                do while (pivot < part(j))
+                    j = j - 1
+                end do
+                if (i <= j) then
+                    part([i, j]) = part([j, i])
+                    i = i + 1
+                    j = j - 1
+                end if
+                if (i > j) exit
+            end do
+            if (n <= j) then
+                high = j
+            else if (n >= i) then
+                low = i
+            else
+                exit
+            end if
+        end do
+        number = part(n)
+    end function nth_least
+
+end module flankload_block_loop

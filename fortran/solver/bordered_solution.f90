@@ -1,0 +1,334 @@
+!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ kept.
+!>
+!>     [ K_aa  -B_a ] [F]   [r]
+!>     [ R_aᵀ    0  ] [q] = [s]      solved by   K_aa [V w] = [B_a r],  (R_aᵀ V) q = s - R_aᵀ w,
+!>                                               F = V q + w
+module flankload_bordered_solution
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_kept_factor, only: solve_factored, estimate_condition
+    use flankload_bordered_system, only: bordered_system
+    use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
+    use flankload_lapack, only: solve_lower, continue_lower
+    use flankload_spanned_columns, only: spanned, span_columns, solve_triangular
+    implicit none
+    private
+
+    public :: solve_bordered, bordered_condition, invert_small
+
+    !> A motion with a pivot this small beside the others is held by no active pair.
+    real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+    !> With smaller pivots half of the digits are lost: motions that are parted first lose none.
+    real(wp), parameter :: small_pivot = 1.0e-8_wp
+
+    !> Solution of the bordered equations.
+    type :: solution_type
+        !> Scaled forces, shape (k), and motion, shape (n_motions)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: motion(:)
+        !> Least pivot of the motions beside the largest, 0 where one is loose
+        real(wp) :: least_pivot = 0.0_wp
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: inverse(:, :)
+    end type solution_type
+
+contains
+
+    !> Solve the bordered equations.
+    pure subroutine solve_bordered(system, problem, r, s, forces, motion, solved, tangent)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand side of the pairs, shape (k)
+        real(wp), intent(in) :: r(:)
+        !> Right-hand side of the loads, shape (n_motions)
+        real(wp), intent(in) :: s(:)
+        !> Scaled forces, shape (k)
+        real(wp), allocatable, intent(out) :: forces(:)
+        !> Scaled motion, shape (n_motions)
+        real(wp), allocatable, intent(out) :: motion(:)
+        !> False if the pairs do not hold every motion
+        logical, intent(out) :: solved
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable, intent(out), optional :: tangent(:, :)
+
+        type(solution_type) :: solution
+
+        if (problem%symmetric) then
+            call solve_halfway(system, problem, r, s, solution)
+        else
+            call solve_at_once(system, problem, r, s, solution)
+        end if
+        if (problem%n_motions > 1 .and. solution%least_pivot < small_pivot) then
+            call solve_spanned(system, problem, r, s, solution)
+        end if
+        solved = solution%least_pivot > loose_motion
+        if (.not. solved) then
+            motion = 0.0_wp*s
+            forces = 0.0_wp*r
+            return
+        end if
+        if (problem%spring > 0.0_wp) then
+            call leave_springs(problem, s, solution%motion, solution%inverse)
+        end if
+        call move_alloc(solution%forces, forces)
+        call move_alloc(solution%motion, motion)
+        if (present(tangent)) call move_alloc(solution%inverse, tangent)
+    end subroutine solve_bordered
+
+    !> The same where K is not symmetric, as above.
+    pure subroutine solve_at_once(system, problem, r, s, solution)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
+        real(wp), intent(in) :: r(:)
+        real(wp), intent(in) :: s(:)
+        !> The solution
+        type(solution_type), intent(out) :: solution
+
+        integer :: q
+        real(wp), allocatable :: columns(:, :), rows(:, :)
+
+        q = problem%n_motions
+        allocate (columns(size(system%pairs), q + 1))
+        columns(:, :q) = problem%motions(system%pairs, :)
+        columns(:, q + 1) = r
+        rows = problem%load_rows(system%pairs, :)
+        call solve_factored(system%factor, columns)
+        solution%inverse = matmul(transpose(rows), columns(:, :q))
+        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        if (solution%least_pivot <= 0.0_wp) return
+        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+        solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
+        solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
+    end subroutine solve_at_once
+
+    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, where
+    !> the columns of P and of T do not, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    pure subroutine solve_spanned(system, problem, r, s, solution)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
+        real(wp), intent(in) :: r(:)
+        real(wp), intent(in) :: s(:)
+        !> The solution
+        type(solution_type), intent(out) :: solution
+
+        integer :: c, q
+        type(spanned) :: of_motions, of_loads
+        real(wp), allocatable :: columns(:, :), loads(:, :)
+
+        q = problem%n_motions
+        of_motions = span_columns(problem%motions(system%pairs, :))
+        of_loads = span_columns(problem%load_rows(system%pairs, :))
+        if (.not. (of_motions%independent .and. of_loads%independent)) return
+        allocate (columns(size(system%pairs), q + 1))
+        columns(:, :q) = of_motions%columns
+        columns(:, q + 1) = r
+        call solve_factored(system%factor, columns)
+        solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
+        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        if (solution%least_pivot <= loose_motion) return
+        ! U⁻ᵀ [s 1]
+        allocate (loads(q, q + 1), source=0.0_wp)
+        loads(:, 1) = s
+        do c = 1, q
+            loads(c, c + 1) = 1.0_wp
+        end do
+        call solve_triangular(of_loads, .true., loads)
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
+        loads = matmul(solution%inverse, loads)
+        solution%forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
+        call solve_triangular(of_motions, .false., loads)
+        solution%motion = loads(:, 1)
+        solution%inverse = loads(:, 2:)
+    end subroutine solve_spanned
+
+    !> The same where K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no way back,
+    !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
+    pure subroutine solve_halfway(system, problem, r, s, solution)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
+        real(wp), intent(in) :: r(:)
+        real(wp), intent(in) :: s(:)
+        !> The solution
+        type(solution_type), intent(out) :: solution
+
+        integer :: k, q, c, d, first_row
+
+        call extend_forward(system, problem)
+        k = size(system%pairs)
+        q = problem%n_motions
+        first_row = merge(0, q, problem%same_rows)   ! Y_R is Y_B where R = B
+        allocate (solution%forces(k), source=r)
+        allocate (solution%inverse(q, q))
+        call solve_lower(k, system%factor%matrix, 'N', solution%forces)
+        associate (forward => system%forward, forces => solution%forces, &
+            & inverse => solution%inverse)
+            do c = 1, q
+                do d = 1, q
+                    inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
+                end do
+            end do
+            call invert(inverse, loose_motion, solution%least_pivot)
+            if (solution%least_pivot <= 0.0_wp) return
+            solution%motion = matmul(inverse, &
+                & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
+            do c = 1, q
+                forces = forces + forward(:k, c)*solution%motion(c)
+            end do
+        end associate
+        call solve_lower(k, system%factor%matrix, 'T', solution%forces)
+    end subroutine solve_halfway
+
+    !> Bring L⁻¹ B_a, and L⁻¹ R_a where R is another, up to the pairs of the system.
+    pure subroutine extend_forward(system, problem)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+
+        integer :: k, q, known, n_columns
+        real(wp), allocatable :: larger(:, :)
+
+        k = size(system%pairs)
+        q = problem%n_motions
+        known = system%n_forward
+        n_columns = merge(q, 2*q, problem%same_rows)
+        if (.not. allocated(system%forward)) allocate (system%forward(0, n_columns))
+        if (size(system%forward, 1) < k) then
+            allocate (larger(size(system%factor%matrix, 1), n_columns))
+            larger(:known, :) = system%forward(:known, :)
+            call move_alloc(larger, system%forward)
+        end if
+        if (known == k) return
+        system%forward(known + 1:k, :q) = problem%motions(system%pairs(known + 1:), :)
+        if (.not. problem%same_rows) then
+            system%forward(known + 1:k, q + 1:) = problem%load_rows(system%pairs(known + 1:), :)
+        end if
+        call continue_lower(known, k, system%factor%matrix, system%forward)
+        system%n_forward = k
+    end subroutine extend_forward
+
+    !> Invert a small matrix unless it is singular to rounding.
+    pure subroutine invert_small(matrix, solved, graded)
+        !> The matrix, then its inverse, shape (q, q)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> False if it is singular to rounding
+        logical, intent(out) :: solved
+        !> It is known to be regular, however small its pivots are
+        logical, intent(in), optional :: graded
+
+        real(wp) :: least_pivot, negligible
+
+        negligible = loose_motion
+        if (present(graded)) then
+            if (graded) negligible = 0.0_wp
+        end if
+        call invert(matrix, negligible, least_pivot)
+        solved = least_pivot > 0.0_wp
+    end subroutine invert_small
+
+    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
+    pure subroutine invert(matrix, negligible, least_pivot)
+        !> The matrix, then its inverse, shape (q, q)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> Pivots no larger than this part of the largest entry are taken for zero
+        real(wp), intent(in) :: negligible
+        !> Least pivot beside the largest entry; as it is where that is 0
+        real(wp), intent(out) :: least_pivot
+
+        integer :: q, step, at(2), row
+        integer, allocatable :: pivot_row(:), pivot_column(:)
+        logical, allocatable :: free(:, :)
+        real(wp) :: pivot, largest
+        real(wp), allocatable :: inverse(:, :)
+
+        q = size(matrix, 1)
+        if (q == 1) then
+            least_pivot = merge(1.0_wp, 0.0_wp, &
+                & abs(matrix(1, 1)) > 0.0_wp .and. abs(matrix(1, 1)) <= huge(1.0_wp))
+            if (least_pivot > 0.0_wp) matrix = 1.0_wp/matrix
+            return
+        end if
+        allocate (pivot_row(q), pivot_column(q), free(q, q))
+        free = .true.
+        largest = maxval(abs(matrix))
+        least_pivot = 1.0_wp
+        do step = 1, q
+            at = maxloc(abs(matrix), mask=free)
+            pivot = matrix(at(1), at(2))
+            if (abs(pivot) > negligible*largest) then
+                least_pivot = min(least_pivot, abs(pivot)/largest)
+            else
+                least_pivot = 0.0_wp
+                return
+            end if
+            pivot_row(step) = at(1)
+            pivot_column(step) = at(2)
+            free(at(1), :) = .false.
+            free(:, at(2)) = .false.
+            ! Exchange the roles of the unknown and the right-hand side of this row.
+            matrix(at(1), at(2)) = 1.0_wp
+            matrix(at(1), :) = matrix(at(1), :)/pivot
+            do row = 1, q
+                if (row == at(1)) cycle
+                pivot = matrix(row, at(2))
+                matrix(row, at(2)) = 0.0_wp
+                matrix(row, :) = matrix(row, :) - pivot*matrix(at(1), :)
+            end do
+        end do
+        allocate (inverse(q, q))
+        do step = 1, q
+            inverse(pivot_column(step), pivot_row) = matrix(pivot_row(step), pivot_column)
+        end do
+        matrix = inverse
+    end subroutine invert
+
+    !> Condition of the equilibrated compliance of the pairs, or of the motions if that is worse.
+    pure function bordered_condition(system, problem, compliance, tangent) result(condition)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        real(wp), intent(in) :: tangent(:, :)
+        real(wp) :: condition
+
+        real(wp), allocatable :: stiffness(:, :), flexibility(:, :), scales(:)
+        real(wp) :: norm
+        integer :: j
+        logical :: solved
+
+        norm = 0.0_wp
+        scales = problem%row_scale(system%pairs)
+        do j = 1, size(scales)
+            norm = max(norm, &
+                & scales(j)*sum(abs(compliance(system%pairs, system%pairs(j)))*scales))
+        end do
+        flexibility = tangent
+        if (problem%spring > 0.0_wp) then
+            norm = norm + spring_norm(problem, system%pairs)
+            flexibility = at_far_ends(problem, tangent)
+        end if
+        condition = estimate_condition(system%factor, norm)
+        stiffness = flexibility
+        call invert_small(stiffness, solved)
+        if (solved) then
+            condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
+                & *maxval(sum(abs(flexibility), dim=1)))
+        else if (problem%n_motions > 1) then
+            condition = max(condition, 1.0_wp/loose_motion)
+        end if
+    end function bordered_condition
+
+end module flankload_bordered_solution

@@ -1,0 +1,289 @@
+!> The pairs in contact and the factor of their compliance, the kept part of (18), (19), (32).
+!>
+!> No pair is special: any may join, any may leave, each with O(k²) work on the kept factor, several
+!> at once by BLAS-3.
+module flankload_bordered_system
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew
+    use flankload_load_springs, only: spring_column, spring_row
+    use flankload_factor_block, only: extend_block, cut
+    implicit none
+    private
+
+    public :: bordered_system
+    public :: new_bordered_system, append_pair, append_block, drop_pair, drop_pairs
+    public :: factor_pairs_anew
+
+    !> The pairs in contact and the factor of their compliance.
+    type :: bordered_system
+        type(kept_factor) :: factor
+        !> The pairs, in the order in which they joined
+        integer, allocatable :: pairs(:)
+        !> Rows are exchanged at every change
+        logical :: pivoted = .false.
+        !> How often the factor was made as a whole because elimination without exchange lost digits
+        integer :: refactorisations = 0
+        !> Largest growth seen
+        real(wp) :: growth = 1.0_wp
+        !> L⁻¹ B_a (K symmetric and B = R), as far as its first rows are known
+        real(wp), allocatable :: forward(:, :)
+        integer :: n_forward = 0
+    end type bordered_system
+
+    !> Elimination without exchange may lose this factor in accuracy; refinement wins it back.
+    real(wp), parameter :: growth_limit = 1.0e3_wp
+    !> Cost of an operation of a plane rotation beside one of a product of matrices, and of starting
+    !> a block at all: when letting pairs leave one by one costs more than a new tail of the factor
+    real(wp), parameter :: single_row_cost = 12.0_wp
+    real(wp), parameter :: block_overhead = 2.0e4_wp
+
+contains
+
+    !> A system without pairs.
+    pure function new_bordered_system(symmetric, pivoted) result(system)
+        !> K is symmetric and positive definite
+        logical, intent(in) :: symmetric
+        !> Factor with exchange of rows at every change (K not symmetric)
+        logical, intent(in) :: pivoted
+        type(bordered_system) :: system
+
+        system%factor = new_kept_factor(symmetric)
+        system%pivoted = pivoted
+        allocate (system%pairs(0))
+    end function new_bordered_system
+
+    !> Let a pair join.
+    pure subroutine append_pair(system, problem, compliance, pair, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Number of the pair
+        integer, intent(in) :: pair
+        !> False if its row depends on those of the others; the system is then as before
+        logical, intent(out) :: accepted
+
+        real(wp) :: own, diagonal
+        real(wp), allocatable :: scales(:), column(:), row(:)
+
+        if (system%pivoted) then
+            call append_block(system, problem, compliance, [pair], accepted)
+            return
+        end if
+        own = problem%row_scale(pair)
+        scales = own*problem%row_scale(system%pairs)
+        column = compliance(system%pairs, pair)*scales
+        if (problem%symmetric) then
+            row = column
+        else
+            row = compliance(pair, system%pairs)*scales
+        end if
+        diagonal = own**2*compliance(pair, pair)
+        if (problem%spring > 0.0_wp) then
+            column = column + spring_column(problem, system%pairs, pair)
+            row = row + spring_row(problem, pair, system%pairs)
+            diagonal = diagonal + sum(spring_column(problem, [pair], pair))
+        end if
+        call extend(system%factor, column, row, diagonal, accepted)
+        if (accepted) then
+            system%pairs = [system%pairs, pair]
+            call watch_growth(system, problem, compliance, accepted)
+            if (accepted) return
+            system%pairs = system%pairs(:size(system%pairs) - 1)
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+        else if (.not. problem%symmetric) then
+            ! A pivot of zero may only want another order of the rows.
+            system%pairs = [system%pairs, pair]
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            if (accepted) return
+            system%pairs = system%pairs(:size(system%pairs) - 1)
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+        end if
+    end subroutine append_pair
+
+    !> Let several pairs join at once.
+    pure subroutine append_block(system, problem, compliance, pairs, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Numbers of the pairs
+        integer, intent(in) :: pairs(:)
+        !> False if their rows depend on each other; the system is then as before
+        logical, intent(out) :: accepted
+
+        integer :: j, k, b
+        integer, allocatable :: before(:)
+        real(wp), allocatable :: columns(:, :), rows(:, :), scales(:)
+
+        before = system%pairs
+        k = size(before)
+        b = size(pairs)
+        system%pairs = [before, pairs]
+        if (system%pivoted) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            if (accepted) return
+            system%pairs = before
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+            return
+        end if
+        scales = problem%row_scale(system%pairs)
+        allocate (columns(k + b, b), rows(b, merge(0, k, problem%symmetric)))
+        do j = 1, b
+            columns(:, j) = compliance(system%pairs, pairs(j))*scales*scales(k + j)
+        end do
+        do j = 1, size(rows, 2)
+            rows(:, j) = compliance(pairs, before(j))*scales(k + 1:)*scales(j)
+        end do
+        if (problem%spring > 0.0_wp) then
+            do j = 1, b
+                columns(:, j) = columns(:, j) + spring_column(problem, system%pairs, pairs(j))
+            end do
+            do j = 1, size(rows, 2)
+                rows(:, j) = rows(:, j) + spring_column(problem, pairs, before(j))
+            end do
+        end if
+        call extend_block(system%factor, columns, rows, accepted)
+        if (accepted) then
+            call watch_growth(system, problem, compliance, accepted)
+            if (accepted) return
+        else if (.not. problem%symmetric) then
+            ! A pivot of zero may only want another order of the rows.
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            if (accepted) return
+        end if
+        system%pairs = before
+        if (.not. problem%symmetric .and. k > 0) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+            accepted = .false.
+        end if
+    end subroutine append_block
+
+    !> Let several pairs leave at once.
+    pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Which of the pairs of the system, in its order
+        logical, intent(in) :: leaving(:)
+        !> False if what is left is singular
+        logical, intent(out) :: accepted
+
+        integer :: first, index, k
+        real(wp) :: work_single, work_block
+        integer, allocatable :: later(:)
+
+        accepted = .true.
+        k = size(leaving)
+        first = findloc(leaving, .true., dim=1)
+        if (first == 0) return
+        system%n_forward = min(system%n_forward, first - 1)
+        work_single = single_row_cost*sum([(real(k - index, wp)**2 + k, index=1, k)], mask=leaving)
+        work_block = real(k - first, wp)*(first + (k - first)/3.0_wp)**2 + block_overhead
+        if (system%factor%n_exchanged > 0 .or. system%pivoted) then
+            system%pairs = pack(system%pairs, .not. leaving)
+            call factor_pairs_anew(system, problem, compliance, accepted)
+        else if (work_block < work_single) then
+            later = pack(system%pairs(first:), .not. leaving(first:))
+            system%pairs = system%pairs(:first - 1)
+            call cut(system%factor, first - 1)
+            if (size(later) > 0) call append_block(system, problem, compliance, later, accepted)
+        else
+            do index = k, first, -1
+                if (.not. leaving(index)) cycle
+                call drop_pair(system, problem, compliance, index, accepted)
+                if (.not. accepted) return
+            end do
+        end if
+    end subroutine drop_pairs
+
+    !> Let a pair leave.
+    pure subroutine drop_pair(system, problem, compliance, index, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Its place among the pairs of the system
+        integer, intent(in) :: index
+        !> False if what is left is singular
+        logical, intent(out) :: accepted
+
+        logical :: exchanged
+
+        exchanged = system%factor%n_exchanged > 0 .or. system%pivoted
+        system%n_forward = min(system%n_forward, index - 1)
+        system%pairs = [system%pairs(:index - 1), system%pairs(index + 1:)]
+        if (exchanged) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+        else
+            call shrink(system%factor, index)
+            call watch_growth(system, problem, compliance, accepted)
+        end if
+    end subroutine drop_pair
+
+    !> Factor with exchange of rows where elimination without it has lost too much.
+    pure subroutine watch_growth(system, problem, compliance, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> False if the pairs are singular
+        logical, intent(out) :: accepted
+
+        accepted = .true.
+        system%growth = max(system%growth, system%factor%growth)
+        if (system%factor%growth > growth_limit) then
+            call factor_pairs_anew(system, problem, compliance, accepted)
+        end if
+    end subroutine watch_growth
+
+    !> Factor the pairs of the system as a whole.
+    pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
+        !> The system
+        type(bordered_system), intent(inout) :: system
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> False if the pairs are singular
+        logical, intent(out) :: accepted
+
+        system%n_forward = 0
+        call factor_anew(system%factor, gather(system, problem, compliance), accepted)
+        system%refactorisations = system%refactorisations + 1
+    end subroutine factor_pairs_anew
+
+    !> The scaled compliance of the pairs in contact.
+    pure function gather(system, problem, compliance) result(matrix)
+        !> The system
+        type(bordered_system), intent(in) :: system
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        real(wp), allocatable :: matrix(:, :)
+
+        integer :: j, k
+        real(wp), allocatable :: scales(:)
+
+        k = size(system%pairs)
+        scales = problem%row_scale(system%pairs)
+        allocate (matrix(k, k))
+        do j = 1, k
+            matrix(:, j) = compliance(system%pairs, system%pairs(j))*scales*scales(j)
+        end do
+        if (.not. problem%spring > 0.0_wp) return
+        do j = 1, k
+            matrix(:, j) = matrix(:, j) + spring_column(problem, system%pairs, system%pairs(j))
+        end do
+    end function gather
+
+end module flankload_bordered_system

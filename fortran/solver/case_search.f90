@@ -1,0 +1,253 @@
+!> All cases of contact, one by one: a search that finds a state or proves that there is none.
+!>
+!> Without g F = 0 the problem is a linear program: where no F >= 0 and g >= 0 meet its equations,
+!> no state exists, whatever K is. Where they do, and a pair has both force and gap, two cases are
+!> left, without its force or without its gap, each a linear program with less freedom (branch and
+!> bound). The programs are solved by the dual simplex method on a table of the basic variables.
+!> What ends a case is a sum of equations that no forces and gaps >= 0 can meet; it is summed up
+!> again from the numbers given, and a case that this does not confirm stays open.
+module flankload_case_search
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_case_table, only: simplex_table, new_table, rebuilt_table, exchange, &
+        & safety, negligible
+    use flankload_case_proof, only: is_proof
+    implicit none
+    private
+
+    public :: search_cases
+    public :: cases_found, cases_none, cases_open
+
+    !> A state was found.
+    integer, parameter :: cases_found = 0
+    !> No state exists.
+    integer, parameter :: cases_none = 1
+    !> Neither: too much work, or a case that rounding does not decide.
+    integer, parameter :: cases_open = 2
+
+    !> What is done and found so far.
+    type :: case_list
+        !> Entries of tables that may still be computed
+        real(wp) :: work = 0.0_wp
+        integer :: pivots = 0
+        integer, allocatable :: pairs(:)
+        !> The table without any pair decided
+        type(simplex_table) :: start
+    end type case_list
+
+    !> Entries of tables, 20 ms or so; tables whose cube is more than a part of that are not begun.
+    real(wp), parameter :: most_work = 2.0e7_wp
+    real(wp), parameter :: part_to_begin = 0.25_wp
+    !> From this entry on a table has lost too many digits.
+    real(wp), parameter :: too_large = 1.0e8_wp
+    !> Pivots of one case, in rows, before the lowest numbers go first, which cannot cycle
+    integer, parameter :: patience = 3
+    integer, parameter :: most_pivots = 50
+
+contains
+
+    !> Search.
+    pure subroutine search_cases(problem, compliance, outcome, pairs, pivots)
+        !> The problem, motions measured from where the first pairs touch
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> One of the codes above
+        integer, intent(out) :: outcome
+        !> Pairs in contact, if a state was found
+        integer, allocatable, intent(out) :: pairs(:)
+        !> Exchanges of variables
+        integer, intent(out) :: pivots
+
+        type(simplex_table) :: table
+        type(case_list) :: cases
+        logical :: consistent
+
+        outcome = cases_open
+        pivots = 0
+        allocate (pairs(0))
+        if (real(problem%n, wp)**3 > part_to_begin*most_work) return
+        cases%work = most_work
+        call new_table(problem, compliance, table, consistent)
+        cases%start = table
+        ! The loads are held by the pairs that the loop starts with: what this table makes of levers
+        ! over many decades is rounding, no proof.
+        if (.not. consistent) return
+        call search_case(problem, compliance, table, cases, outcome)
+        pivots = cases%pivots
+        if (outcome == cases_found) pairs = cases%pairs
+    end subroutine search_cases
+
+    !> One case with all that follow from it: it has no state where none of these has one, and is
+    !> open where one of them is, or has not been looked at.
+    pure recursive subroutine search_case(problem, compliance, table, cases, outcome)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Its table
+        type(simplex_table), intent(inout) :: table
+        !> What is done and found
+        type(case_list), intent(inout) :: cases
+        !> Found, none, or open
+        integer, intent(out) :: outcome
+
+        type(simplex_table) :: child
+        integer :: n, side, pair, of_side
+        integer, allocatable :: order(:)
+        real(wp), allocatable :: variable(:), rounding(:)
+
+        n = problem%n
+        outcome = cases_open
+        if (cases%work < 0.0_wp) return
+        call make_feasible(problem, compliance, table, cases, outcome)
+        if (outcome /= cases_found) return
+        allocate (variable(2*n), rounding(2*n), source=0.0_wp)
+        variable(table%basic) = max(table%value, 0.0_wp)
+        rounding(table%basic) = safety*table%rounding
+        where (variable <= rounding) variable = 0.0_wp
+        pair = maxloc(variable(:n)*variable(n + 1:), dim=1)
+        if (.not. variable(pair)*variable(n + pair) > 0.0_wp) then
+            cases%pairs = touching(n, variable, table%nonbasic)
+            return
+        end if
+        ! The smaller one is zero first: mostly that is where a state is.
+        order = [pair, n + pair]
+        if (variable(pair) > variable(n + pair)) order = [n + pair, pair]
+        outcome = cases_none
+        do side = 1, 2
+            child = table
+            child%fixed(order(side)) = .true.
+            call search_case(problem, compliance, child, cases, of_side)
+            if (of_side /= cases_none) outcome = of_side
+            if (outcome == cases_found) return
+        end do
+    end subroutine search_case
+
+    !> Pairs in contact: those with a force, and those whose gap is not basic.
+    pure function touching(n, variable, nonbasic) result(pairs)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Forces and gaps, shape (2 n)
+        real(wp), intent(in) :: variable(:)
+        !> Variables that are not basic
+        integer, intent(in) :: nonbasic(:)
+        integer, allocatable :: pairs(:)
+
+        integer :: i
+        logical, allocatable :: left_out(:)
+
+        allocate (left_out(max(2*n, maxval(nonbasic))), source=.false.)
+        left_out(nonbasic) = .true.
+        pairs = pack([(i, i=1, n)], variable(:n) > 0.0_wp .or. left_out(n + 1:2*n))
+    end function touching
+
+    !> Dual simplex method: exchange variables until no basic one is negative, and none that is
+    !> fixed other than zero.
+    pure subroutine make_feasible(problem, compliance, table, cases, outcome)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The table
+        type(simplex_table), intent(inout) :: table
+        !> Work that is left
+        type(case_list), intent(inout) :: cases
+        !> Found, none, or open
+        integer, intent(out) :: outcome
+
+        integer :: row, column, pivot, m, rebuilt_at
+        real(wp) :: sense
+        logical :: lowest
+
+        m = size(table%basic)
+        outcome = cases_open
+        rebuilt_at = -m
+        do pivot = 0, most_pivots*m
+            lowest = pivot > patience*m
+            call wrong_row(table, lowest, row, sense)
+            if (row == 0) then
+                outcome = cases_found
+                return
+            end if
+            call helpful_column(table, row, sense, lowest, column)
+            if (column == 0) then
+                if (is_proof(problem, compliance, table, row, sense)) outcome = cases_none
+                if (outcome == cases_none .or. rebuilt_at == cases%pivots) return
+            else
+                call exchange(table, row, column)
+                cases%pivots = cases%pivots + 1
+                cases%work = cases%work - real(m, wp)**2
+                if (cases%work < 0.0_wp) return
+                if (table%largest <= too_large) cycle
+                if (cases%pivots - rebuilt_at < m) return
+            end if
+            table = rebuilt_table(cases%start, table)
+            rebuilt_at = cases%pivots
+            cases%work = cases%work - real(m, wp)**3
+        end do
+    end subroutine make_feasible
+
+    !> The basic variable that is furthest from what it may be.
+    pure subroutine wrong_row(table, lowest, row, sense)
+        !> The table
+        type(simplex_table), intent(in) :: table
+        !> That of the lowest number instead
+        logical, intent(in) :: lowest
+        !> Its row, 0 if there is none
+        integer, intent(out) :: row
+        !> 1 if it has to grow, -1 if it has to fall
+        real(wp), intent(out) :: sense
+
+        integer :: i
+        real(wp) :: wrong, most
+        logical :: better
+
+        row = 0
+        most = 0.0_wp
+        do i = 1, size(table%basic)
+            wrong = -table%value(i)
+            if (table%fixed(table%basic(i))) wrong = abs(wrong)
+            if (wrong <= safety*table%rounding(i)) cycle
+            better = row == 0 .or. wrong > most
+            if (lowest .and. row > 0) better = table%basic(i) < table%basic(row)
+            if (better) then
+                row = i
+                most = wrong
+            end if
+        end do
+        sense = 1.0_wp
+        if (row > 0) sense = sign(1.0_wp, -table%value(row))
+    end subroutine wrong_row
+
+    !> The nonbasic variable whose growth mends a row most.
+    pure subroutine helpful_column(table, row, sense, lowest, column)
+        !> The table
+        type(simplex_table), intent(in) :: table
+        !> The row
+        integer, intent(in) :: row
+        !> 1 if it has to grow, -1 if it has to fall
+        real(wp), intent(in) :: sense
+        !> That of the lowest number instead
+        logical, intent(in) :: lowest
+        !> Its column, 0 if there is none
+        integer, intent(out) :: column
+
+        integer :: j
+        real(wp) :: help, most
+        logical :: better
+
+        column = 0
+        most = 0.0_wp
+        do j = 1, size(table%nonbasic)
+            if (table%fixed(table%nonbasic(j))) cycle
+            help = sense*table%table(row, j)
+            if (help <= negligible*table%largest) cycle
+            better = column == 0 .or. help > most
+            if (lowest .and. column > 0) better = table%nonbasic(j) < table%nonbasic(column)
+            if (better) then
+                column = j
+                most = help
+            end if
+        end do
+    end subroutine helpful_column
+
+end module flankload_case_search

@@ -1,0 +1,164 @@
+!> A contact problem without g F = 0 as a table of basic variables, for the dual simplex method.
+module flankload_case_table
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    implicit none
+    private
+
+    public :: simplex_table
+    public :: new_table, rebuilt_table, exchange
+    public :: safety, negligible
+
+    !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps
+    !> n + 1 … 2 n, motions and what the loads lack behind them.
+    type :: simplex_table
+        integer, allocatable :: basic(:)
+        integer, allocatable :: nonbasic(:)
+        real(wp), allocatable :: value(:)
+        !> Rounding on the scale of each basic value, and of each variable from the start
+        real(wp), allocatable :: rounding(:)
+        real(wp), allocatable :: least_rounding(:)
+        real(wp), allocatable :: table(:, :)
+        !> Variables that are zero in this case
+        logical, allocatable :: fixed(:)
+        !> Largest entry that the table has had
+        real(wp) :: largest = 1.0_wp
+    end type simplex_table
+
+    !> Rounding of a value is multiplied by this before it decides.
+    real(wp), parameter :: safety = 1.0e3_wp
+    !> Entries below this part of the largest are taken as zero.
+    real(wp), parameter :: negligible = 1.0e-13_wp
+
+contains
+
+    !> The table without any pair decided: motions are expressed by gaps, the loads held.
+    pure subroutine new_table(problem, compliance, start, consistent)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The table
+        type(simplex_table), intent(out) :: start
+        !> False if no forces at all hold the loads
+        logical, intent(out) :: consistent
+
+        integer :: i, j, c, n, q
+        integer, allocatable :: rows(:), columns(:)
+
+        n = problem%n
+        q = problem%n_motions
+        start%basic = [(n + i, i=1, n), (2*n + q + c, c=1, q)]
+        start%nonbasic = [(i, i=1, n), (2*n + c, c=1, q)]
+        start%value = [problem%gaps, problem%loads]
+        allocate (start%least_rounding(2*n + 2*q), source=epsilon(1.0_wp)*sum(abs(problem%loads)))
+        start%least_rounding(n + 1:2*n) = epsilon(1.0_wp)*(abs(problem%gaps) &
+            & + matmul(abs(problem%motions), abs(problem%start_motion)))
+        start%rounding = start%least_rounding(start%basic)
+        allocate (start%fixed(2*n + 2*q), source=.false.)
+        allocate (start%table(n + q, n + q), source=0.0_wp)
+        do j = 1, n
+            start%table(:n, j) = problem%row_scale*compliance(:, j)*problem%row_scale(j)
+        end do
+        start%table(:n, n + 1:) = -problem%motions
+        start%table(n + 1:, :n) = -transpose(problem%load_rows)
+        start%largest = max(1.0_wp, maxval(abs(start%table)))
+        consistent = .true.
+        do c = 1, q
+            j = findloc(start%nonbasic, 2*n + c, dim=1)
+            i = maxloc(abs(start%table(:, j)), dim=1, mask=start%basic <= 2*n)
+            if (abs(start%table(i, j)) > negligible) call exchange(start, i, j)
+        end do
+        do c = 1, q
+            i = findloc(start%basic, 2*n + q + c, dim=1)
+            j = maxloc(abs(start%table(i, :)), dim=1, mask=start%nonbasic <= 2*n)
+            if (j == 0) exit
+            if (abs(start%table(i, j)) > negligible*start%largest) then
+                call exchange(start, i, j)
+            else
+                consistent = consistent .and. abs(start%value(i)) <= safety*start%rounding(i)
+            end if
+        end do
+        ! Motions may have any value; what the loads lack stays zero.
+        start%fixed(2*n + 1:) = .true.
+        rows = pack([(i, i=1, n + q)], start%basic <= 2*n)
+        columns = pack([(j, j=1, n + q)], start%nonbasic <= 2*n .or. start%nonbasic > 2*n + q)
+        start%table = start%table(rows, columns)
+        start%basic = start%basic(rows)
+        start%value = start%value(rows)
+        start%rounding = start%rounding(rows)
+        start%nonbasic = start%nonbasic(columns)
+    end subroutine new_table
+
+    !> The same table with the digits that many exchanges have lost: from the start, each time by
+    !> the largest entry.
+    pure function rebuilt_table(start, table) result(rebuilt)
+        !> The table without any pair decided
+        type(simplex_table), intent(in) :: start
+        !> The table
+        type(simplex_table), intent(in) :: table
+        type(simplex_table) :: rebuilt
+
+        integer :: i, j, place(2)
+        logical, allocatable :: wanted(:)
+
+        rebuilt = start
+        rebuilt%fixed = table%fixed
+        allocate (wanted(size(table%fixed)), source=.false.)
+        wanted(table%basic) = .true.
+        do
+            place = 0
+            do j = 1, size(rebuilt%nonbasic)
+                if (.not. wanted(rebuilt%nonbasic(j))) cycle
+                i = maxloc(abs(rebuilt%table(:, j)), dim=1, mask=.not. wanted(rebuilt%basic))
+                if (i == 0) cycle
+                if (place(1) > 0) then
+                    if (abs(rebuilt%table(i, j)) <= abs(rebuilt%table(place(1), place(2)))) cycle
+                end if
+                place = [i, j]
+            end do
+            if (place(1) == 0) exit
+            if (.not. abs(rebuilt%table(place(1), place(2))) > 0.0_wp) exit
+            call exchange(rebuilt, place(1), place(2))
+        end do
+        rebuilt%largest = max(1.0_wp, maxval(abs(rebuilt%table)))
+    end function rebuilt_table
+
+    !> Exchange a basic variable and one that is not.
+    pure subroutine exchange(table, row, column)
+        !> The table
+        type(simplex_table), intent(inout) :: table
+        !> Row of the one that leaves the basis
+        integer, intent(in) :: row
+        !> Column of the one that joins it
+        integer, intent(in) :: column
+
+        integer :: j, leaving
+        real(wp) :: pivot, entry, value
+        real(wp), allocatable :: entering(:)
+
+        pivot = table%table(row, column)
+        entering = table%table(:, column)
+        entering(row) = 0.0_wp
+        value = -table%value(row)/pivot
+        table%value = table%value + entering*value
+        table%value(row) = value
+        ! Not what rounding may amount to at worst, but the scale on which it happens.
+        table%rounding = max(table%rounding, epsilon(1.0_wp)*abs(entering*value))
+        table%rounding(row) = max(table%least_rounding(table%nonbasic(column)), &
+            & epsilon(1.0_wp)*abs(value))
+        do j = 1, size(table%nonbasic)
+            if (j == column) cycle
+            entry = -table%table(row, j)/pivot
+            table%table(:, j) = table%table(:, j) + entering*entry
+            table%table(row, j) = entry
+            table%largest = max(table%largest, maxval(abs(table%table(:, j))))
+        end do
+        table%table(:, column) = entering/pivot
+        table%table(row, column) = 1.0_wp/pivot
+        table%largest = max(table%largest, maxval(abs(table%table(:, column))))
+        leaving = table%basic(row)
+        table%basic(row) = table%nonbasic(column)
+        table%nonbasic(column) = leaving
+    end subroutine exchange
+
+end module flankload_case_table

@@ -1,0 +1,312 @@
+!> Which pairs touch and what they carry: (20), (25)–(34), Fig. 6, in the general form.
+!>
+!> Sees only K, B, R, gaps and loads, never geometry.
+module flankload_contact_loop
+    use flankload_kinds, only: wp
+    use flankload_status, only: invalid_input, negative_force, no_contact_state, pivot_limit, &
+        & singular_contact, out_of_range
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_result, only: contact_result, blank
+    use flankload_contact_problem, only: contact_problem, new_contact_problem, &
+        & measure_from_zero, row_tolerance, general_matrix, symmetric_matrix, definite_matrix, &
+        & definite_part
+    use flankload_row_scaling, only: is_finite_matrix
+    use flankload_loop_start, only: loop_state
+    use flankload_contact_ladder, only: climb, ladder_end, method_auto => rung_auto, &
+        & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
+        & method_load_path => rung_load_path, method_pivoted => rung_pivoted, &
+        & method_cascade => rung_cascade, method_primal => rung_primal
+    use flankload_paper_loop, only: paper_state, paper_loop
+    use flankload_contact_certificate, only: certify
+    use flankload_contact_report, only: report_state, unscale, is_in_range, same_loads
+    implicit none
+    private
+
+    public :: contact_result
+    public :: solve_contact_problem, solve_and_keep
+    public :: method_auto, method_single, method_paper, method_block
+    public :: method_load_path, method_pivoted, method_cascade, method_primal
+    public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
+
+    !> No rounding leaves this much of a row: a state that lacks it is none, whatever found it.
+    real(wp), parameter :: unmet = 1.0e-8_wp
+
+contains
+
+    !> Find the state of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
+    pure subroutine solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+        & structure, method, warm_pairs, result, error)
+        !> K, recession along the normal of row i for a unit force on pair j [mm/N], shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0, gaps along the normals before any motion [mm], shape (n)
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B, gap closed by a unit of each motion, shape (n, n_motions)
+        real(wp), intent(in) :: motions(:, :)
+        !> R, part of a unit force in each load, shape (n, n_motions)
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> What is known of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix or
+        !> definite_part (no proof of uniqueness from the whole matrix is wanted)
+        integer, intent(in) :: structure
+        !> One of the methods above
+        integer, intent(in) :: method
+        !> Pairs to begin with, from 1; none: the pair that touches first
+        integer, intent(in) :: warm_pairs(:)
+        !> The state; on error NaN, but for the motion that shows why there is no state and for the
+        !> final state of the paper's loop with negative forces
+        type(contact_result), intent(out) :: result
+        !> Why there is no state
+        type(error_type), allocatable, intent(out) :: error
+
+        type(contact_problem) :: problem
+        type(loop_state) :: state
+
+        call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, method, &
+            & warm_pairs, problem, state, result, error)
+    end subroutine solve_contact_problem
+
+    !> The same, with what another load may go on from.
+    pure subroutine solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, &
+        & method, warm_pairs, problem, state, result, error)
+        !> K, g0, B, R and Q
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        real(wp), intent(in) :: normal_gaps(:)
+        real(wp), intent(in) :: motions(:, :)
+        real(wp), intent(in) :: load_rows(:, :)
+        real(wp), intent(in) :: loads(:)
+        !> Structure of K, method, pairs to begin with
+        integer, intent(in) :: structure
+        integer, intent(in) :: method
+        integer, intent(in) :: warm_pairs(:)
+        !> The scaled problem
+        type(contact_problem), intent(out) :: problem
+        !> Where its loop ended
+        type(loop_state), intent(out) :: state
+        !> What the caller sees of it
+        type(contact_result), intent(out) :: result
+        !> Why there is no state
+        type(error_type), allocatable, intent(out) :: error
+
+        call blank(result, size(normal_gaps), size(loads))
+        call check_choice(size(normal_gaps), structure, method, warm_pairs, error)
+        if (allocated(error)) return
+        call new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, structure, &
+            & problem, error)
+        if (allocated(error)) return
+        if (.not. same_loads(problem, loads)) then
+            call fatal_error(error, out_of_range, 'other units: these are lost in scaling')
+            return
+        end if
+        if (method == method_paper) then
+            call run_paper(problem, compliance, result, error)
+        else
+            call run_ladder(problem, compliance, method, warm_pairs, state, result, error)
+        end if
+        if (.not. allocated(error)) then
+            if (all(abs(result%gaps) <= huge(1.0_wp))) return
+        end if
+        ! The loops read the columns that they need; the others matter only where they failed.
+        if (.not. is_finite_matrix(compliance)) then
+            call blank(result, size(normal_gaps), size(loads))
+            call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
+        end if
+    end subroutine solve_and_keep
+
+    !> A known structure and method, warm pairs that exist and differ.
+    pure subroutine check_choice(n, structure, method, warm_pairs, error)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Structure
+        integer, intent(in) :: structure
+        !> Method
+        integer, intent(in) :: method
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> What is wrong
+        type(error_type), allocatable, intent(out) :: error
+
+        logical, allocatable :: seen(:)
+        integer :: k
+
+        if (method < method_auto .or. method > method_primal) then
+            call fatal_error(error, invalid_input, 'method: expected one of the constants method_…')
+            return
+        else if (structure < general_matrix .or. structure > definite_part) then
+            call fatal_error(error, invalid_input, 'structure: expected a number from 0 to 3')
+            return
+        end if
+        allocate (seen(n), source=.false.)
+        do k = 1, size(warm_pairs)
+            if (warm_pairs(k) < 1 .or. warm_pairs(k) > n) then
+                call fatal_error(error, invalid_input, 'warm_pairs: expected numbers of pairs')
+                return
+            else if (seen(warm_pairs(k))) then
+                call fatal_error(error, invalid_input, 'warm_pairs: a pair stands in it twice')
+                return
+            end if
+            seen(warm_pairs(k)) = .true.
+        end do
+    end subroutine check_choice
+
+    !> The ladder from the given rung down. Where what a rung has found misses its equations by more
+    !> than rounding, more careful rungs begin afresh; the best of what they find is the answer.
+    pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
+        !> The problem and its K
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The method, not that of the paper
+        integer, intent(in) :: method
+        !> Pairs to begin with
+        integer, intent(in) :: warm_pairs(:)
+        !> Where the loop ended
+        type(loop_state), intent(out) :: state
+        !> What the caller sees of it
+        type(contact_result), intent(inout) :: result
+        !> Why there is none
+        type(error_type), allocatable, intent(out) :: error
+
+        type(ladder_end) :: ending
+        logical :: symmetric
+
+        symmetric = problem%symmetric
+        call climb(problem, compliance, method, warm_pairs, state, ending, error)
+        result%rung = ending%rung
+        result%none_proven = ending%none_proven
+        if (.not. allocated(error)) then
+            call report_state(problem, compliance, state, result)
+            if (.not. result%backward_error <= row_tolerance) then
+                call begin_afresh(problem, compliance, method, symmetric, state, result, error)
+            end if
+            if (.not. allocated(error)) then
+                call check_range(problem, state%forces, state%motion, result, error)
+            end if
+            return
+        end if
+        result%pivots = state%pivots
+        ! Of the rungs only the choice of the first pairs ends in the latter: a motion is loose.
+        if (error%code == no_contact_state .or. error%code == singular_contact) then
+            result%motion = problem%load_row_scale*state%motion
+        end if
+        if (error%code == no_contact_state) result%largest_part = ending%largest_part
+    end subroutine run_ladder
+
+    !> Other rungs, where what was found misses its equations.
+    pure subroutine begin_afresh(problem, compliance, method, symmetric, state, result, error)
+        !> The problem and its K
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The method
+        integer, intent(in) :: method
+        !> K is symmetric
+        logical, intent(in) :: symmetric
+        !> Where a loop ended, the best one in the end
+        type(loop_state), intent(inout) :: state
+        !> What the caller sees of it
+        type(contact_result), intent(inout) :: result
+        !> None has found a state
+        type(error_type), allocatable, intent(out) :: error
+
+        type(contact_problem) :: other
+        type(loop_state) :: its_state
+        type(contact_result) :: its_result
+        integer :: k, pivots
+        integer, allocatable :: afresh(:)
+        type(ladder_end) :: ending
+
+        pivots = state%pivots
+        afresh = rungs_afresh(method)
+        ! No rung mends what is no number.
+        if (.not. result%backward_error <= huge(1.0_wp)) afresh = [integer ::]
+        do k = 1, size(afresh)
+            other = problem
+            other%symmetric = symmetric
+            other%spring = 0.0_wp
+            call measure_from_zero(other)
+            call blank(its_result, problem%n, problem%n_motions)
+            call climb(other, compliance, afresh(k), [integer ::], its_state, ending, error)
+            its_result%rung = ending%rung
+            pivots = pivots + its_state%pivots
+            if (allocated(error)) cycle
+            call report_state(other, compliance, its_state, its_result)
+            if (its_result%backward_error < result%backward_error) then
+                problem = other
+                state = its_state
+                result = its_result
+            end if
+            if (result%backward_error <= row_tolerance) exit
+        end do
+        if (allocated(error)) deallocate (error)
+        result%pivots = pivots
+        if (result%backward_error <= unmet) return
+        call blank(result, problem%n, problem%n_motions)
+        result%pivots = pivots
+        call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
+    end subroutine begin_afresh
+
+    !> A state that the caller's units have no room for is none.
+    pure subroutine check_range(problem, forces, motion, result, error)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled forces (n) and motion from the start (n_motions)
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: motion(:)
+        !> What the caller sees of it, blank if there is no room
+        type(contact_result), intent(inout) :: result
+        !> No room
+        type(error_type), allocatable, intent(out) :: error
+
+        if (is_in_range(problem, forces, motion, result)) return
+        call blank(result, problem%n, problem%n_motions)
+        call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
+    end subroutine check_range
+
+    !> The rungs that begin afresh, one after the other, where what was found misses its equations.
+    pure function rungs_afresh(method) result(rungs)
+        !> The method that was asked for
+        integer, intent(in) :: method
+        integer, allocatable :: rungs(:)
+
+        select case (method)
+        case (method_single, method_primal)
+            rungs = [method_pivoted, method_load_path]
+        case (method_pivoted)
+            rungs = [method_load_path]
+        case (method_load_path)
+            rungs = [method_pivoted]
+        case default
+            rungs = [method_single, method_pivoted, method_load_path]
+        end select
+    end function rungs_afresh
+
+    !> Method paper; a negative force in its final state is an error that carries the state.
+    pure subroutine run_paper(problem, compliance, result, error)
+        !> The problem and its K
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(contact_result), intent(inout) :: result
+        !> Why there is none, or that a force in it is negative
+        type(error_type), allocatable, intent(out) :: error
+
+        type(paper_state) :: state
+
+        call paper_loop(problem, compliance, state, error)
+        if (allocated(error)) result%none_proven = error%code == no_contact_state
+        if (allocated(error)) return
+        result%rung = method_paper
+        result%pivots = size(state%pairs)
+        result%refactorisations = state%refactorisations
+        result%growth = state%factor%growth
+        result%condition = state%condition
+        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
+        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
+            & result)
+        call check_range(problem, state%forces, state%motion, result, error)
+        if (allocated(error)) return
+        if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
+            call fatal_error(error, negative_force, 'the paper''s final state needs tension')
+        end if
+    end subroutine run_paper
+
+end module flankload_contact_loop

@@ -1,0 +1,347 @@
+!> The contact problem in its general form, scaled.
+!>
+!>     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   Rᵀ F = Q
+!>
+!> of which (16), (17) and (20) are the case of one motion: K = diag(b) A, g0 = b ε, B = b, R = m,
+!> q = φ, Q = M. All scales are powers of two, so that scaling rounds nothing.
+module flankload_contact_problem
+    use, intrinsic :: iso_fortran_env, only: int64
+    use flankload_kinds, only: wp
+    use flankload_status, only: invalid_input, invalid_scale
+    use flankload_error, only: error_type, fatal_error
+    use flankload_lapack, only: add_product
+    implicit none
+    private
+
+    public :: contact_problem
+    public :: new_contact_problem, shift_gaps, measure_from_zero, contact_gaps, find_recession
+    public :: row_size, least_row_sizes
+    public :: is_finite
+    public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
+    public :: row_tolerance
+
+    !> A scaled problem; the compliance itself stays where the caller has it.
+    !>
+    !> With D = row_scale, C = motion_scale, E = load_row_scale and λ = load_scale the scaled
+    !> quantities are K' = D K D, F' = F/(λ D), g' = D g/λ, B' = D B C, q' = q/(λ C), R' = D R E
+    !> and Q' = E Q/λ.
+    type :: contact_problem
+        !> Number of pairs and of motions
+        integer :: n = 0
+        integer :: n_motions = 0
+        !> K is symmetric
+        logical :: symmetric = .true.
+        !> The caller knows what uniqueness rests on: K (its symmetric part) is positive definite
+        logical :: definite = .false.
+        !> The same of a symmetric K, which stays so where a loop takes K as a general matrix
+        logical :: energy_bound = .false.
+        !> B = R
+        logical :: same_rows = .true.
+        !> Loads work through springs of this compliance where equations are solved, 0: none (see
+        !> `flankload_load_springs`); the problem is the same
+        real(wp) :: spring = 0.0_wp
+        !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
+        real(wp), allocatable :: row_scale(:)
+        real(wp), allocatable :: motion_scale(:)
+        real(wp), allocatable :: load_row_scale(:)
+        real(wp) :: load_scale = 1.0_wp
+        !> Scaled g0, and g0 - B q_start, shape (n)
+        real(wp), allocatable :: normal_gaps(:)
+        real(wp), allocatable :: gaps(:)
+        !> Scaled B and R, shape (n, n_motions)
+        real(wp), allocatable :: motions(:, :)
+        real(wp), allocatable :: load_rows(:, :)
+        !> Scaled Q, shape (n_motions)
+        real(wp), allocatable :: loads(:)
+        !> Scaled q_start, the motion at the start: small loads then lose no digits to large gaps
+        real(wp), allocatable :: start_motion(:)
+    end type contact_problem
+
+    !> What the caller says of K: nothing, that it is symmetric, also positive definite (any elastic
+    !> compliance is), or that the symmetric part of W K is positive definite (see `is_unique`).
+    integer, parameter :: general_matrix = 0
+    integer, parameter :: symmetric_matrix = 1
+    integer, parameter :: definite_matrix = 2
+    integer, parameter :: definite_part = 3
+
+    !> What rounding leaves in a row, relative to the row's own size.
+    real(wp), parameter :: row_tolerance = 10.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> Check and scale a problem.
+    pure subroutine new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
+        & structure, problem, error)
+        !> K [mm/N], shape (n, n); only its diagonal is looked at
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0 [mm], shape (n)
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B, lever of each pair on each motion, shape (n, n_motions)
+        real(wp), intent(in) :: motions(:, :)
+        !> R, part of each pair in each load, shape (n, n_motions)
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q, shape (n_motions)
+        real(wp), intent(in) :: loads(:)
+        !> What is known of K: one of the four constants above
+        integer, intent(in) :: structure
+        !> The scaled problem
+        type(contact_problem), intent(out) :: problem
+        !> Shapes that do not fit, numbers that are none, a diagonal that is not positive
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: i, c
+
+        call check_input(compliance, normal_gaps, motions, load_rows, loads, error)
+        if (allocated(error)) return
+        problem%n = size(normal_gaps)
+        problem%n_motions = size(loads)
+        problem%symmetric = structure == symmetric_matrix .or. structure == definite_matrix
+        problem%same_rows = .not. any(abs(motions - load_rows) > 0.0_wp)
+        problem%definite = structure == definite_matrix .or. structure == definite_part
+        problem%energy_bound = structure == definite_matrix
+        problem%row_scale = [(power_of_two(sqrt(compliance(i, i))), i=1, problem%n)]
+        allocate (problem%motions(problem%n, problem%n_motions))
+        allocate (problem%load_rows(problem%n, problem%n_motions))
+        allocate (problem%motion_scale(problem%n_motions))
+        allocate (problem%load_row_scale(problem%n_motions))
+        do c = 1, problem%n_motions
+            problem%motions(:, c) = problem%row_scale*motions(:, c)
+            problem%motion_scale(c) = power_of_two(maxval(abs(problem%motions(:, c))))
+            problem%motions(:, c) = problem%motion_scale(c)*problem%motions(:, c)
+            problem%load_rows(:, c) = problem%row_scale*load_rows(:, c)
+            problem%load_row_scale(c) = power_of_two(maxval(abs(problem%load_rows(:, c))))
+            problem%load_rows(:, c) = problem%load_row_scale(c)*problem%load_rows(:, c)
+        end do
+        problem%loads = problem%load_row_scale*loads
+        problem%gaps = problem%row_scale*normal_gaps
+        if (maxval(abs(problem%loads)) > 0.0_wp) then
+            problem%load_scale = 1.0_wp/power_of_two(maxval(abs(problem%loads)))
+        else
+            problem%load_scale = 1.0_wp/power_of_two(maxval(abs(problem%gaps)))
+        end if
+        problem%loads = problem%loads/problem%load_scale
+        problem%gaps = problem%gaps/problem%load_scale
+        problem%normal_gaps = problem%gaps
+        allocate (problem%start_motion(problem%n_motions), source=0.0_wp)
+    end subroutine new_contact_problem
+
+    !> Shapes that fit, finite numbers, a positive diagonal.
+    pure subroutine check_input(compliance, normal_gaps, motions, load_rows, loads, error)
+        !> K
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> g0
+        real(wp), intent(in) :: normal_gaps(:)
+        !> B
+        real(wp), intent(in) :: motions(:, :)
+        !> R
+        real(wp), intent(in) :: load_rows(:, :)
+        !> Q
+        real(wp), intent(in) :: loads(:)
+        !> What is wrong
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: n, i
+
+        n = size(normal_gaps)
+        if (n < 1 .or. size(loads) < 1) then
+            call fatal_error(error, invalid_input, 'expected at least one pair and one motion')
+        else if (any(shape(compliance) /= n)) then
+            call fatal_error(error, invalid_input, 'compliance: expected one row and column a pair')
+        else if (any(shape(motions) /= [n, size(loads)])) then
+            call fatal_error(error, invalid_input, 'motions: expected shape (pairs, loads)')
+        else if (any(shape(load_rows) /= [n, size(loads)])) then
+            call fatal_error(error, invalid_input, 'load_rows: expected shape (pairs, loads)')
+        else if (.not. (all(abs(normal_gaps) <= huge(1.0_wp)) .and. all(is_finite(loads)) &
+            & .and. all(abs(motions) <= huge(1.0_wp)) &
+            & .and. all(abs(load_rows) <= huge(1.0_wp)))) then
+            call fatal_error(error, invalid_input, 'expected finite numbers, found NaN or infinity')
+        end if
+        if (allocated(error)) return
+        if (.not. all([(is_finite(compliance(i, i)), i=1, n)])) then
+            call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
+        else if (.not. all([(compliance(i, i) > 0.0_wp, i=1, n)])) then
+            call fatal_error(error, invalid_scale, 'compliance: expected a positive diagonal')
+        end if
+    end subroutine check_input
+
+    !> Neither NaN nor infinite.
+    elemental function is_finite(number) result(finite)
+        !> Any number
+        real(wp), intent(in) :: number
+        logical :: finite
+
+        finite = abs(number) <= huge(1.0_wp)
+    end function is_finite
+
+    !> The power of two near 1/size, 1 where the size is zero.
+    elemental function power_of_two(size) result(scale_factor)
+        !> What shall be near one after scaling
+        real(wp), intent(in) :: size
+        real(wp) :: scale_factor
+
+        !> Where the exponent stands in a number of 64 bits, its width, and that of one
+        integer, parameter :: place = 52, width = 11
+        integer(int64), parameter :: of_one = 1023
+        integer(int64) :: field
+
+        scale_factor = 1.0_wp
+        if (.not. size > 0.0_wp) return
+        ! One of these for every row: in bits it takes a tenth of the time of scale and exponent.
+        field = ibits(transfer(size, 0_int64), place, width)
+        if (field > 0 .and. field < 2*of_one) then
+            scale_factor = transfer(shiftl(2*of_one - field, place), 1.0_wp)
+        else
+            scale_factor = scale(1.0_wp, min(1 - exponent(size), maxexponent(1.0_wp) - 1))
+        end if
+    end function power_of_two
+
+    !> Measure motions from here on: g0 := g0 - B q.
+    pure subroutine shift_gaps(problem, motion, touching)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> Scaled motion, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Pairs that touch by definition of this motion: their gap is zero without rounding
+        integer, intent(in) :: touching(:)
+
+        problem%start_motion = problem%start_motion + motion
+        ! From the caller's gaps each time: an earlier start that was far off leaves no rounding.
+        problem%gaps = problem%normal_gaps - matmul(problem%motions, problem%start_motion)
+        problem%gaps(touching) = 0.0_wp
+    end subroutine shift_gaps
+
+    !> Measure motions from zero, as the caller does.
+    pure subroutine measure_from_zero(problem)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+
+        problem%gaps = problem%normal_gaps
+        problem%start_motion = 0.0_wp
+    end subroutine measure_from_zero
+
+    !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it.
+    pure subroutine contact_gaps(problem, compliance, forces, motion, gaps)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, zero for pairs that are not active, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Scaled gaps, shape (n)
+        real(wp), contiguous, intent(out) :: gaps(:)
+
+        integer :: c
+
+        call find_recession(problem, compliance, forces, gaps)
+        gaps = gaps + problem%gaps
+        do c = 1, problem%n_motions
+            gaps = gaps - problem%motions(:, c)*motion(c)   ! Eq. (18), row i times b_i
+        end do
+    end subroutine contact_gaps
+
+    !> Scaled recession K F. One product per run of active columns, since active pairs are mostly
+    !> neighbours.
+    pure subroutine find_recession(problem, compliance, forces, recession)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, zero for pairs that are not active, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled recession, shape (n)
+        real(wp), contiguous, intent(out) :: recession(:)
+
+        integer :: first, last
+        real(wp), allocatable :: columns(:)
+
+        columns = problem%row_scale*forces
+        recession = 0.0_wp
+        last = 0
+        do
+            first = last + 1
+            do while (first <= problem%n)
+                if (abs(forces(first)) > 0.0_wp) exit
+                first = first + 1
+            end do
+            if (first > problem%n) exit
+            last = first
+            do while (last < problem%n)
+                if (.not. abs(forces(last + 1)) > 0.0_wp) exit
+                last = last + 1
+            end do
+            call add_product(compliance, first, last, columns, recession)
+        end do
+        recession = problem%row_scale*recession
+    end subroutine find_recession
+
+    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, motions measured from the start or from
+    !> zero, whichever is less: small loads at large gaps are resolved, large starts excuse nothing.
+    pure function row_size(problem, compliance, forces, motion, pairs, i) result(total)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K as the caller has it
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Scaled forces, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> The active pairs
+        integer, intent(in) :: pairs(:)
+        !> Number of the row
+        integer, intent(in) :: i
+        real(wp) :: total
+
+        integer :: k
+
+        total = 0.0_wp
+        do k = 1, size(pairs)
+            ! In this order nothing overflows that is small when scaled.
+            total = total + abs(compliance(i, pairs(k)) &
+                & *(forces(pairs(k))*problem%row_scale(pairs(k))))
+        end do
+        total = problem%row_scale(i)*total + min( &
+            & abs(problem%gaps(i)) + dot_product(abs(problem%motions(i, :)), abs(motion)), &
+            & abs(problem%normal_gaps(i)) + dot_product(abs(problem%motions(i, :)), &
+            & abs(problem%start_motion + motion)))
+    end function row_size
+
+    !> Lower bounds of all row sizes without a look at K: |Σ K_ij F_j|, which the gaps contain, in
+    !> place of Σ|K_ij| F_j. Equal where no influence is negative.
+    pure subroutine least_row_sizes(problem, gaps, motion, sizes)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Scaled gaps at this motion, shape (n)
+        real(wp), intent(in) :: gaps(:)
+        !> Scaled motion from the start, shape (n_motions)
+        real(wp), intent(in) :: motion(:)
+        !> Sizes, shape (n)
+        real(wp), intent(out) :: sizes(:)
+
+        integer :: c, i
+        real(wp) :: moved, covered, from_start, from_zero
+
+        if (problem%n_motions == 1) then
+            sizes = abs(gaps - problem%gaps + problem%motions(:, 1)*motion(1)) &
+                & + min(abs(problem%gaps) + abs(problem%motions(:, 1)*motion(1)), &
+                & abs(problem%normal_gaps) &
+                & + abs(problem%motions(:, 1)*(problem%start_motion(1) + motion(1))))
+            return
+        end if
+        do i = 1, problem%n
+            moved = 0.0_wp
+            from_start = abs(problem%gaps(i))
+            from_zero = abs(problem%normal_gaps(i))
+            do c = 1, problem%n_motions
+                covered = problem%motions(i, c)*motion(c)
+                moved = moved + covered
+                from_start = from_start + abs(covered)
+                from_zero = from_zero &
+                    & + abs(problem%motions(i, c)*(problem%start_motion(c) + motion(c)))
+            end do
+            sizes(i) = abs(gaps(i) - problem%gaps(i) + moved) + min(from_start, from_zero)
+        end do
+    end subroutine least_row_sizes
+
+end module flankload_contact_problem

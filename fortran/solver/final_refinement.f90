@@ -1,0 +1,245 @@
+!> The end of a contact loop: is a pair open, and what do the final equations still lack.
+module flankload_final_refinement
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
+        & least_row_sizes, row_tolerance
+    use flankload_zero_force, only: pulls
+    use flankload_bordered_system, only: drop_pair, factor_pairs_anew
+    use flankload_bordered_solution, only: solve_bordered, bordered_condition
+    use flankload_loop_start, only: loop_state
+    use flankload_held_loads, only: holds_loads
+    use flankload_force_remains, only: clear_remains, clear_rounding
+    use flankload_extended_residual, only: extended_lack
+    implicit none
+    private
+
+    public :: first_to_vanish, most_open_pair, is_open, finish
+
+    !> A start this many times as far as the end is too far to measure from.
+    real(wp), parameter :: far_start = 1.5_wp
+    !> Refinements of the final equations, one always, more where the rows are not yet met
+    integer, parameter :: max_refinements = 3
+    !> From this condition on, and where rows or loads are not met, the residual is taken in twice
+    !> the working precision, so many times at most.
+    real(wp), parameter :: ill_conditioned = 1.0e8_wp
+    integer, parameter :: max_extended = 20
+    !> What rows and loads may lack here: half of what the certificate allows, which is summed up
+    !> with rounding itself
+    real(wp), parameter :: met_tolerance = 0.5_wp*row_tolerance
+    !> Forces below this part of the largest are not refined for their own sake.
+    real(wp), parameter :: least_part = epsilon(1.0_wp)**2
+
+contains
+
+    !> Which force first becomes zero on the way to the target.
+    pure subroutine first_to_vanish(problem, pairs, forces, target, pinned, leaving, way)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The pairs in contact
+        integer, intent(in) :: pairs(:)
+        !> Forces now and at the end of the way
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: target(:)
+        !> Those that may not leave
+        logical, intent(in) :: pinned(:)
+        !> Place of that force, 0 if none is negative at the end
+        integer, intent(out) :: leaving
+        !> Part of the way
+        real(wp), intent(out) :: way
+
+        integer :: k
+        real(wp) :: part
+        logical, allocatable :: negative(:)
+
+        negative = pulls(problem, pairs, target)
+        leaving = 0
+        way = 1.0_wp
+        do k = 1, size(forces)
+            if (.not. negative(k) .or. pinned(k)) cycle
+            part = forces(k)/(forces(k) - target(k))
+            if (leaving > 0) then
+                if (part > way) cycle
+                if (part >= way .and. target(k) > target(leaving)) cycle
+            end if
+            leaving = k
+            way = part
+        end do
+    end subroutine first_to_vanish
+
+    !> The most open pair, (31); 0 if none is open beyond the rounding of its row.
+    pure subroutine most_open_pair(problem, compliance, state, joining)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state; its gaps are computed here
+        type(loop_state), intent(inout) :: state
+        !> Number of the pair
+        integer, intent(out) :: joining
+
+        integer :: i
+        logical, allocatable :: candidate(:)
+        real(wp), allocatable :: sizes(:)
+
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+        allocate (sizes(problem%n))
+        call least_row_sizes(problem, state%gaps, state%motion, sizes)
+        candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting
+        candidate(state%system%pairs) = .false.
+        joining = 0
+        do
+            i = minloc(state%gaps, dim=1, mask=candidate)
+            if (i == 0) exit
+            if (is_open(problem, compliance, state, i, row_tolerance)) then
+                joining = i
+                return
+            end if
+            candidate(i) = .false.
+        end do
+    end subroutine most_open_pair
+
+    !> Whether a gap is negative beyond rounding.
+    pure function is_open(problem, compliance, state, i, tolerance) result(open)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(in) :: state
+        !> Number of the pair
+        integer, intent(in) :: i
+        !> Rounding relative to the size of the row
+        real(wp), intent(in) :: tolerance
+        logical :: open
+
+        open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
+            & state%motion, state%system%pairs, i)
+    end function is_open
+
+    !> Measure motions from where they are now, where the start was so far off that its size, not
+    !> that of the caller's rows, would set the rounding.
+    pure subroutine measure_from_here(problem, compliance, state)
+        !> The problem and its K
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+
+        integer, allocatable :: nothing(:)
+
+        if (all(abs(problem%start_motion) <= &
+            & far_start*abs(problem%start_motion + state%motion))) return
+        allocate (nothing(0))
+        call shift_gaps(problem, state%motion, nothing)
+        state%motion = 0.0_wp
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+    end subroutine measure_from_here
+
+    !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
+    pure subroutine finish(problem, compliance, state, joining, done)
+        !> The problem and its K
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> A pair that turns out to be open, else 0
+        integer, intent(out) :: joining
+        !> False if a pair has to join or leave
+        logical, intent(out) :: done
+
+        integer :: step, k, leaving
+        real(wp) :: way
+        real(wp), allocatable :: forces(:), motion(:), sizes(:)
+        logical :: solved, met
+
+        joining = 0
+        call measure_from_here(problem, compliance, state)
+        allocate (sizes(problem%n))
+        do step = 1, max_refinements
+            if (step == max_refinements) then
+                call factor_pairs_anew(state%system, problem, compliance, solved)
+            end if
+            associate (pairs => state%system%pairs)
+                call solve_bordered(state%system, problem, -state%gaps(pairs), &
+                    & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
+                    & forces, motion, solved)
+                forces = state%forces(pairs) + forces
+                call first_to_vanish(problem, pairs, state%forces(pairs), forces, &
+                    & state%pinned(pairs), leaving, way)
+                done = leaving == 0
+                if (.not. done) exit
+                state%forces(pairs) = max(forces, 0.0_wp)
+                state%motion = state%motion + motion
+                call most_open_pair(problem, compliance, state, joining)
+                done = joining == 0
+                if (.not. done) return
+                call least_row_sizes(problem, state%gaps, state%motion, sizes)
+                met = holds_loads(problem, pairs, state%forces(pairs), met_tolerance)
+                do k = 1, size(pairs)
+                    if (abs(state%gaps(pairs(k))) <= met_tolerance*sizes(pairs(k))) cycle
+                    met = met .and. abs(state%gaps(pairs(k))) <= met_tolerance*row_size(problem, &
+                        & compliance, state%forces, state%motion, pairs, pairs(k))
+                end do
+            end associate
+            if (met) exit
+        end do
+        if (done) then
+            state%condition = bordered_condition(state%system, problem, compliance, state%tangent)
+            if (state%condition > ill_conditioned .or. .not. met) then
+                call refine_extended(problem, compliance, state)
+            end if
+            call clear_remains(problem, state)
+            call clear_rounding(problem, compliance, state)
+            return
+        end if
+        ! A force that was positive before the refinement is negative after it.
+        state%left_last = state%system%pairs(leaving)
+        state%forces(state%left_last) = 0.0_wp
+        call drop_pair(state%system, problem, compliance, leaving, solved)
+        state%pivots = state%pivots + 1
+    end subroutine finish
+
+    !> Refine on in twice the working precision: forces that no equation within rounding of these
+    !> would tell apart get the digits of the very numbers given. Kept only where every force stays
+    !> positive and no pair opens.
+    pure subroutine refine_extended(problem, compliance, state)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+
+        integer :: step, joining
+        real(wp) :: change, before
+        real(wp), allocatable :: r(:), s(:), forces(:), motion(:), old_forces(:), old_motion(:)
+        logical :: solved
+
+        old_forces = state%forces
+        old_motion = state%motion
+        before = huge(1.0_wp)
+        allocate (r(size(state%system%pairs)), s(problem%n_motions))
+        associate (pairs => state%system%pairs)
+            do step = 1, max_extended
+                call extended_lack(problem, compliance, pairs, state%forces(pairs), &
+                    & state%motion, r, s)
+                call solve_bordered(state%system, problem, r, s, forces, motion, solved)
+                ! Little forces, too: their digits alone meet rows and loads without large ones.
+                change = maxval(abs(forces)/max(abs(state%forces(pairs)), &
+                    & least_part*maxval(state%forces(pairs)), tiny(1.0_wp)))
+                ! Also with NaN
+                if (.not. (solved .and. change < 0.5_wp*before)) exit
+                before = change
+                state%forces(pairs) = state%forces(pairs) + forces
+                state%motion = state%motion + motion
+                if (change <= epsilon(1.0_wp)) exit
+            end do
+            joining = 0
+            if (minval(state%forces(pairs)) > 0.0_wp) then
+                call most_open_pair(problem, compliance, state, joining)
+                if (joining == 0) return
+            end if
+        end associate
+        state%forces = old_forces
+        state%motion = old_motion
+        call most_open_pair(problem, compliance, state, joining)
+    end subroutine refine_extended
+
+end module flankload_final_refinement

@@ -1,0 +1,85 @@
+!> What rounding has left of forces that are none, at the end of a contact loop.
+module flankload_force_remains
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
+        & row_size, row_tolerance
+    use flankload_zero_force, only: is_noticed
+    use flankload_held_loads, only: holds_loads
+    use flankload_loop_start, only: loop_state
+    implicit none
+    private
+
+    public :: clear_remains, clear_rounding
+
+    !> A force so much less than the largest (without loads: than what closes the largest gap),
+    !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
+    !> limit.
+    real(wp), parameter :: no_force = 1.0e-24_wp
+    real(wp), parameter :: no_force_limit = 1.0e-18_wp
+
+contains
+
+    !> Pairs that only hold a motion in place, with no load on it, carry nothing.
+    pure subroutine clear_remains(problem, state)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The state
+        type(loop_state), intent(inout) :: state
+
+        real(wp) :: largest
+        logical, allocatable :: remains(:)
+
+        largest = maxval(state%forces)
+        if (all(abs(problem%loads) <= 0.0_wp)) then
+            largest = max(largest, maxval(abs(problem%normal_gaps)))
+        end if
+        associate (pairs => state%system%pairs)
+            remains = state%forces(pairs) <= min(no_force*state%condition, no_force_limit)*largest
+            if (.not. any(remains)) return
+            remains = remains .and. .not. &
+                & is_noticed(problem, pairs, state%forces(pairs), remains)
+            state%forces(pack(pairs, remains)) = 0.0_wp
+        end associate
+    end subroutine clear_remains
+
+    !> Where a load is not held that only little forces work on, these are rounding: the loads on
+    !> which large forces work, too, cannot tell them. They are none if without them the loads are
+    !> held and the pairs still touch, to the rounding of the caller's rows.
+    pure subroutine clear_rounding(problem, compliance, state)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+
+        type(contact_problem) :: original
+        integer :: k
+        logical :: sound
+        logical, allocatable :: little(:)
+        real(wp), allocatable :: old_forces(:), old_gaps(:)
+
+        associate (pairs => state%system%pairs)
+            if (holds_loads(problem, pairs, state%forces(pairs), row_tolerance)) return
+            little = state%forces(pairs) <= row_tolerance*maxval(state%forces)
+            little = little .and. .not. is_noticed(problem, pairs, state%forces(pairs), little)
+            old_forces = state%forces
+            old_gaps = state%gaps
+            state%forces(pack(pairs, little)) = 0.0_wp
+            sound = holds_loads(problem, pairs, state%forces(pairs), row_tolerance)
+            if (sound) then
+                call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+                original = problem
+                call measure_from_zero(original)
+                do k = 1, size(pairs)
+                    sound = sound .and. abs(state%gaps(pairs(k))) <= row_tolerance*row_size( &
+                        & original, compliance, state%forces, problem%start_motion + state%motion, &
+                        & pairs, pairs(k))
+                end do
+            end if
+        end associate
+        if (sound) return
+        state%forces = old_forces
+        state%gaps = old_gaps
+    end subroutine clear_rounding
+
+end module flankload_force_remains

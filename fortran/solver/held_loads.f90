@@ -1,0 +1,77 @@
+!> Whether forces hold the loads, and what is done where cancellation has lost them.
+module flankload_held_loads
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_bordered_system, only: bordered_system
+    use flankload_bordered_solution, only: solve_bordered
+    use flankload_extended_residual, only: extended_lack
+    implicit none
+    private
+
+    public :: holds_loads, hold_loads_again
+
+    !> Forces that hold the loads no better than this are refined before they decide anything.
+    real(wp), parameter :: lost = 1.0e-9_wp
+    !> Refinements at most
+    integer, parameter :: most_steps = 3
+
+contains
+
+    !> Whether forces hold every load to the rounding of what works on it.
+    pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The pairs in contact
+        integer, intent(in) :: pairs(:)
+        !> Their scaled forces
+        real(wp), intent(in) :: forces(:)
+        !> Rounding, relative to the size of what works on a load
+        real(wp), intent(in) :: tolerance
+        logical :: holds
+
+        integer :: c, k
+        real(wp) :: part, held, work
+
+        holds = .true.
+        do c = 1, problem%n_motions
+            held = -problem%loads(c)
+            work = abs(held)
+            do k = 1, size(pairs)
+                part = problem%load_rows(pairs(k), c)*forces(k)
+                held = held + part
+                work = work + abs(part)
+            end do
+            holds = abs(held) <= tolerance*work
+            if (.not. holds) return
+        end do
+    end function holds_loads
+
+    !> Small loads at large gaps: the motions that close these have no digits for what the loads
+    !> press together. With several motions forces found from them are refined.
+    pure subroutine hold_loads_again(problem, compliance, system, forces, motion)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs in contact with their factor
+        type(bordered_system), intent(inout) :: system
+        !> Their scaled forces, and the motion from the start, as they were solved for
+        real(wp), intent(inout) :: forces(:)
+        real(wp), intent(inout) :: motion(:)
+
+        integer :: step
+        logical :: solved
+        real(wp), allocatable :: more_force(:), more_motion(:), r(:), s(:)
+
+        if (problem%n_motions == 1) return
+        do step = 1, most_steps
+            if (holds_loads(problem, system%pairs, forces, lost)) return
+            if (.not. allocated(r)) allocate (r(size(forces)), s(size(motion)))
+            call extended_lack(problem, compliance, system%pairs, forces, motion, r, s)
+            call solve_bordered(system, problem, r, s, more_force, more_motion, solved)
+            if (.not. solved) return
+            forces = forces + more_force
+            motion = motion + more_motion
+        end do
+    end subroutine hold_loads_again
+
+end module flankload_held_loads

@@ -1,0 +1,160 @@
+!> How the contact loop begins: cold with the first pairs, or warm with a given set.
+module flankload_loop_start
+    use flankload_kinds, only: wp
+    use flankload_status, only: no_contact_state, singular_contact
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
+    use flankload_zero_force, only: pulls
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+        & append_block, drop_pairs
+    use flankload_bordered_solution, only: solve_bordered
+    use flankload_held_loads, only: hold_loads_again
+    use flankload_sure_proof, only: loads_are_too_much
+    use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
+    implicit none
+    private
+
+    public :: loop_state
+    public :: start_loop, start_cold, start_warm, shed_pulling
+
+    !> What the loop works on; all scaled.
+    type :: loop_state
+        type(bordered_system) :: system
+        !> Forces (n), gaps (n), motion from the start (n_motions)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: motion(:)
+        !> d motion / d load, shape (n_motions, n_motions)
+        real(wp), allocatable :: tangent(:, :)
+        !> Rows are exchanged at every factorisation
+        logical :: pivoted = .false.
+        !> Condition of the final equations
+        real(wp) :: condition = 1.0_wp
+        !> Pairs that joined or left
+        integer :: pivots = 0
+        !> Pairs that joined and had to leave at once; they wait until the forces have changed
+        logical, allocatable :: waiting(:)
+        !> The pair that left last, 0 if it may not come back
+        integer :: left_last = 0
+        !> Pairs without which a motion would be loose: the loads alone say what they carry
+        logical, allocatable :: pinned(:)
+        !> No forces hold the loads for certain
+        logical :: none_proven = .false.
+    end type loop_state
+
+contains
+
+    !> Choose the first pairs and measure motions from where they touch.
+    pure subroutine start_loop(problem, first, first_forces, state, error)
+        !> The problem
+        type(contact_problem), intent(inout) :: problem
+        !> First pairs and their forces, shape (n_motions)
+        integer, allocatable, intent(out) :: first(:)
+        real(wp), allocatable, intent(out) :: first_forces(:)
+        !> The state, without pairs
+        type(loop_state), intent(out) :: state
+        !> The loads cannot be held, or a motion is loose
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: outcome
+        real(wp), allocatable :: motion(:), missed(:), sizes(:)
+
+        call load_vertex(problem, first, first_forces, motion, outcome)
+        allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
+        allocate (state%waiting(problem%n), state%pinned(problem%n), source=.false.)
+        allocate (state%motion(problem%n_motions), source=0.0_wp)
+        if (outcome == vertex_infeasible) then
+            state%motion = motion
+            state%none_proven = loads_are_too_much(problem, first, motion)
+            call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
+        else if (outcome /= vertex_found) then
+            state%motion = motion
+            call fatal_error(error, singular_contact, 'a motion is held by no pair')
+        else
+            ! Where a pair of them has no lever that closes it, the motion takes it to no contact.
+            missed = problem%gaps(first) - matmul(problem%motions(first, :), motion)
+            sizes = abs(problem%gaps(first)) + matmul(abs(problem%motions(first, :)), abs(motion))
+            call shift_gaps(problem, motion, pack(first, abs(missed) <= row_tolerance*sizes))
+        end if
+    end subroutine start_loop
+
+    !> Begin with the first pairs.
+    pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> First pairs and their forces
+        integer, intent(in) :: first(:)
+        real(wp), intent(in) :: first_forces(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if the pairs depend on each other
+        logical, intent(out) :: ready
+
+        integer :: k
+
+        state%system = new_bordered_system(problem%symmetric, state%pivoted)
+        state%forces = 0.0_wp
+        ready = .true.
+        do k = 1, size(first)
+            if (ready) call append_pair(state%system, problem, compliance, first(k), ready)
+            state%forces(first(k)) = first_forces(k)
+        end do
+        state%pivots = state%pivots + size(first)
+    end subroutine start_cold
+
+    !> Begin with a given set: factor it as a block and let pairs go until no force is negative.
+    pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs
+        integer, intent(in) :: warm_pairs(:)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if no part of the set holds the loads
+        logical, intent(out) :: ready
+
+        integer :: n_left
+
+        state%system = new_bordered_system(problem%symmetric, state%pivoted)
+        call append_block(state%system, problem, compliance, warm_pairs, ready)
+        if (ready) call shed_pulling(problem, compliance, state, n_left, ready)
+    end subroutine start_warm
+
+    !> Solve for the pairs of the system and let those that pull leave, until none does.
+    pure subroutine shed_pulling(problem, compliance, state, n_left, ready)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> Number of pairs that left
+        integer, intent(out) :: n_left
+        !> False if no part of the pairs holds the loads
+        logical, intent(out) :: ready
+
+        logical, allocatable :: negative(:)
+        real(wp), allocatable :: forces(:), motion(:)
+
+        n_left = 0
+        state%forces = 0.0_wp
+        do
+            ready = size(state%system%pairs) >= problem%n_motions
+            if (.not. ready) return
+            call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
+                & problem%loads, forces, motion, ready, state%tangent)
+            if (.not. ready) return
+            call hold_loads_again(problem, compliance, state%system, forces, motion)
+            negative = pulls(problem, state%system%pairs, forces)
+            if (.not. any(negative)) exit
+            call drop_pairs(state%system, problem, compliance, negative, ready)
+            if (.not. ready) return
+            n_left = n_left + count(negative)
+        end do
+        state%pivots = state%pivots + n_left
+        state%forces(state%system%pairs) = max(forces, 0.0_wp)
+        state%motion = motion
+    end subroutine shed_pulling
+
+end module flankload_loop_start

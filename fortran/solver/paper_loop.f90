@@ -1,0 +1,229 @@
+!> The paper's own loop (section 3.3, Fig. 6): pairs only join, φ is eliminated by the first row.
+!>
+!> Three departures from the print, without which it is silently wrong: the least gap angle is
+!> subtracted first and put back into φ, row 1 of (32) and (26) take the torque row m, and (34)
+!> keeps Σ a_ij F_j. A negative force in the final state is reported by the caller.
+module flankload_paper_loop
+    use flankload_kinds, only: wp
+    use flankload_status, only: singular_contact, invalid_input, invalid_scale
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
+        & row_tolerance
+    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, factor_anew, &
+        & solve_factored, estimate_condition
+    implicit none
+    private
+
+    public :: paper_state
+    public :: paper_loop
+
+    !> What the loop works on; all scaled.
+    type :: paper_state
+        !> Factor of the matrix of (32)
+        type(kept_factor) :: factor
+        !> Pairs in contact s_1, s_2, … in the order in which they joined
+        integer, allocatable :: pairs(:)
+        !> Forces (n), gaps (n), motion from the start (1)
+        real(wp), allocatable :: forces(:)
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: motion(:)
+        !> dφ/dM, shape (1, 1)
+        real(wp), allocatable :: tangent(:, :)
+        !> Condition of (32), its rows scaled
+        real(wp) :: condition = 1.0_wp
+        integer :: refactorisations = 0
+    end type paper_state
+
+    !> The same limit as for the bordered system.
+    real(wp), parameter :: growth_limit = 1.0e3_wp
+
+contains
+
+    !> Run the loop.
+    pure subroutine paper_loop(problem, compliance, state, error)
+        !> The problem, of one motion; its motion is measured from the first touch
+        type(contact_problem), intent(inout) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state, perhaps with negative forces
+        type(paper_state), intent(out) :: state
+        !> More than one motion, row levers that are not positive, or singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: first, joining
+
+        if (problem%n_motions /= 1) then
+            call fatal_error(error, invalid_input, 'method paper: expected one motion')
+            return
+        else if (.not. all(problem%motions(:, 1) > 0.0_wp)) then
+            call fatal_error(error, invalid_scale, 'method paper: expected row levers > 0')
+            return
+        end if
+        allocate (state%forces(problem%n), state%gaps(problem%n), state%motion(1), source=0.0_wp)
+        allocate (state%tangent(1, 1), source=0.0_wp)
+        state%factor = new_kept_factor(symmetric=.false.)
+        ! The least gap angle, so that (25) holds for the first pair.
+        first = minloc(problem%gaps/problem%motions(:, 1), dim=1)
+        call shift_gaps(problem, [problem%gaps(first)/problem%motions(first, 1)], [first])
+        state%pairs = [first]
+        joining = 0
+        do
+            call extend_equations(problem, compliance, state, error)
+            if (allocated(error)) return
+            call solve_equations(problem, compliance, state)
+            joining = least_gap_angle(problem, compliance, state)  ! Eq. (30), (31)
+            if (joining == 0) exit
+            state%pairs = [state%pairs, joining]
+        end do
+        call refine(problem, compliance, state)
+    end subroutine paper_loop
+
+    !> One row of the matrix of (32): the torque row for the first pair, (28) for the others.
+    pure function reduced_row(problem, compliance, state, i, columns) result(row)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(in) :: state
+        !> Number of the pair of the row
+        integer, intent(in) :: i
+        !> Numbers of the pairs of the columns
+        integer, intent(in) :: columns(:)
+        real(wp), allocatable :: row(:)
+
+        integer :: first
+
+        first = state%pairs(1)
+        if (i == first) then
+            row = problem%load_rows(columns, 1)  ! Eq. (17)
+        else
+            ! Eq. (28), each row times its own b_i: a_ij - a_s1j
+            row = problem%row_scale(columns)*(problem%row_scale(i)*compliance(i, columns) &
+                & - problem%motions(i, 1)/problem%motions(first, 1) &
+                & *problem%row_scale(first)*compliance(first, columns))
+        end if
+    end function reduced_row
+
+    !> Extend (32) by the row and column of the last pair.
+    pure subroutine extend_equations(problem, compliance, state, error)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(inout) :: state
+        !> Singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: k, r, last
+        logical :: accepted
+        real(wp), allocatable :: column(:), row(:), matrix(:, :)
+
+        k = size(state%pairs)
+        last = state%pairs(k)
+        row = reduced_row(problem, compliance, state, last, state%pairs)
+        column = [(reduced_row(problem, compliance, state, state%pairs(r), [last]), r=1, k - 1)]
+        call extend(state%factor, column, row(:k - 1), row(k), accepted)
+        if (.not. accepted .or. state%factor%growth > growth_limit) then
+            allocate (matrix(k, k))
+            do r = 1, k
+                matrix(r, :) = reduced_row(problem, compliance, state, state%pairs(r), state%pairs)
+            end do
+            call factor_anew(state%factor, matrix, accepted)
+            state%refactorisations = state%refactorisations + 1
+        end if
+        if (.not. accepted) then
+            call fatal_error(error, singular_contact, 'the equations (32) are singular')
+        end if
+    end subroutine extend_equations
+
+    !> Solve (32), then φ and the final gaps.
+    pure subroutine solve_equations(problem, compliance, state)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(inout) :: state
+
+        real(wp), allocatable :: x(:, :)
+
+        allocate (x(size(state%pairs), 1))
+        x(:, 1) = -problem%gaps(state%pairs)
+        x(1, 1) = problem%loads(1)
+        call solve_factored(state%factor, x)  ! Eq. (26), (32)
+        state%forces(state%pairs) = x(:, 1)
+        state%motion = rotation(problem, compliance, state, x(:, 1))   ! Eq. (27), (33)
+        ! Eq. (34) with the sum that the print drops
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+    end subroutine solve_equations
+
+    !> φ from the row of the first pair, (27) and (33).
+    pure function rotation(problem, compliance, state, forces) result(motion)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(in) :: state
+        !> Scaled forces of its pairs
+        real(wp), intent(in) :: forces(:)
+        real(wp) :: motion
+
+        integer :: first
+
+        first = state%pairs(1)
+        motion = dot_product(compliance(first, state%pairs), &
+            & problem%row_scale(state%pairs)*forces)*problem%row_scale(first) &
+            & /problem%motions(first, 1)
+    end function rotation
+
+    !> The pair with the least final gap angle, 0 if none is negative beyond rounding.
+    pure function least_gap_angle(problem, compliance, state) result(joining)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(in) :: state
+        integer :: joining
+
+        logical, allocatable :: candidate(:)
+
+        candidate = state%gaps < 0.0_wp
+        candidate(state%pairs) = .false.
+        do
+            joining = minloc(state%gaps/problem%motions(:, 1), dim=1, mask=candidate)
+            if (joining == 0) return
+            if (state%gaps(joining) < -row_tolerance*row_size(problem, compliance, state%forces, &
+                & state%motion, state%pairs, joining)) return
+            candidate(joining) = .false.
+        end do
+    end function least_gap_angle
+
+    !> One refinement of the final equations, their condition and dφ/dM.
+    pure subroutine refine(problem, compliance, state)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(paper_state), intent(inout) :: state
+
+        integer :: k, r
+        real(wp), allocatable :: x(:, :), matrix(:, :)
+
+        k = size(state%pairs)
+        allocate (x(k, 2), source=0.0_wp)
+        x(:, 1) = -state%gaps(state%pairs)
+        x(1, 1) = problem%loads(1) &
+            & - dot_product(problem%load_rows(state%pairs, 1), state%forces(state%pairs))
+        x(1, 2) = 1.0_wp
+        call solve_factored(state%factor, x)
+        state%forces(state%pairs) = state%forces(state%pairs) + x(:, 1)
+        state%motion = rotation(problem, compliance, state, state%forces(state%pairs))
+        state%tangent = rotation(problem, compliance, state, x(:, 2))
+        call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
+        allocate (matrix(k, k))
+        do r = 1, k
+            matrix(r, :) = reduced_row(problem, compliance, state, state%pairs(r), state%pairs)
+        end do
+        state%condition = estimate_condition(state%factor, maxval(sum(abs(matrix), dim=1)))
+    end subroutine refine
+
+end module flankload_paper_loop

@@ -1,0 +1,321 @@
+!> The equations of one step of a load path, kept factored while pairs change sides.
+!>
+!>     [ K_aa  -B_a  -c_a ] [F]   [ -g_a ]
+!>     [ R_aᵀ    0   -Q1  ] [q] = [  Q0  ]
+!>     [     driver       ] [λ]   [  t   ]
+!>
+!> The factor, with exchange of rows, is that of an earlier set. It is bordered by what has changed
+!> since: a pair that joined brings its force and the condition gap = 0, one that left brings its
+!> gap and the condition force = 0, and the present driver takes the place of the kept one.
+module flankload_path_factor
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    implicit none
+    private
+
+    public :: path_problem, path_factor, path_unknowns
+    public :: change_sides, factor_line, border_line
+
+    !> So many pairs may change sides before the present set is factored.
+    integer, parameter :: most_changes = 16
+    !> Fewer equations than this are quicker factored than bordered.
+    integer, parameter :: few_equations = 16
+    !> What is followed: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
+    type :: path_problem
+        real(wp), allocatable :: gaps(:)
+        real(wp), allocatable :: cover(:)
+        real(wp), allocatable :: base_loads(:)
+        real(wp), allocatable :: loads(:)
+    end type path_problem
+
+    !> The factored equations of an earlier set, and what has changed since.
+    type :: path_factor
+        !> Pairs that are active now, shape (n)
+        logical, allocatable :: active(:)
+        !> The kept set, its factor and its solutions for both right-hand sides; the second is also
+        !> what a unit of its driver brings
+        integer, allocatable :: pairs(:)
+        real(wp), allocatable :: matrix(:, :)
+        integer, allocatable :: swaps(:)
+        real(wp), allocatable :: solution(:, :)
+        !> Pairs that have changed sides since, -1 of them: too many. For each: what a unit of its
+        !> new unknown takes from the kept unknowns, and the row that its condition puts on these.
+        integer :: n_changed = -1
+        integer :: changed(most_changes) = 0
+        real(wp), allocatable :: columns(:, :)
+        real(wp), allocatable :: rows(:, :)
+    end type path_factor
+
+    !> Unknowns at the start of a line and their change along it.
+    type :: path_unknowns
+        !> Scaled forces, shape (n, 2), and motion, shape (n_motions, 2)
+        real(wp), allocatable :: forces(:, :)
+        real(wp), allocatable :: motion(:, :)
+        !> λ, shape (2)
+        real(wp), allocatable :: part(:)
+    end type path_unknowns
+
+contains
+
+    !> Let a pair join the active ones or leave them.
+    pure subroutine change_sides(problem, compliance, way, pair, factor)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The pair
+        integer, intent(in) :: pair
+        !> The factor
+        type(path_factor), intent(inout) :: factor
+
+        integer :: j, k, m, place
+        real(wp), allocatable :: column(:, :)
+
+        factor%active(pair) = .not. factor%active(pair)
+        if (factor%n_changed < 0) return
+        j = findloc(factor%changed(:factor%n_changed), pair, dim=1)
+        if (j > 0) then
+            ! Back to where it was: the last change takes the place of this one.
+            factor%changed(j) = factor%changed(factor%n_changed)
+            factor%columns(:, j) = factor%columns(:, factor%n_changed)
+            factor%rows(:, j) = factor%rows(:, factor%n_changed)
+            factor%n_changed = factor%n_changed - 1
+            return
+        else if (factor%n_changed == most_changes) then
+            factor%n_changed = -1
+            return
+        end if
+        j = factor%n_changed + 1
+        factor%n_changed = j
+        factor%changed(j) = pair
+        k = size(factor%pairs)
+        m = size(factor%matrix, 1)
+        allocate (column(m, 1), source=0.0_wp)
+        if (factor%active(pair)) then
+            column(:k, 1) = problem%row_scale(factor%pairs)*problem%row_scale(pair) &
+                & *compliance(factor%pairs, pair)
+            column(k + 1:m - 1, 1) = problem%load_rows(pair, :)
+            factor%rows(:, j) = gap_row(problem, compliance, way, pair, factor%pairs)
+        else
+            place = findloc(factor%pairs, pair, dim=1)
+            column(place, 1) = -1.0_wp
+            factor%rows(:, j) = 0.0_wp
+            factor%rows(place, j) = 1.0_wp
+        end if
+        call solve_kept(factor, column)
+        factor%columns(:, j) = column(:, 1)
+    end subroutine change_sides
+
+    !> Factor the equations of the present set and driver.
+    pure subroutine factor_line(problem, compliance, way, driver, factor, solved)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(inout) :: factor
+        !> False if the equations are singular
+        logical, intent(out) :: solved
+
+        integer :: i, j, k, q, m, info
+        real(wp), allocatable :: right(:, :), scales(:)
+
+        factor%pairs = pack([(i, i=1, problem%n)], factor%active)
+        k = size(factor%pairs)
+        q = problem%n_motions
+        m = k + q + 1
+        if (allocated(factor%matrix)) deallocate (factor%matrix, factor%swaps)
+        allocate (factor%matrix(m, m), factor%swaps(m), right(m, 2))
+        associate (matrix => factor%matrix, pairs => factor%pairs)
+            matrix = 0.0_wp
+            right = 0.0_wp
+            scales = problem%row_scale(pairs)
+            do j = 1, k
+                matrix(:k, j) = compliance(pairs, pairs(j))*scales*scales(j)
+            end do
+            matrix(:k, k + 1:k + q) = -problem%motions(pairs, :)
+            matrix(:k, m) = -way%cover(pairs)
+            right(:k, 1) = -way%gaps(pairs)
+            matrix(k + 1:k + q, :k) = transpose(problem%load_rows(pairs, :))
+            matrix(k + 1:k + q, m) = -way%loads
+            right(k + 1:k + q, 1) = way%base_loads
+            if (driver == 0) then
+                matrix(m, m) = 1.0_wp
+            else if (factor%active(driver)) then
+                matrix(m, findloc(pairs, driver, dim=1)) = 1.0_wp
+            else
+                matrix(m, :) = gap_row(problem, compliance, way, driver, pairs)
+                right(m, 1) = -way%gaps(driver)
+            end if
+            right(m, 2) = 1.0_wp
+            call getrf(m, matrix, factor%swaps, info)
+            solved = info == 0
+            if (.not. solved) return
+            call solve_kept(factor, right)
+        end associate
+        solved = all(abs(right) <= huge(1.0_wp))
+        factor%solution = right
+        factor%n_changed = merge(0, -1, m > few_equations)
+        if (allocated(factor%columns)) deallocate (factor%columns, factor%rows)
+        allocate (factor%columns(m, most_changes), factor%rows(m, most_changes))
+    end subroutine factor_line
+
+    !> The gap of a pair as a row on forces of given pairs, motions and λ.
+    pure function gap_row(problem, compliance, way, pair, pairs) result(row)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The pair
+        integer, intent(in) :: pair
+        !> The pairs with forces
+        integer, intent(in) :: pairs(:)
+        real(wp), allocatable :: row(:)
+
+        row = [problem%row_scale(pair)*compliance(pair, pairs)*problem%row_scale(pairs), &
+            & -problem%motions(pair, :), -way%cover(pair)]
+    end function gap_row
+
+    !> Solve with the kept factor.
+    pure subroutine solve_kept(factor, x)
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> Right-hand sides, then solutions
+        real(wp), contiguous, intent(inout) :: x(:, :)
+
+        integer :: m
+
+        m = size(factor%matrix, 1)
+        call permute_rows(x, factor%swaps)
+        call solve_triangle(m, factor%matrix, 'L', 'N', 'U', x)
+        call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
+    end subroutine solve_kept
+
+    !> The line from the kept factor: z = z0 - C y for the kept unknowns z, where y holds the kept
+    !> driver, now free, and for each change the force of the pair that joined or the gap of the one
+    !> that left. Their conditions D z + E y = s and the present driver give (E - D C) y = s - D z0.
+    pure subroutine border_line(problem, compliance, way, driver, factor, unknowns, solved)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> The line
+        type(path_unknowns), intent(out) :: unknowns
+        !> False if the equations are singular
+        logical, intent(out) :: solved
+
+        integer :: j, k, m, s, info
+        integer, allocatable :: swaps(:)
+        real(wp), allocatable :: columns(:, :), rows(:, :), matrix(:, :), right(:, :), kept(:, :)
+
+        s = factor%n_changed
+        m = size(factor%matrix, 1)
+        k = size(factor%pairs)
+        ! The kept driver takes what a unit of it brings.
+        columns = reshape([factor%columns(:, :s), -factor%solution(:, 2)], [m, s + 1])
+        call border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+        matrix = matrix - matmul(rows, columns)
+        right(:, 1) = right(:, 1) - matmul(rows, factor%solution(:, 1))
+        allocate (swaps(s + 1))
+        call getrf(s + 1, matrix, swaps, info)
+        solved = info == 0
+        if (.not. solved) return
+        call permute_rows(right, swaps)
+        call solve_triangle(s + 1, matrix, 'L', 'N', 'U', right)
+        call solve_triangle(s + 1, matrix, 'U', 'N', 'N', right)
+        kept = -matmul(columns, right)
+        kept(:, 1) = kept(:, 1) + factor%solution(:, 1)
+        solved = all(abs(kept) <= huge(1.0_wp))
+        allocate (unknowns%forces(problem%n, 2), source=0.0_wp)
+        unknowns%forces(factor%pairs, :) = kept(:k, :)
+        do j = 1, s
+            unknowns%forces(factor%changed(j), :) = 0.0_wp
+            if (factor%active(factor%changed(j))) then
+                unknowns%forces(factor%changed(j), :) = right(j, :)
+            end if
+        end do
+        unknowns%motion = kept(k + 1:m - 1, :)
+        unknowns%part = kept(m, :)
+    end subroutine border_line
+
+    !> D, E and s: the conditions of the changes and of the driver.
+    pure subroutine border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> D on the kept unknowns, E on those of the changes, s
+        real(wp), allocatable, intent(out) :: rows(:, :)
+        real(wp), allocatable, intent(out) :: matrix(:, :)
+        real(wp), allocatable, intent(out) :: right(:, :)
+
+        integer :: j, m, s, place
+
+        s = factor%n_changed
+        m = size(factor%matrix, 1)
+        rows = reshape([factor%rows(:, :s), spread(0.0_wp, 1, m)], [m, s + 1])
+        allocate (matrix(s + 1, s + 1), right(s + 1, 2), source=0.0_wp)
+        right(s + 1, 2) = 1.0_wp
+        do j = 1, s
+            associate (pair => factor%changed(j))
+                if (.not. factor%active(pair)) cycle
+                right(j, 1) = -way%gaps(pair)
+                call add_joined(problem, compliance, factor, pair, matrix(j, :s))
+            end associate
+        end do
+        place = 0
+        if (driver > 0) place = findloc(factor%changed(:s), driver, dim=1)
+        if (driver == 0) then
+            rows(m, s + 1) = 1.0_wp
+        else if (place > 0) then
+            matrix(s + 1, place) = 1.0_wp
+        else if (factor%active(driver)) then
+            rows(findloc(factor%pairs, driver, dim=1), s + 1) = 1.0_wp
+        else
+            rows(:, s + 1) = gap_row(problem, compliance, way, driver, factor%pairs)
+            right(s + 1, 1) = -way%gaps(driver)
+            call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
+        end if
+        rows = transpose(rows)
+    end subroutine border_rows
+
+    !> What the forces of joined pairs add to the gap of a pair.
+    pure subroutine add_joined(problem, compliance, factor, pair, row)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> The pair
+        integer, intent(in) :: pair
+        !> Its row on the unknowns of the changes
+        real(wp), intent(inout) :: row(:)
+
+        integer :: i
+
+        do i = 1, size(row)
+            associate (joined => factor%changed(i))
+                if (.not. factor%active(joined)) cycle
+                row(i) = problem%row_scale(pair)*compliance(pair, joined) &
+                    & *problem%row_scale(joined)
+            end associate
+        end do
+    end subroutine add_joined
+
+end module flankload_path_factor

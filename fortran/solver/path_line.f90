@@ -1,0 +1,125 @@
+!> One step of a load path: the line of states on which just the active pairs touch.
+!>
+!> Solved from a kept factor; nothing accumulates, since every line is solved as a whole and its
+!> rows are computed from the matrix itself. Where they are not met to rounding, or many pairs have
+!> changed sides, the present set is factored anew.
+module flankload_path_line
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem, find_recession
+    use flankload_path_factor, only: path_problem, path_factor, path_unknowns, factor_line, &
+        & border_line
+    implicit none
+    private
+
+    public :: path_line
+    public :: find_line
+
+    !> A line of states: at a distance t from its start the forces of active pairs and gaps of the
+    !> others are value + t change, q and λ likewise.
+    type :: path_line
+        real(wp), allocatable :: value(:), change(:)
+        real(wp), allocatable :: motion(:), motion_change(:)
+        real(wp) :: part = 0.0_wp, part_change = 0.0_wp
+    end type path_line
+
+    !> What rounding may leave in a row of the line, relative to the largest term of any row.
+    real(wp), parameter :: line_tolerance = 512.0_wp*epsilon(1.0_wp)
+
+contains
+
+    !> The line on which just the active pairs touch.
+    pure subroutine find_line(problem, compliance, way, driver, factor, line, solved)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives, zero at the start of the line and one at a unit from it: 0 for
+        !> λ, else force (pair active) or gap of that pair
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(inout) :: factor
+        !> The line
+        type(path_line), intent(out) :: line
+        !> False if the equations are singular
+        logical, intent(out) :: solved
+
+        integer :: k
+        type(path_unknowns) :: unknowns
+        logical :: accurate
+
+        solved = .false.
+        if (factor%n_changed >= 0) then
+            call border_line(problem, compliance, way, driver, factor, unknowns, solved)
+        end if
+        if (solved) then
+            call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
+            if (accurate) return
+        end if
+        call factor_line(problem, compliance, way, driver, factor, solved)
+        if (.not. solved) return
+        if (allocated(unknowns%forces)) deallocate (unknowns%forces)
+        allocate (unknowns%forces(problem%n, 2), source=0.0_wp)
+        k = size(factor%pairs)
+        unknowns%forces(factor%pairs, :) = factor%solution(:k, :)
+        unknowns%motion = factor%solution(k + 1:k + problem%n_motions, :)
+        unknowns%part = factor%solution(k + problem%n_motions + 1, :)
+        call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
+    end subroutine find_line
+
+    !> Gaps of the line, and whether its equations are met to rounding.
+    pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, &
+        & accurate)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(in) :: way
+        !> The variable that drives
+        integer, intent(in) :: driver
+        !> The factor
+        type(path_factor), intent(in) :: factor
+        !> Its forces, motion and λ
+        type(path_unknowns), intent(in) :: unknowns
+        !> The line
+        type(path_line), intent(out) :: line
+        !> What the rows lack is rounding
+        logical, intent(out) :: accurate
+
+        integer :: c
+        logical, allocatable :: closed(:)
+        real(wp) :: terms
+        real(wp), allocatable :: gaps(:, :), lacking(:)
+
+        allocate (gaps(problem%n, 2))
+        closed = factor%active
+        accurate = .true.
+        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part)
+            do c = 1, 2
+                call find_recession(problem, compliance, forces(:, c), gaps(:, c))
+                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
+                lacking = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
+                terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
+                    & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
+                if (c == 1) then
+                    gaps(:, c) = gaps(:, c) + way%gaps
+                    lacking = lacking + way%base_loads
+                    terms = max(terms, maxval(abs(way%gaps), mask=closed), &
+                        & maxval(abs(way%base_loads)))
+                end if
+                accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
+                    & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
+            end do
+            line%value = merge(forces(:, 1), gaps(:, 1), closed)
+            line%change = merge(forces(:, 2), gaps(:, 2), closed)
+            line%motion = motion(:, 1)
+            line%motion_change = motion(:, 2)
+            line%part = part(1)
+            line%part_change = part(2)
+        end associate
+        if (driver > 0) accurate = accurate &
+            & .and. abs(line%value(driver)) <= line_tolerance*terms &
+            & .and. abs(line%change(driver) - 1.0_wp) <= line_tolerance*terms
+    end subroutine complete_line
+
+end module flankload_path_line

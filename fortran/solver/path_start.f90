@@ -1,0 +1,210 @@
+!> Where a load path begins: a state that is known, of the problem with some gaps opened.
+!>
+!> With one motion it begins without load; else where forces hold the loads with the obstacles
+!> pushed back. Further starts are made up: other pairs, forces and gaps, the same in every run.
+module flankload_path_start
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem, find_recession
+    use flankload_load_vertex, only: load_vertex, vertex_found
+    use flankload_bordered_solution, only: invert_small
+    use flankload_path_factor, only: path_problem
+    implicit none
+    private
+
+    public :: begin_path, begin_elsewhere, made_up_pairs
+
+    !> Ties of gaps are broken by this part of the scale of gaps and recessions.
+    real(wp), parameter :: tie_breaker = 1.0e-11_wp
+
+    !> Park and Miller's recurrence: x := 16807 x modulo 2³¹ - 1.
+    integer, parameter :: wide = selected_int_kind(18)
+    integer(wide), parameter :: multiplier = 16807_wide
+    integer(wide), parameter :: modulus = 2147483647_wide
+
+contains
+
+    !> A state to begin with and the variable that drives: 0 for λ, else force (pair active) or gap
+    !> of that pair; negative if nothing holds the loads.
+    pure subroutine begin_path(problem, compliance, way, active, driver)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> What is followed
+        type(path_problem), intent(out) :: way
+        !> Pairs that are active, shape (n)
+        logical, allocatable, intent(out) :: active(:)
+        !> The variable that drives
+        integer, intent(out) :: driver
+
+        integer :: first, outcome
+        real(wp) :: sense
+        integer, allocatable :: pairs(:)
+        real(wp), allocatable :: forces(:), motion(:), recession(:), ways(:)
+
+        allocate (active(problem%n), source=.false.)
+        allocate (way%cover(problem%n), source=0.0_wp)
+        way%gaps = untied_gaps(problem)
+        if (problem%n_motions == 1 .and. abs(problem%loads(1)) > 0.0_wp) then
+            ! One motion, which first goes as far as the nearest pair lets it without any load.
+            sense = sign(1.0_wp, problem%loads(1))
+            allocate (ways(problem%n), source=huge(1.0_wp))
+            where (sense*problem%motions(:, 1) > 0.0_wp)
+                ways = way%gaps/(sense*problem%motions(:, 1))
+            end where
+            first = minloc(ways, dim=1)
+            if (ways(first) < huge(1.0_wp)) then
+                active(first) = .true.
+                driver = first
+                way%base_loads = [0.0_wp]
+                way%loads = problem%loads
+                way%cover = max(0.0_wp, problem%motions(:, 1)*sense*ways(first) - way%gaps)
+                way%cover(first) = 0.0_wp
+                where (way%cover <= tie_breaker*abs(way%gaps)) way%cover = 0.0_wp
+                way%gaps = way%gaps + way%cover
+                return
+            end if
+        end if
+        ! Pairs whose forces hold the loads; gaps that these forces would close wait for λ.
+        call load_vertex(problem, pairs, forces, motion, outcome)
+        driver = merge(0, -1, outcome == vertex_found)
+        if (driver < 0) return
+        active(pairs) = .true.
+        way%base_loads = problem%loads
+        way%loads = 0.0_wp*problem%loads
+        allocate (recession(problem%n))
+        call find_recession(problem, compliance, at_pairs(problem%n, pairs, forces), recession)
+        ! The pairs of the vertex touch where the motion takes them with their recession left out.
+        way%cover = max(0.0_wp, matmul(problem%motions, motion) - way%gaps - recession)
+        way%cover(pairs) = -recession(pairs) + matmul(problem%motions(pairs, :), motion) &
+            & - way%gaps(pairs)
+        way%gaps = way%gaps + way%cover
+    end subroutine begin_path
+
+    !> A start that is made up: some pairs share the loads with those of the vertex, all of them
+    !> touch, and the others have gaps of the size of what there is.
+    pure subroutine begin_elsewhere(problem, compliance, number, way, active, driver)
+        !> The problem and its K, shape (n, n)
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Number of the start, from 1
+        integer, intent(in) :: number
+        !> What is followed
+        type(path_problem), intent(out) :: way
+        !> Pairs that are active, shape (n)
+        logical, allocatable, intent(out) :: active(:)
+        !> The variable that drives, negative if nothing holds the loads
+        integer, intent(out) :: driver
+
+        integer :: c, outcome
+        logical :: solved
+        real(wp) :: shared, open
+        integer, allocatable :: pairs(:)
+        real(wp), allocatable :: forces(:), motion(:), recession(:), drawn(:), less(:)
+        real(wp), allocatable :: inverse(:, :)
+
+        allocate (active(problem%n), source=.false.)
+        allocate (recession(problem%n))
+        call load_vertex(problem, pairs, forces, motion, outcome)
+        driver = merge(0, -1, outcome == vertex_found)
+        if (driver < 0) return
+        active(made_up_pairs(problem%n, number)) = .true.
+        active(pairs) = .false.
+        drawn = random_numbers(problem%n, number + 1)
+        drawn = merge(drawn, 0.0_wp, active)
+        ! The pairs of the vertex hold what the others leave, and not less than nothing.
+        inverse = transpose(problem%load_rows(pairs, :))
+        call invert_small(inverse, solved)
+        if (.not. solved) then
+            driver = -1
+            return
+        end if
+        less = matmul(inverse, matmul(drawn, problem%load_rows))
+        shared = 1.0_wp
+        do c = 1, size(pairs)
+            if (less(c) > 0.0_wp) shared = min(shared, 0.5_wp*forces(c)/less(c))
+        end do
+        drawn = shared*drawn
+        drawn(pairs) = forces - shared*less
+        active(pairs) = .true.
+        call find_recession(problem, compliance, drawn, recession)
+        way%gaps = untied_gaps(problem)
+        way%base_loads = problem%loads
+        way%loads = 0.0_wp*problem%loads
+        ! Cover is what turns the gaps of these forces into those made up.
+        way%cover = recession + way%gaps - matmul(problem%motions, motion)
+        open = max(maxval(abs(recession)), tie_breaker*maxval(abs(way%cover)))
+        where (active)
+            way%cover = -way%cover
+        else where
+            way%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - way%cover)
+        end where
+        way%gaps = way%gaps + way%cover
+    end subroutine begin_elsewhere
+
+    !> Some of the pairs, with another number others: few of them first, then more.
+    pure function made_up_pairs(n, number) result(pairs)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Which choice, from 1
+        integer, intent(in) :: number
+        integer, allocatable :: pairs(:)
+
+        integer :: i
+        real(wp) :: part
+
+        part = 0.1_wp + 0.2_wp*modulo(number, 4)
+        pairs = pack([(i, i=1, n)], random_numbers(n, number) < part)
+    end function made_up_pairs
+
+    !> Numbers between 0 and 1 that look random and are the same in every run.
+    pure function random_numbers(n, seed) result(numbers)
+        !> How many
+        integer, intent(in) :: n
+        !> Which sequence
+        integer, intent(in) :: seed
+        real(wp), allocatable :: numbers(:)
+
+        integer :: i
+        integer(wide) :: x
+
+        allocate (numbers(n))
+        x = 1 + modulo(int(seed, wide)*48271_wide*69621_wide, modulus - 1)
+        do i = 1, n
+            x = modulo(multiplier*x, modulus)
+            numbers(i) = real(x, wp)/real(modulus, wp)
+        end do
+    end function random_numbers
+
+    !> The gaps, ties among them broken.
+    pure function untied_gaps(problem) result(gaps)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        real(wp), allocatable :: gaps(:)
+
+        integer :: i
+        real(wp) :: scale
+
+        gaps = problem%gaps
+        scale = max(sum(abs(problem%loads)), maxval(abs(problem%gaps)) &
+            & *epsilon(1.0_wp)/tie_breaker)
+        do i = 1, problem%n
+            ! Multiples of the golden ratio modulo one: all different, the same in every run.
+            gaps(i) = gaps(i) + tie_breaker*scale*modulo(i*0.6180339887498949_wp, 1.0_wp)
+        end do
+    end function untied_gaps
+
+    !> Numbers of some pairs among zeros for all.
+    pure function at_pairs(n, pairs, numbers) result(all_pairs)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> Some of them
+        integer, intent(in) :: pairs(:)
+        !> Their numbers
+        real(wp), intent(in) :: numbers(:)
+        real(wp), allocatable :: all_pairs(:)
+
+        allocate (all_pairs(n), source=0.0_wp)
+        all_pairs(pairs) = numbers
+    end function at_pairs
+
+end module flankload_path_start

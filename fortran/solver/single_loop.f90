@@ -1,0 +1,272 @@
+!> The contact loop one pair at a time, in which any pair may leave; (20), (30), (31).
+!>
+!> The forces hold the loads and are not negative at every step; each step goes towards the state in
+!> which just the active pairs touch, stops where a force becomes zero and lets that pair go, or
+!> else lets the most open pair join. With a symmetric positive definite K the stored energy falls
+!> at every step, so that no set of pairs comes twice. With another K the loop may go in circles: it
+!> gives up where neither energy nor the number of open pairs has fallen for some steps. The paper's
+!> loop (Fig. 6) is the case in which no pair ever leaves.
+module flankload_single_loop
+    use flankload_kinds, only: wp
+    use flankload_status, only: pivot_limit, singular_contact
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_problem, only: contact_problem, row_tolerance
+    use flankload_bordered_system, only: append_pair, drop_pair
+    use flankload_bordered_solution, only: solve_bordered
+    use flankload_held_loads, only: hold_loads_again
+    use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
+    use flankload_final_refinement, only: first_to_vanish, most_open_pair, is_open, finish
+    implicit none
+    private
+
+    public :: loop_state
+    public :: single_loop
+
+    !> Gear and spline problems need 1.1 pivots a pair; nothing that ends needs this many.
+    integer, parameter :: pivots_per_pair = 20
+    integer, parameter :: pivots_at_least = 100
+    !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
+    real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
+
+    !> How near to a state the loop has come.
+    type :: loop_progress
+        !> Fewest open pairs and least stored energy so far
+        integer :: fewest = huge(1)
+        real(wp) :: least_energy = huge(1.0_wp)
+        !> Steps without less of either
+        integer :: steps_without = 0
+    end type loop_progress
+
+    !> Steps within which there must be progress; 20000 problems of gears need 3.
+    integer, parameter :: patience = 10
+
+contains
+
+    !> Run the loop.
+    pure subroutine single_loop(problem, compliance, warm_pairs, pivoted, state, error)
+        !> The problem; its motions are measured from the start that is chosen here
+        type(contact_problem), intent(inout) :: problem
+        !> K, shape (n, n)
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs to begin with; none: the pair that touches first
+        integer, intent(in) :: warm_pairs(:)
+        !> Exchange rows at every factorisation: slow, and as accurate as can be
+        logical, intent(in) :: pivoted
+        !> The state; where the loads cannot be held only its motion, which shows why
+        type(loop_state), intent(out) :: state
+        !> No state, no end, or singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        integer, allocatable :: first(:)
+        real(wp), allocatable :: first_forces(:)
+        type(loop_progress) :: progress
+        logical :: ready, done
+        integer :: joining
+
+        call start_loop(problem, first, first_forces, state, error)
+        if (allocated(error)) return
+        state%pivoted = pivoted
+        ready = .false.
+        if (size(warm_pairs) > 0) call start_warm(problem, compliance, warm_pairs, state, ready)
+        if (.not. ready) then
+            call start_cold(problem, compliance, first, first_forces, state, ready)
+            if (.not. ready) then
+                call fatal_error(error, singular_contact, 'the first pairs depend on each other')
+                return
+            end if
+        end if
+        do
+            call settle(problem, compliance, state, error)
+            if (allocated(error)) return
+            call most_open_pair(problem, compliance, state, joining)   ! Eq. (30), (31)
+            if (joining == 0) then
+                call finish(problem, compliance, state, joining, done)
+                if (done) exit
+            end if
+            call watch_progress(problem, state, progress)
+            if (progress%steps_without > patience) then
+                call fatal_error(error, pivot_limit, 'the loop gets no nearer to a state')
+                return
+            end if
+            if (joining > 0) call let_join(problem, compliance, joining, state, error)
+            if (allocated(error)) return
+        end do
+        if (any(state%waiting)) call judge_waiting(problem, compliance, state, error)
+    end subroutine single_loop
+
+    !> Note whether fewer pairs are open than ever or, with a symmetric K, less energy is stored.
+    pure subroutine watch_progress(problem, state, progress)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> The state, with just the active pairs touching
+        type(loop_state), intent(in) :: state
+        !> How near it is
+        type(loop_progress), intent(inout) :: progress
+
+        integer :: open
+        real(wp) :: energy
+
+        progress%steps_without = progress%steps_without + 1
+        open = count(state%gaps < 0.0_wp .and. .not. state%forces > 0.0_wp)
+        if (open < progress%fewest) then
+            progress%fewest = open
+            progress%steps_without = 0
+        end if
+        if (.not. (problem%symmetric .and. problem%same_rows)) return
+        ! ½ Fᵀ K F + g0 F with K F = B q - g0 where F > 0
+        energy = 0.5_wp*(dot_product(problem%loads, state%motion) &
+            & + dot_product(problem%gaps, state%forces))
+        if (energy < progress%least_energy) then
+            progress%least_energy = energy
+            progress%steps_without = 0
+        end if
+    end subroutine watch_progress
+
+    !> Go towards the state in which just the active pairs touch; pairs whose force becomes zero on
+    !> the way leave.
+    pure subroutine settle(problem, compliance, state, error)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> No end, or singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        real(wp), allocatable :: target(:), forces(:), motion(:)
+        real(wp) :: way
+        integer :: leaving, pair
+        logical :: solved, bounced
+
+        bounced = .false.
+        do
+            call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
+                & problem%loads, target, motion, solved, state%tangent)
+            if (.not. solved .and. state%left_last > 0) then
+                call take_back(problem, compliance, state, solved)
+                if (solved) cycle
+            end if
+            if (.not. solved) exit
+            call hold_loads_again(problem, compliance, state%system, target, motion)
+            forces = state%forces(state%system%pairs)
+            call first_to_vanish(problem, state%system%pairs, forces, target, &
+                & state%pinned(state%system%pairs), leaving, way)
+            if (leaving == 0) then
+                state%left_last = 0
+                if (.not. bounced) state%waiting = .false.
+                state%forces(state%system%pairs) = max(target, 0.0_wp)
+                state%motion = motion
+                return
+            end if
+            if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
+                call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+                return
+            end if
+            pair = state%system%pairs(leaving)
+            state%forces(state%system%pairs) = max(forces + way*(target - forces), 0.0_wp)
+            state%forces(pair) = 0.0_wp
+            if (way > 0.0_wp) then
+                state%waiting = .false.
+            else if (leaving == size(forces)) then
+                ! The pair that just joined wants to pull: without a change it would join again.
+                bounced = .true.
+                state%waiting(pair) = .true.
+            end if
+            call drop_pair(state%system, problem, compliance, leaving, solved)
+            state%left_last = pair
+            state%pivots = state%pivots + 1
+            if (.not. solved) exit
+        end do
+        call fatal_error(error, singular_contact, 'the pairs in contact are singular')
+    end subroutine settle
+
+    !> The pair that left last held a motion that no other holds: what it carries follows from the
+    !> loads, and only rounding has made it negative.
+    pure subroutine take_back(problem, compliance, state, taken)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> False if the equations are singular with it too
+        logical, intent(out) :: taken
+
+        call append_pair(state%system, problem, compliance, state%left_last, taken)
+        state%pinned(state%left_last) = taken
+        state%waiting(state%left_last) = .false.
+        state%left_last = 0
+        state%pivots = state%pivots + 1
+    end subroutine take_back
+
+    !> Let a pair join; where its row depends on those in contact, another pair makes room.
+    pure subroutine let_join(problem, compliance, joining, state, error)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Number of the pair
+        integer, intent(in) :: joining
+        !> The state
+        type(loop_state), intent(inout) :: state
+        !> Singular equations
+        type(error_type), allocatable, intent(out) :: error
+
+        real(wp), allocatable :: column(:), change(:), motion(:), forces(:)
+        integer :: leaving
+        real(wp) :: way
+        logical :: accepted
+
+        if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
+            call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+            return
+        end if
+        do
+            call append_pair(state%system, problem, compliance, joining, accepted)
+            state%pivots = state%pivots + 1
+            state%left_last = 0
+            state%pinned = .false.
+            if (accepted) return
+            ! The force of the joining pair grows without resistance until another has become zero.
+            associate (pairs => state%system%pairs)
+                column = problem%row_scale(pairs)*problem%row_scale(joining) &
+                    & *compliance(pairs, joining)
+                call solve_bordered(state%system, problem, -column, &
+                    & -problem%load_rows(joining, :), change, motion, accepted)
+                forces = state%forces(pairs)
+                leaving = minloc(forces/max(-change, tiny(1.0_wp)), dim=1, &
+                    & mask=change < -row_tolerance*maxval(abs(change)))
+                if (.not. accepted .or. leaving == 0) exit
+                way = forces(leaving)/(-change(leaving))
+                state%forces(pairs) = max(forces + way*change, 0.0_wp)
+                state%forces(pairs(leaving)) = 0.0_wp
+                state%forces(joining) = state%forces(joining) + way
+            end associate
+            if (way > 0.0_wp) state%waiting = .false.
+            call drop_pair(state%system, problem, compliance, leaving, accepted)
+            state%pivots = state%pivots + 1
+            if (.not. accepted) exit
+        end do
+        call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
+    end subroutine let_join
+
+    !> Pairs that still wait must be open by no more than rounding; else the loop goes in circles.
+    pure subroutine judge_waiting(problem, compliance, state, error)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(in) :: state
+        !> A pair is open and would pull when it joins
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: i
+
+        do i = 1, problem%n
+            if (.not. state%waiting(i)) cycle
+            if (is_open(problem, compliance, state, i, waiting_tolerance)) then
+                call fatal_error(error, pivot_limit, 'the loop goes in circles: a pair would pull')
+                return
+            end if
+        end do
+    end subroutine judge_waiting
+
+end module flankload_single_loop

@@ -1,0 +1,261 @@
+!> The proof that nothing >= 0 meets the equations of a case of contact, beyond rounding.
+!>
+!> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
+!>
+!>     0 = v + Σ c_j F_j - y g,    v = y g0 + z Q,    c = Kᵀ y - R z,    Bᵀ y = 0.
+!>
+!> With v < 0, c <= 0 and y >= 0, but for forces and gaps that are zero in this case, no state meets
+!> it. A table or a basis gives y and z in double precision, where sums that are zero leave rounding
+!> of either sign: here the factors are refined until these sums vanish in twice the precision, and
+!> the signs are those of sums in twice the precision.
+module flankload_sure_proof
+    use flankload_kinds, only: wp
+    use flankload_contact_problem, only: contact_problem
+    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    use flankload_twice_precision, only: two_part, add_product, rounded
+    implicit none
+    private
+
+    public :: equation_sum
+    public :: is_sure, loads_are_too_much
+
+    !> A sum of equations.
+    type :: equation_sum
+        !> Factors of rows and loads, shapes (n) and (n_motions)
+        real(wp), allocatable :: y(:)
+        real(wp), allocatable :: z(:)
+        !> Rows and loads whose factors follow from the sums that are known; the others are exact
+        integer, allocatable :: rows(:)
+        integer, allocatable :: loads(:)
+        !> Forces and motions whose sums are known, as many as factors that follow; the sums of the
+        !> motions are zero
+        integer, allocatable :: forces(:)
+        real(wp), allocatable :: known(:)
+        integer, allocatable :: motions(:)
+        !> Forces and gaps that are zero in this case: their sums and factors may have any sign
+        logical, allocatable :: no_force(:)
+        logical, allocatable :: no_gap(:)
+    end type equation_sum
+
+    !> Factors below this part of the largest are zero: what the condition of the equations leaves
+    !> of twice the precision. Any factors prove, if their sums do.
+    real(wp), parameter :: no_factor = 1.0e-26_wp
+    !> What sums may leave of zero, relative to their terms. Only forces the inverse of this times
+    !> those that v calls for could use it.
+    real(wp), parameter :: nothing_left = 1.0e-24_wp
+    !> So much less than zero v has to be, relative to its terms.
+    real(wp), parameter :: least_lack = 1.0e-16_wp
+    !> Terms that are smaller may have lost parts that a double cannot hold.
+    real(wp), parameter :: least_terms = 1.0e-240_wp
+    !> Refinements, each of which gains the digits that the condition leaves of sixteen
+    integer, parameter :: most_refinements = 8
+
+contains
+
+    !> Whether a sum of equations proves that there is no state.
+    pure function is_sure(problem, compliance, given) result(sure)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> K, shape (n, n); not looked at where no row has a factor
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The sum, to working precision
+        type(equation_sum), intent(in) :: given
+        logical :: sure
+
+        integer :: i, j, c
+        type(two_part), allocatable :: y(:), z(:)
+        type(two_part) :: total
+        real(wp) :: terms, largest
+
+        sure = .false.
+        if (size(given%rows) + size(given%loads) /= size(given%forces) + size(given%motions)) return
+        allocate (y(problem%n), z(problem%n_motions))
+        y%high = given%y
+        z%high = given%z
+        call refine(problem, compliance, given, y, z)
+        largest = max(maxval(abs(y%high)), maxval(abs(z%high)))
+        where (abs(y%high) <= no_factor*largest) y = two_part()
+        if (.not. all(given%no_gap .or. y%high >= 0.0_wp)) return
+        terms = 0.0_wp
+        do i = 1, problem%n
+            call add_term(total, terms, problem%normal_gaps(i), y(i))
+        end do
+        do c = 1, problem%n_motions
+            call add_term(total, terms, problem%loads(c), z(c))
+        end do
+        if (.not. (rounded(total) < -least_lack*terms .and. terms > least_terms)) return
+        do c = 1, problem%n_motions
+            call sum_of_motion(problem, y, c, total, terms)
+            if (.not. is_nothing(abs(rounded(total)), terms)) return
+        end do
+        do j = 1, problem%n
+            if (given%no_force(j)) cycle
+            call sum_of_force(problem, compliance, y, z, j, total, terms)
+            if (.not. is_nothing(rounded(total), terms)) return
+        end do
+        sure = .true.
+    end function is_sure
+
+    !> Whether no forces >= 0 hold the loads for certain: the equations of the loads alone.
+    pure function loads_are_too_much(problem, basis, motion) result(sure)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Pairs (> 0) whose forces do no work on the motion, and -c of loads where it is exact
+        integer, intent(in) :: basis(:)
+        !> The scaled motion, on which the loads do work, but no force does
+        real(wp), intent(in) :: motion(:)
+        logical :: sure
+
+        type(equation_sum) :: equations
+        real(wp) :: no_matrix(0, 0)
+        integer :: c
+
+        sure = problem%n_motions == 1
+        if (sure) return
+        allocate (equations%y(problem%n), source=0.0_wp)
+        allocate (equations%no_force(problem%n), equations%no_gap(problem%n), source=.false.)
+        allocate (equations%rows(0), equations%motions(0))
+        equations%z = -motion
+        equations%loads = pack([(c, c=1, problem%n_motions)], &
+            & [(all(basis /= -c), c=1, problem%n_motions)])
+        equations%forces = pack(basis, basis > 0)
+        equations%known = 0.0_wp*equations%forces
+        sure = is_sure(problem, no_matrix, equations)
+    end function loads_are_too_much
+
+    !> Whether a sum is not above zero.
+    pure function is_nothing(total, terms) result(nothing)
+        !> The sum
+        real(wp), intent(in) :: total
+        !> Sum of the sizes of its terms
+        real(wp), intent(in) :: terms
+        logical :: nothing
+
+        nothing = total <= nothing_left*terms .and. (terms > least_terms .or. terms <= 0.0_wp)
+    end function is_nothing
+
+    !> Refine the factors that follow from the sums that are known.
+    pure subroutine refine(problem, compliance, given, y, z)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The sum
+        type(equation_sum), intent(in) :: given
+        !> Factors
+        type(two_part), intent(inout) :: y(:)
+        type(two_part), intent(inout) :: z(:)
+
+        integer :: m, n_rows, n_forces, k, step, info
+        integer, allocatable :: swaps(:)
+        real(wp), allocatable :: matrix(:, :), lacking(:, :), units(:)
+        real(wp) :: terms
+        type(two_part) :: total
+        logical :: met
+
+        n_rows = size(given%rows)
+        n_forces = size(given%forces)
+        m = n_rows + size(given%loads)
+        if (m == 0) return
+        allocate (matrix(m, m), lacking(m, 1), swaps(m))
+        do k = 1, n_forces
+            associate (j => given%forces(k))
+                if (n_rows > 0) matrix(k, :n_rows) = problem%row_scale(j) &
+                    & *compliance(given%rows, j)*problem%row_scale(given%rows)
+                matrix(k, n_rows + 1:) = -problem%load_rows(j, given%loads)
+            end associate
+        end do
+        matrix(n_forces + 1:, :n_rows) = transpose(problem%motions(given%rows, given%motions))
+        matrix(n_forces + 1:, n_rows + 1:) = 0.0_wp
+        units = maxval(abs(matrix), dim=2)
+        where (.not. units > 0.0_wp) units = 1.0_wp
+        matrix = matrix/spread(units, 2, m)
+        call getrf(m, matrix, swaps, info)
+        if (info /= 0) return
+        do step = 1, most_refinements
+            met = .true.
+            do k = 1, m
+                if (k <= n_forces) then
+                    call sum_of_force(problem, compliance, y, z, given%forces(k), total, terms)
+                    call add_product(total, -given%known(k), 1.0_wp)
+                else
+                    call sum_of_motion(problem, y, given%motions(k - n_forces), total, terms)
+                end if
+                lacking(k, 1) = -rounded(total)/units(k)
+                met = met .and. abs(rounded(total)) <= epsilon(1.0_wp)**2*terms
+            end do
+            if (met) return
+            call permute_rows(lacking, swaps)
+            call solve_triangle(m, matrix, 'L', 'N', 'U', lacking)
+            call solve_triangle(m, matrix, 'U', 'N', 'N', lacking)
+            do k = 1, m
+                if (k <= n_rows) then
+                    call add_product(y(given%rows(k)), lacking(k, 1), 1.0_wp)
+                else
+                    call add_product(z(given%loads(k - n_rows)), lacking(k, 1), 1.0_wp)
+                end if
+            end do
+        end do
+    end subroutine refine
+
+    !> c_j
+    pure subroutine sum_of_force(problem, compliance, y, z, j, total, terms)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Factors
+        type(two_part), intent(in) :: y(:)
+        type(two_part), intent(in) :: z(:)
+        !> Number of the pair
+        integer, intent(in) :: j
+        !> The sum, and that of the sizes of its terms
+        type(two_part), intent(out) :: total
+        real(wp), intent(out) :: terms
+
+        integer :: i, c
+
+        terms = 0.0_wp
+        do i = 1, problem%n
+            if (.not. abs(y(i)%high) > 0.0_wp) cycle
+            call add_term(total, terms, &
+                & problem%row_scale(i)*compliance(i, j)*problem%row_scale(j), y(i))
+        end do
+        do c = 1, problem%n_motions
+            call add_term(total, terms, -problem%load_rows(j, c), z(c))
+        end do
+    end subroutine sum_of_force
+
+    !> What Bᵀ y leaves of a motion.
+    pure subroutine sum_of_motion(problem, y, c, total, terms)
+        !> The problem
+        type(contact_problem), intent(in) :: problem
+        !> Factors
+        type(two_part), intent(in) :: y(:)
+        !> Number of the motion
+        integer, intent(in) :: c
+        !> The sum, and that of the sizes of its terms
+        type(two_part), intent(out) :: total
+        real(wp), intent(out) :: terms
+
+        integer :: i
+
+        terms = 0.0_wp
+        do i = 1, problem%n
+            call add_term(total, terms, problem%motions(i, c), y(i))
+        end do
+    end subroutine sum_of_motion
+
+    !> total := total + a b
+    pure subroutine add_term(total, terms, a, b)
+        !> The sum, and that of the sizes of its terms
+        type(two_part), intent(inout) :: total
+        real(wp), intent(inout) :: terms
+        !> Factors
+        real(wp), intent(in) :: a
+        type(two_part), intent(in) :: b
+
+        call add_product(total, a, b%high)
+        call add_product(total, a, b%low)
+        terms = terms + abs(a*b%high)
+    end subroutine add_term
+
+end module flankload_sure_proof

@@ -1,0 +1,40 @@
+"""Status codes of the core and the exception of each; their words are the core's own."""
+
+from __future__ import annotations
+
+from flankload.errors import (
+    ContactError,
+    InputError,
+    NoContactState,
+    PivotLimit,
+    SingularContact,
+)
+
+#: A double has no room for the state; the caller's room was too small for the pairs of a position,
+#: which is asked for again with more; a position that was not begun.
+OUT_OF_RANGE, NO_ROOM, STOPPED = -7, -15, -16
+#: Exception of each status of a position without a state.
+EXCEPTIONS: dict[int, type[ContactError]] = {
+    NoContactState.code: NoContactState,
+    PivotLimit.code: PivotLimit,
+    SingularContact.code: SingularContact,
+    InputError.code: InputError,
+    -5: InputError,
+    OUT_OF_RANGE: InputError,
+    -11: NoContactState,
+    -12: PivotLimit,
+    -13: PivotLimit,
+    -14: PivotLimit,
+    STOPPED: ContactError,
+    -17: InputError,
+    -18: PivotLimit,
+    -20: PivotLimit,
+    -21: NoContactState,
+}
+
+
+def words(code: int) -> str:
+    """What a status says (`fortran/base/status.f90`)."""
+    from flankload import _core
+
+    return _core.flankload_status_text(code).decode("ascii").strip()

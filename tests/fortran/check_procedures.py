@@ -1,0 +1,109 @@
+"""Check that no procedure below fortran/ has more than 60 lines of code or 8 arguments.
+
+Comments and blank lines do not count; a procedure counts with the ones inside it. Those of flat/,
+whose arguments are arrays without descriptors, are as long as their lists of arguments, and those
+of LAPACK take what they take. `--list` prints what is above a bound.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+FORTRAN = Path(__file__).resolve().parents[2] / "fortran"
+MOST_LINES, MOST_ARGUMENTS = 60, 8
+HEAD = re.compile(
+    r"\s*(?!end\b)(?:[a-z][\w() =]*\s)?(?:subroutine|function)\s+(\w+)\s*"
+    r"(?:\(([^)]*)\))?",
+    re.IGNORECASE,
+)
+END = re.compile(r"\s*end\s+(?:subroutine|function)\b", re.IGNORECASE)
+
+#: What a program calls, or hands on as it was called: K, g0, B, R, Q, structure, method and what
+#: comes of them; a sweep. Their lists of arguments are public.
+PUBLIC = {
+    "solver/contact_loop.f90: solve_contact_problem",
+    "solver/contact_loop.f90: solve_and_keep",
+    "solver/contact_loads.f90: solve_contact_loads",
+    "solver/contact_sequence.f90: solve_contact_sequence",
+    "solver/contact_sequence.f90: solve_packed",
+    "solver/column_demand.f90: solve_on_demand",
+    "solver/column_demand.f90: solve_known_columns",
+    "position/position_sweep.f90: sweep_positions",
+    "points/nodal_sweep.f90: sweep_nodal_positions",
+}
+#: Other procedures above a bound, with their lines and arguments: none may grow, none may join.
+LARGER: dict[str, tuple[int, int]] = {
+    "cells/contact_pairs.f90: append_pairs": (47, 11),
+    "cells/friction.f90: rub_pairs": (35, 9),
+    "cells/friction.f90: slide_at": (33, 12),
+    "flank/contact_zones.f90: find_zones": (50, 10),
+    "position/lumped_hertz.f90: lumped_contact": (46, 12),
+    "position/lumped_pass.f90: solve_pass": (78, 11),
+    "position/lumped_place.f90: reach_of": (61, 8),
+    "position/lumped_place.f90: rub_place": (40, 9),
+    "position/lumped_position.f90: solve_lumped": (67, 6),
+    "position/lumped_position.f90: look_at_places": (55, 9),
+    "position/position_cells.f90: lay_pairs": (66, 7),
+    "position/position_zones.f90: look_at_position": (86, 7),
+}
+
+
+def procedures(path: Path) -> Iterator[tuple[str, int, int]]:
+    """Name, lines and arguments of each procedure of a file, inner ones first."""
+    lines = (line.rstrip() for line in path.read_text(encoding="utf-8").splitlines())
+    code = [line for line in lines if line and not line.lstrip().startswith("!")]
+    begun = []
+    of_others = False
+    for number, line in enumerate(code):
+        if re.match(r"\s*(abstract )?interface\s*$|\s*end interface", line):
+            of_others = "end" not in line
+        if of_others:
+            continue
+        joined, following = line.rstrip("&"), number
+        while code[following].endswith("&"):
+            following += 1
+            joined += code[following].strip().strip("&")
+        if head := HEAD.match(joined):
+            begun.append((head[1], number, len(head[2].split(",")) if head[2] else 0))
+        elif END.match(line):
+            name, first, arguments = begun.pop()
+            yield name, number - first + 1, arguments
+
+
+def larger() -> dict[str, tuple[int, int]]:
+    """Procedures above a bound as `folder/file.f90: name`."""
+    found = {}
+    for path in sorted(FORTRAN.rglob("*.f90")):
+        place = path.relative_to(FORTRAN)
+        if place.parts[0] == "flat":
+            continue
+        for name, lines, arguments in procedures(path):
+            called = f"{place.as_posix()}: {name}"
+            if lines > MOST_LINES or (arguments > MOST_ARGUMENTS and called not in PUBLIC):
+                found[called] = lines, arguments
+    return found
+
+
+def complaints() -> list[str]:
+    """One sentence for each procedure that has grown, and for each entry that is not needed."""
+    found, now = [], larger()
+    for name, (lines, arguments) in now.items():
+        bound = LARGER.get(name, (MOST_LINES, MOST_ARGUMENTS))
+        if lines > max(bound[0], MOST_LINES) or arguments > max(bound[1], MOST_ARGUMENTS):
+            found.append(f"{name}: {lines} lines and {arguments} arguments, at most {bound}")
+    for name, bound in LARGER.items():
+        if name not in now:
+            found.append(f"{name}: is within both bounds or gone, but noted with {bound}")
+    return found
+
+
+if __name__ == "__main__":
+    if "--list" in sys.argv:
+        for name, sizes in larger().items():
+            print(f'    "{name}": {sizes},')
+        sys.exit()
+    lines = complaints()
+    for line in lines:
+        print(line, file=sys.stderr)
+    sys.exit(bool(lines))
