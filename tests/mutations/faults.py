@@ -318,7 +318,8 @@ _PYTHON = (
     *_in(
         "backlash.py",
         "python/test_coast_flank.py python/test_premises.py python/test_result_contacts.py "
-        "python/test_large_wind_up.py",
+        "python/test_large_wind_up.py "
+        "python/test_spline.py::test_twice_the_offset_is_taken_off_the_backlash",
         ("fit.normal_backlash_mm - 2.0 * fit.offset_mm", "fit.normal_backlash_mm"),
     ),
     *_in(
