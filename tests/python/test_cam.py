@@ -26,6 +26,7 @@ from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload.assembly import BodyPair, build_bodies
+from flankload.bodies.cam_profile import _closed_spline
 from flankload.bodies.follower import Lever, lever_of
 from flankload.cam_motion import Stand
 from flankload.cli import main
@@ -98,6 +99,20 @@ def test_curve_is_the_periodic_spline_of_the_table() -> None:
     normal = curve.normal(np.linspace(0, curve.length_mm, 50))
     place = curve.point(np.linspace(0, curve.length_mm, 50))
     assert ((normal * place).sum(axis=1) > 0).all()
+
+
+def test_derivatives_of_a_profile_are_those_of_its_places() -> None:
+    """Between the rows, where the spline has third derivatives."""
+    table, h = np.array(lift_and_dwell(5.0)), 1e-5
+    place = _closed_spline(
+        np.radians(np.append(table[:, 0], 360.0)), np.append(table[:, 1], table[0, 1])
+    )
+    angle = np.radians(table[:, 0] + 2.5)
+    beside = [place(angle + side * h) for side in (-1, 1)]
+    for k, found in enumerate(place(angle)[1:]):
+        np.testing.assert_allclose(
+            found, (beside[1][k] - beside[0][k]) / (2 * h), rtol=0, atol=1e-7 * table[:, 1].max()
+        )
 
 
 def test_a_row_that_closes_the_turn_changes_nothing() -> None:
