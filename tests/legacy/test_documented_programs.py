@@ -1,4 +1,4 @@
-"""The programs of docs/reference/fortran.md, built with the command that stands in their first line."""
+"""Programs of docs/reference/fortran.md, built with the command in their first line."""
 
 from __future__ import annotations
 

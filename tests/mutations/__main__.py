@@ -121,13 +121,14 @@ def main(arguments: list[str]) -> int:
         for k, fault in enumerate(faults, start=1):
             start = time.perf_counter()
             caught = tree.is_caught(fault)
-            said = "caught  " if caught else "SURVIVED"
+            said = "caught  " if caught else "harmless" if fault.harmless else "SURVIVED"
             took = time.perf_counter() - start
             print(f"{k:3}/{len(faults)} {said} {took:5.1f} s  {fault.name!r}", flush=True)
             survivors += [] if caught else [fault]
     print(f"{len(faults) - len(survivors)} of {len(faults)} caught")
-    print(*(f"survived: {fault.name!r}" for fault in survivors), sep="\n")
-    return int(bool(survivors))
+    for fault in survivors:
+        print(f"survived: {fault.name!r}{fault.harmless and ': harmless, ' + fault.harmless}")
+    return int(any(not fault.harmless for fault in survivors))
 
 
 if __name__ == "__main__":

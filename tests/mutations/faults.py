@@ -18,12 +18,15 @@ class Fault:
         Text that occurs once in the file, and what replaces it.
     owners : tuple of str
         Tests of the file, as pytest names them; `CORE` for the programs of `tests/fortran`.
+    harmless : str
+        Why no answer changes with it, so that no test can fail; empty where one must.
     """
 
     file: str
     before: str
     after: str
     owners: tuple[str, ...]
+    harmless: str = ""
 
     @property
     def name(self) -> str:
@@ -37,14 +40,14 @@ CORE = "core"
 _TOP = Path(__file__).resolve().parents[2]
 
 
-def _in(file: str, owners: str, *changes: tuple[str, str]) -> tuple[Fault, ...]:
+def _in(file: str, owners: str, *changes: tuple[str, ...]) -> tuple[Fault, ...]:
     if file.endswith(".f90"):
         (path,) = (_TOP / "fortran").rglob(file)
     else:
         path = _TOP / "python" / "flankload" / file
     tests = tuple(owner if owner == CORE else f"tests/{owner}" for owner in owners.split())
     name = path.relative_to(_TOP).as_posix()
-    return tuple(Fault(name, before, after, tests) for before, after in changes)
+    return tuple(Fault(name, before, after, tests, *why) for before, after, *why in changes)
 
 
 #: Most tests of this file solve whole sweeps.
@@ -167,6 +170,7 @@ _FORTRAN = (
         (
             "way = forces(leaving)/(-change(leaving))",
             "way = 2.0_wp*forces(leaving)/(-change(leaving))",
+            "forces on the way only say which pair leaves next; the last ones solve the equations",
         ),
         ("open = count(state%gaps < 0.0_wp", "open = count(state%gaps > 0.0_wp"),
     ),
@@ -183,7 +187,7 @@ _FORTRAN = (
     *_in(
         "twice_precision.f90",
         "core hard_cases/test_certain_answers.py",
-        ("total%low + (lost + (", "total%low + ("),
+        ("total%low + (lost + (", "total%low + (0.0_wp*lost + ("),
     ),
     *_in(
         "contact_pairs.f90",
@@ -327,7 +331,8 @@ _PYTHON = (
     *_in(
         "mechanisms/flank_pair/backlash.py",
         "unit/mechanisms/test_coast_flank.py unit/mechanisms/test_premises.py "
-        "unit/result/test_result_contacts.py unit/mechanisms/test_large_wind_up.py",
+        "unit/result/test_result_contacts.py unit/mechanisms/test_large_wind_up.py "
+        "unit/pairing/test_spline.py::test_twice_the_offset_is_taken_off_the_backlash",
         ("fit.normal_backlash_mm - 2.0 * fit.offset_mm", "fit.normal_backlash_mm"),
     ),
     *_in(
@@ -364,8 +369,9 @@ _PYTHON = (
         ("(coast.gap_rad + self.rotation_rad)", "coast.gap_rad"),
     ),
     *_in(
+        # the others refine without end
         "bodies/cam/cam_profile.py",
-        "unit/bodies/test_cam.py physics/test_cam_pair.py",
+        "unit/bodies/test_cam.py::test_derivatives_of_a_profile_are_those_of_its_places",
         ("out + 2 * r_1 * along", "out + r_1 * along"),
     ),
     *_in(

@@ -94,6 +94,29 @@ def test_no_torque_needs_no_tangent() -> None:
     assert np.isnan(result.stiffness_tangent_Nm_per_rad).all()
 
 
+def test_tangents_of_parabolas_are_exact() -> None:
+    """Central differences of the rotation, and of the forces."""
+    from flankload.tangent import with_tangents
+
+    from flankload.contact.sweep import Sweep
+
+    def state(torque: float) -> Sweep:
+        numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
+        known = {
+            "torque_Nmm": torque,
+            "rotation_rad": np.array([torque + 0.1 * torque**2]),
+            "tangent_rad_per_Nmm": np.array([2.0]),
+            "site_force_N": np.array([[3.0 * torque + torque**2, -torque]]),
+        }
+        return Sweep(**(numbers | known))  # type: ignore[arg-type]
+
+    (found,) = with_tangents((state(5.0),), lambda torques_Nmm: tuple(map(state, torques_Nmm)))
+    assert found.tangent_rad_per_Nmm[0] == pytest.approx(1.0 + 0.2 * 5.0, rel=1e-10)
+    np.testing.assert_allclose(
+        found.site_force_per_torque, [[3.0 + 2.0 * 5.0, -1.0]], rtol=1e-10, atol=0
+    )
+
+
 def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state() -> None:
     """A little more torque has no state; the derivative with the pairs in contact held stays."""
     from flankload.analysis.tangent import with_tangents

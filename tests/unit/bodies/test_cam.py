@@ -10,6 +10,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import flankload as fl
+from flankload.bodies.cam.cam_profile import _closed_spline
 from flankload.bodies.cam.follower import Lever, lever_of
 from flankload.cli import main
 from flankload.elasticity.near_field import (
@@ -41,6 +42,7 @@ from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 EXAMPLE = SCENES / "cam.toml"
+
 #: Curves of the core against the spline of the table, mm.
 CURVE = 1e-9
 #: Angle on a disc as a spline through a row every degree, rad; its normal is off by a thousand
@@ -99,6 +101,20 @@ def test_curve_is_the_periodic_spline_of_the_table() -> None:
     normal = curve.normal(np.linspace(0, curve.length_mm, 50))
     place = curve.point(np.linspace(0, curve.length_mm, 50))
     assert ((normal * place).sum(axis=1) > 0).all()
+
+
+def test_derivatives_of_a_profile_are_those_of_its_places() -> None:
+    """Between the rows, where the spline has third derivatives."""
+    table, h = np.array(lift_and_dwell(5.0)), 1e-5
+    place = _closed_spline(
+        np.radians(np.append(table[:, 0], 360.0)), np.append(table[:, 1], table[0, 1])
+    )
+    angle = np.radians(table[:, 0] + 2.5)
+    beside = [place(angle + side * h) for side in (-1, 1)]
+    for k, found in enumerate(place(angle)[1:]):
+        np.testing.assert_allclose(
+            found, (beside[1][k] - beside[0][k]) / (2 * h), rtol=0, atol=1e-7 * table[:, 1].max()
+        )
 
 
 def test_a_row_that_closes_the_turn_changes_nothing() -> None:

@@ -272,6 +272,11 @@ def test_hundreds_of_pairs_meet_every_row() -> None:
         warm = rng.permutation(n)[:size]
         again = fl.solve_contact(matrix, np.ones(n), gaps, 1.0, warm_pairs=warm)
         np.testing.assert_allclose(again.normal_forces, forces, rtol=0, atol=SOLVER * forces.max())
+    # with friction no energy falls: that fewer pairs are open tells the loop that it gets nearer
+    rubs = {"load_rows": (1.0 + 0.1 * place)[:, None], "method": "primal"}
+    rubbed = fl.solve_contact_general(matrix, gaps, np.ones((n, 1)), 1.0, **rubs)
+    assert rubbed.info.pivots > 50
+    assert rubbed.info.backward_error <= 10 * EPS
 
 
 def test_the_door_doubles_a_vector() -> None:

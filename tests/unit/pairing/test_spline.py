@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from math import cos, pi, radians
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 import flankload as fl
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.backlash import coast_overlap_um
 from flankload.pairing.spline_fit import describe_fit
 from flankload.plot import plot_all, plot_flank_pressure, plot_load_per_tooth, plot_loaded_pair
 from tests.support.paths import SCENES
@@ -191,6 +193,19 @@ def test_offset_beyond_the_backlash_is_said() -> None:
     assert pair(pair={"center_offset_mm": 0.01}).notes == ()
     (note,) = pair(pair={"center_offset_mm": 0.03}).notes
     assert re.search(r"normal backlash of 40\.0 um .* offset of 30\.0 um", note)
+
+
+def test_twice_the_offset_is_taken_off_the_backlash() -> None:
+    """Of 40 um: 10 um leave coast flanks apart, whatever is said of gaps, 30 um do not."""
+    coast = SimpleNamespace(gap_rad=np.array([0.0, -1e-3]), base_radius_mm=BASE_RADIUS)
+    still = SimpleNamespace(torque_Nmm=0.0, tangent_rad_per_Nmm=np.zeros(2), rotation_rad=0.0)
+    for offset, overlap in ((0.01, 0.0), (0.03, BASE_RADIUS)):
+        found = coast_overlap_um(
+            pair(pair={"center_offset_mm": offset}),
+            SimpleNamespace(coast=coast),  # type: ignore[arg-type]
+            still,  # type: ignore[arg-type]
+        )
+        assert found == pytest.approx(overlap, rel=ROUND_OFF)
 
 
 # --- what cannot be put together --------------------------------------------------------------

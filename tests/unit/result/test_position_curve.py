@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from flankload.analysis.adaptive_positions import Window
+from flankload.analysis.sampling_error import between_positions
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 from tests.support.tolerances import ROUND_OFF
 
@@ -127,6 +131,30 @@ def test_single_point_between_two_kinks_is_in_doubt() -> None:
     curve = curve_through(x, y, changes, period_rad=PERIOD)
     assert np.isnan(curve.kinks()).all()
     np.testing.assert_allclose(curve.doubt_integrals()[[4, 5]], PERIOD / 16, rtol=ROUND_OFF, atol=0)
+
+
+def test_step_of_a_stiffness_is_found_at_the_kink_of_the_rotation() -> None:
+    """A stiffness that rises evenly and falls where one pair gives way to the next.
+
+    With the step at a part f of its interval, n samples miss (1/2 - f)/n of it in the mean.
+    """
+    n, kink = 24, 0.03
+    x = PERIOD * np.arange(n) / n
+    along = np.mod((x - kink) / PERIOD, 1.0)
+    before = x < kink
+    part = SimpleNamespace(
+        site_force_N=np.stack([~before, before], axis=1).astype(float),
+        rotation_rad=3.0 + along * (1.0 - along),
+        turned_rad=np.full(n, -1.0),
+        tangent_rad_per_Nmm=1.0 / (2.0 + along),
+    )
+    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), whole_circle=False)
+    error, doubt = between_positions(part, window, x)["stiffness_tangent"]  # type: ignore[arg-type]
+    missed = np.mean(2.0 + along) - 2.5
+    assert missed == pytest.approx((0.5 - 0.8) / n, rel=ROUND_OFF)
+    # between two samples it falls by its rise over one interval less
+    assert error * np.mean(2.0 + along) == pytest.approx((1 - 1 / n) * missed, rel=1e-9)
+    assert doubt > abs(error - missed / 2.5)
 
 
 def test_pairs_move_up_over_a_period() -> None:

@@ -20,7 +20,7 @@ from flankload.scene.resolution import Resolution, choose_resolution
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
@@ -44,7 +44,7 @@ def compliance_of(
     *,
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
-    matrix: csc_matrix | None = None,
+    matrix: csc_array | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
@@ -61,7 +61,7 @@ def compliance_of(
         Where stress is wanted, too.
     growth : Growth, optional
         By what the body grows.
-    matrix : csc_matrix, optional
+    matrix : csc_array, optional
         Stiffness of its mesh, where it is there already.
     estimate : bool
         What elements miss is estimated, too.
