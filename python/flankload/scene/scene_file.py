@@ -1,84 +1,70 @@
-"""A scene as a file: reading it, the schema of what may stand in it."""
+"""The tables of a whole scene file, put together from those of its parts.
 
-from __future__ import annotations
+The reader (`form`) and the JSON schema are both made from what stands in these rooms, every key
+once with its type, range, unit and meaning.
+"""
 
-import tomllib
-from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
-from flankload.errors import SceneError
-from flankload.scene.form import json_schema
-from flankload.scene.scene import Scene
-from flankload.scene.tables import SceneFile
+from msgspec import Meta
 
+from flankload.scene.belt_tables import Belt, Pulley
+from flankload.scene.cam_tables import Cam, Follower
+from flankload.scene.chain_tables import Chain, Sprocket
+from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.gear_tables import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.mesh_tables import ComplianceBody, MeshBody
+from flankload.scene.pair_tables import Load, Pair, Positions
+from flankload.scene.table import Length, Strips, Table, Text, about
 
-def read_scene(path: str | Path) -> Scene:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : path
-        TOML file; mesh files in it are relative to its folder.
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read, is no TOML, or asks for something impossible.
-    """
-    path = Path(path)
-    try:
-        tables = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise SceneError(
-            file=path, key="file", expected="a scene file to read", found=_reason(error)
-        ) from None
-    except UnicodeDecodeError as error:
-        raise SceneError(
-            file=path,
-            key="file",
-            expected="text in UTF-8",
-            found=_strange_byte(error),
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(
-            file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
-        ) from None
-    except (RecursionError, ValueError) as error:
-        # What tomllib hands on from Python itself.
-        expected, found = (
-            ("numbers of a few digits", "one of thousands of digits")
-            if isinstance(error, ValueError)
-            else ("lists of a few levels", "too many levels")
-        )
-        raise SceneError(file=path, key="file", expected=expected, found=found) from None
-    return Scene.from_dict(tables, file=path)
+Body1 = Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody
+Body2 = Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody
+BodySpec = Body1 | Body2
 
 
-def scene_schema() -> dict[str, Any]:
-    """JSON schema of a scene file, with unit and meaning of each key.
+class Accuracy(Table, frozen=True, kw_only=True):
+    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
 
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12; the keyword `unit` stands beside each number.
-    """
-    return {**json_schema(SceneFile), "title": "flankload scene"}
+    tolerance: Annotated[
+        Annotated[float, Meta(ge=1e-4, le=0.1)],
+        about(
+            "-",
+            "wanted relative error of transmission error, load share, peak pressure off sharp "
+            "corners and secant stiffness; named, it decides on the knobs that are not",
+        ),
+    ] = 0.01
+    plane: Annotated[
+        Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
+    ] = "strain"
+    estimate: Annotated[bool, about("", "false skips the error estimate")] = True
+    flank_element_mm: Annotated[
+        Length | None, about("mm", "length of the finite elements along the flank")
+    ] = None
+    modes: Annotated[
+        Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
+    ] = None
+    strips_per_half_width: Annotated[
+        Strips | None, about("-", "contact strips per Hertz half-width")
+    ] = None
+    corner_strips_per_half_width: Annotated[
+        Strips | None, about("-", "the same where a sharp tip corner carries")
+    ] = None
+    zone_half_widths: Annotated[
+        Annotated[float, Meta(gt=1, le=20)] | None,
+        about("-", "half-width of the strips' zone in Hertz half-widths"),
+    ] = None
 
 
-def _reason(error: OSError) -> str:
-    return (error.strerror or type(error).__name__).lower()
+class SceneFile(Table, frozen=True, kw_only=True):
+    """A whole scene file."""
 
-
-def _strange_byte(error: UnicodeDecodeError) -> str:
-    line = error.object.count(b"\n", 0, error.start) + 1
-    return f"line {line}: byte 0x{error.object[error.start]:02x}"
-
-
-def _syntax_error(message: str) -> str:
-    """What tomllib says, with the place in front: "line 3, column 7: unclosed string"."""
-    text, _, place = message.partition(" (at ")
-    return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()
+    name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
+    body_1: Annotated[Body1, about("", "free to turn, carries the torque")]
+    body_2: Annotated[Body2, about("", "stands at its kinematic angle")]
+    pair: Annotated[
+        Pair | None, about("", "needed, but for chains and belts, which know none of it")
+    ] = None
+    load: Load
+    positions: Positions = Positions()
+    effects: EffectsAsked = EffectsAsked()
+    accuracy: Accuracy = Accuracy()
