@@ -19,7 +19,7 @@ from flankload.contact.sweep import Level, Sweep, _core_arguments, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 TARGET = "tests/fortran/bench_sweep"
 

@@ -16,7 +16,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.analysis.runner import solve_with
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -23,8 +23,8 @@ from tests.benchmarks._instructions import Counted, count_instructions, has_valg
 
 import flankload as fl
 from flankload import _core
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effect
+from flankload.scene.effects.keys import EffectsAsked
 
 SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
 #: Some with two pairs that carry, some with one.

@@ -25,8 +25,8 @@ from tests.benchmarks.estimate import true_errors
 
 import flankload as fl
 from flankload.analysis.runner import solve_with
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
+from flankload.scene.pair import Positions
 from flankload.setting import Setting
 from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND

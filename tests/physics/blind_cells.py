@@ -19,7 +19,7 @@ from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.near_field import mode_values, strip_kernel
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 ANGLE = radians(20.0)
 STEEL = 2 * (1 - 0.3**2) / (pi * 206000.0)  # c0 in plane strain, mm²/N

@@ -19,7 +19,7 @@ from flankload.elasticity.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
-from flankload.scene.resolution import DEFAULT, Grid, Resolution
+from flankload.scene.discretization import DEFAULT, Grid, Resolution
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)

@@ -14,7 +14,7 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 CASE = json.loads(
     (Path(__file__).parents[1] / "reference_solutions" / "closed_form.json").read_text()

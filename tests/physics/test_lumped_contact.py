@@ -19,7 +19,7 @@ from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Finer than any default, so that the cells' own error does not count.

@@ -22,8 +22,8 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
-from flankload.scene.mesh_tables import ComplianceBody
-from flankload.scene.pair_tables import Positions
+from flankload.scene.mesh import ComplianceBody
+from flankload.scene.pair import Positions
 
 TEETH = 24
 #: Elements of the wheel's disc between these radii (mm) are cut out in some sectors, so that four

@@ -22,7 +22,7 @@ from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 RADII = (20.0, 35.0)
 #: The contact lies at (LEVER, ASIDE), its normal along y; both axes at y = 0, DISTANCE apart.

@@ -8,8 +8,8 @@ import pytest
 from gear_scenes import SCENE, changed
 
 from flankload.scene import Scene
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effects, effects_of, switches_of
+from flankload.scene.effects.keys import EffectsAsked
 
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}

@@ -6,12 +6,12 @@ from math import atan, cos, hypot, pi, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
-from flankload.bodies.involute.involute import InvoluteFlank, Modifications
 from scipy.optimize import minimize_scalar
 from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies.involute.gear import build_gear
 from flankload.bodies.involute.gear_profile import GearProfile, gear_profile
+from flankload.bodies.involute.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
 

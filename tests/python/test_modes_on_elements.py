@@ -10,7 +10,7 @@ from gear_scenes import EXAMPLES
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
-from flankload.scene.resolution import DEFAULT, elements_for_modes
+from flankload.scene.discretization import DEFAULT, elements_for_modes
 
 #: Largest pressure of the spline, MPa: 40 strips, elements of 0.05 mm, 8 modes (5: 0.2 % less).
 SPLINE_PEAK = 1659.4

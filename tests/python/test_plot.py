@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flankload.bodies.involute.involute import Involute
 from made_up_result import made_up_result
 from matplotlib.axes import Axes
 from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload import plot
+from flankload.bodies.involute.involute import Involute
 from flankload.bodies.profile_deviation import ProfileDeviation, deviation_at
 from flankload.plot import (
     plot_all,

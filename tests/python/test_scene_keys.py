@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from gear_scenes import ABSENT, changed, one_line, refusal
 
-from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects.keys import EffectsAsked
 
 #: Kinds of body 1, as a message names them.
 KINDS_1 = (

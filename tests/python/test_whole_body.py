@@ -32,9 +32,9 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.meshes.plane_mesh import boundary_edges
-from flankload.scene.mesh_tables import ComplianceBody
-from flankload.scene.pair_tables import Positions
-from flankload.scene.tables import Accuracy
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.mesh import ComplianceBody
+from flankload.scene.pair import Positions
 
 #: Another mesher's nodes, a curve through them: wanted of the rotation.
 OTHER_MESHER = 3e-3

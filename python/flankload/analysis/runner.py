@@ -31,7 +31,7 @@ from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.geometry import pair_geometry
 from flankload.scene import MeshBody
-from flankload.scene.resolution import position_tolerance
+from flankload.scene.discretization import position_tolerance
 from flankload.steering import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from flankload.plan import Plan
     from flankload.plan.duration import Duration
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Resolution
 
     Progress = Callable[[str, int, int], None]
     Kept = MutableMapping[int, tuple[BodyCompliance, Account]]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.resolution import Grid
+    from flankload.scene.discretization import Grid
 
 #: Levels of contact, cheapest last, as the core numbers them.
 Level = Literal["pairs", "lumped"]

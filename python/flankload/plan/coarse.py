@@ -29,9 +29,9 @@ from flankload.mechanisms.flank_pair.premises import (
 from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, sweep_of
 from flankload.plan.sizes import States
 from flankload.result.geometry import pair_geometry
-from flankload.scene.effect_tables import EffectsAsked
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.pair import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,98 +1,127 @@
-"""Which keys of a sprocket and its chain go together."""
-
-from __future__ import annotations
+"""The tables of roller chains and their sprockets, and the rules between their keys."""
 
 from collections.abc import Mapping
 from math import degrees, pi
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any, ClassVar, Literal
 
-from flankload.scene.belt_tables import Belt
-from flankload.scene.chain_tables import Chain, Sprocket
-from flankload.scene.refusal import refuse, shown
+from msgspec import Meta
 
-if TYPE_CHECKING:
-    from flankload.scene.tables import SceneFile
+from flankload.scene.drive import DriveTable, WrappedTable
+from flankload.scene.refusal import refuse
+from flankload.scene.table import BodyTable, Length, about
 
-#: What a chain knows of the tables of all scenes.
-KNOWN = {
-    "effects": {"large_displacement"},
-    "positions": {"count", "angles_deg", "pitches"},
-    "accuracy": {"tolerance", "estimate"},
-}
+Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
+RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
 
 
-def check_chain(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Check that a chain has its sprocket, and that nothing is asked for that both cannot do.
+class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
+    """A rigid sprocket for roller chains, ISO 606."""
 
-    Parameters
-    ----------
-    asked : SceneFile
-    given : mapping
-        As the user wrote it.
+    partner: ClassVar[str | None] = "chain"
 
-    Raises
-    ------
-    SceneError
-    """
-    body_1, body_2 = asked.body_1, asked.body_2
-    chains = isinstance(body_1, Sprocket), isinstance(body_2, Chain)
-    if chains[0] != chains[1]:
-        refuse(
-            "body_2.kind",
-            "'chain' with body_1.kind 'sprocket': the two go together and with no other",
-            f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
-        )
-    if not isinstance(body_1, Sprocket) or not isinstance(body_2, Chain):
-        _refuse_drive_keys(asked, given)
-        return
-    for key in ("pitch_mm", "roller_diameter_mm"):
-        own, other = getattr(body_1, key), getattr(body_2, key)
-        if own != other:
-            refuse(
-                f"body_2.{key}",
-                f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
-                f"{other:g}",
-            )
-    most = degrees(2 * pi) * (1 - 1 / body_1.teeth)
-    if body_2.wrap_angle_deg > most:
-        refuse(
-            "body_2.wrap_angle_deg",
-            f"at most {most:g}: all teeth of body_1 but one",
-            f"{body_2.wrap_angle_deg:g}",
-        )
-    if asked.load.slack_tension_N is None:
-        refuse(
-            "load.slack_tension_N",
-            "a number > 0: what the slack strand of the chain pulls with",
-            "nothing",
-        )
-    if asked.pair is not None:
-        refuse(
-            "pair",
-            "nothing: a chain lies on its sprocket, and its contacts yield by "
-            "body_2.contact_stiffness_N_per_mm",
-            "a table",
-        )
-    for table, known in KNOWN.items():
-        for key, value in given.get(table, {}).items():
-            if key not in known:
+    teeth: Annotated[
+        Annotated[int, Meta(ge=6, le=1000)],
+        about("-", "number of teeth"),
+    ]
+    pitch_mm: Pitch
+    roller_diameter_mm: RollerDiameter
+    seat: Annotated[
+        Literal["tight", "wide"],
+        about(
+            "",
+            "tooth form by the limits of ISO 606: 'tight' has the least roller seat and flank "
+            "radius, 'wide' the largest; keys beside it replace single numbers",
+        ),
+    ] = "wide"
+    roller_seat_radius_mm: Annotated[
+        Length | None, about("mm", "radius of the arc in which a roller sits")
+    ] = None
+    flank_radius_mm: Annotated[
+        Length | None, about("mm", "radius of the tooth flank that follows the seat")
+    ] = None
+    seating_angle_deg: Annotated[
+        Annotated[float, Meta(ge=60, lt=180)] | None,
+        about("deg", "angle of the seat arc; absent = 120 - 90/teeth"),
+    ] = None
+    tip_diameter_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "tip diameter; absent = the middle of the limits of ISO 606, at most where the flanks "
+            "of a tooth meet",
+        ),
+    ] = None
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
+    @property
+    def rigid(self) -> bool:
+        """A sprocket does not yield; what its contacts yield belongs to the chain."""
+        return True
+
+
+class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
+    """A roller chain around a sprocket, its tight strand held."""
+
+    partner: ClassVar[str | None] = "sprocket"
+    known: ClassVar[Mapping[str, frozenset[str]]] = {
+        "positions": frozenset({"count", "angles_deg", "pitches"}),
+        "accuracy": frozenset({"tolerance", "estimate"}),
+    }
+    no_pair: ClassVar[str] = (
+        "a chain lies on its sprocket, and its contacts yield by body_2.contact_stiffness_N_per_mm"
+    )
+
+    pitch_mm: Pitch
+    roller_diameter_mm: RollerDiameter
+    wrap_angle_deg: Annotated[
+        Annotated[float, Meta(gt=0, le=360)],
+        about("deg", "angle around the sprocket between the places where both strands leave"),
+    ]
+    link_stiffness_N: Annotated[
+        Annotated[float, Meta(ge=1e-3, le=1e12)],
+        about("N", "tension of the chain over its strain"),
+    ]
+    contact_stiffness_N_per_mm: Annotated[
+        Annotated[float, Meta(ge=1e-3, le=1e12)],
+        about("N/mm", "force of a roller on its pocket over how far it yields there"),
+    ]
+    elongation: Annotated[
+        Annotated[float, Meta(ge=0, le=0.05)],
+        about("-", "by which wear has lengthened every link, relative"),
+    ] = 0.0
+    span_length_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "length of the free strands, whose tension holds the outer rollers sideways; absent "
+            "= 40 pitches",
+        ),
+    ] = None
+
+    @property
+    def rigid(self) -> bool:
+        """A chain yields."""
+        return False
+
+    def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
+        """Refuse another pitch or roller than that of the sprocket, and strands that meet."""
+        assert isinstance(body_1, Sprocket)
+        for key in ("pitch_mm", "roller_diameter_mm"):
+            own, other = getattr(body_1, key), getattr(self, key)
+            if own != other:
                 refuse(
-                    f"{table}.{key}",
-                    "nothing: a chain and its sprocket do not know it",
-                    shown(value),
+                    f"body_2.{key}",
+                    f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
+                    f"{other:g}",
                 )
-
-
-def _refuse_drive_keys(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Only drives have a slack strand and rollers that move far."""
-    if asked.load.slack_tension_N is not None and not isinstance(asked.body_2, Belt):
-        refuse(
-            "load.slack_tension_N",
-            f"nothing: a {asked.body_2.kind} has no slack strand",
-            f"{asked.load.slack_tension_N:g}",
-        )
-    for key, value in given.get("effects", {}).items():
-        if key in KNOWN["effects"]:
-            refuse(f"effects.{key}", "nothing, unless body_2.kind is 'chain'", shown(value))
-    if asked.pair is None and not isinstance(asked.body_2, Belt):
-        refuse("pair", "a table", "nothing")
+        most = degrees(2 * pi) * (1 - 1 / body_1.teeth)
+        if self.wrap_angle_deg > most:
+            refuse(
+                "body_2.wrap_angle_deg",
+                f"at most {most:g}: all teeth of body_1 but one",
+                f"{self.wrap_angle_deg:g}",
+            )

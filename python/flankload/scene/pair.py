@@ -1,10 +1,24 @@
-"""The tables of what stands between two bodies: axes, load, positions."""
+"""The tables of what stands between two bodies (axes, load, positions), and their rules."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import USUAL_SIZE, Angles, Length, Table, Torque, Torques, about
+from flankload.scene.refusal import refuse
+from flankload.scene.table import (
+    USUAL_SIZE,
+    Angles,
+    BodyTable,
+    Length,
+    Table,
+    Torque,
+    Torques,
+    about,
+)
+
+#: Fewer positions to begin with overlook pairs that carry on a part of a pitch only.
+LEAST_START = 8
 
 
 class Pair(Table, frozen=True, kw_only=True):
@@ -37,6 +51,30 @@ class Pair(Table, frozen=True, kw_only=True):
         """Distance of the two axes."""
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
+    def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
+        """Check that splines stand on an offset, all other bodies on a centre distance.
+
+        Raises
+        ------
+        SceneError
+        """
+        distance, offset = self.center_distance_mm, self.center_offset_mm
+        if body_1.conforms and distance is not None:
+            refuse(
+                "pair.center_distance_mm",
+                "nothing: a spline's axes stand on pair.center_offset_mm (absent = 0)",
+                distance,
+            )
+        if not body_1.conforms and offset is not None:
+            refuse(
+                "pair.center_offset_mm",
+                f"nothing: a {body_1.kind} and a {body_2.kind} stand on "
+                "pair.center_distance_mm, only splines on an offset",
+                offset,
+            )
+        if not body_1.conforms and distance is None:
+            refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
+
 
 class Load(Table, frozen=True, kw_only=True):
     """What body 1 carries."""
@@ -51,6 +89,12 @@ class Load(Table, frozen=True, kw_only=True):
         Annotated[float, Meta(gt=0, le=1e9)] | None,
         about("N", "tension of the slack strand of a chain or a belt"),
     ] = None
+
+    @property
+    def torques_Nm(self) -> tuple[float, ...]:
+        """All torques, N m."""
+        torque = self.torque_Nm
+        return torque if isinstance(torque, tuple) else (float(torque),)
 
 
 class Positions(Table, frozen=True, kw_only=True):
@@ -112,3 +156,62 @@ class Positions(Table, frozen=True, kw_only=True):
     def most_per_pitch(self) -> int:
         """Most adaptive positions per tooth pitch."""
         return self.max_count or 8 * self.count
+
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Check that angles stand alone, and that keys of adaptive positions stand with them.
+
+        Parameters
+        ----------
+        given : mapping
+            The keys that the scene names.
+
+        Raises
+        ------
+        SceneError
+        """
+        if self.angles_deg is not None:
+            for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
+                if key in given:
+                    refuse(
+                        "positions.angles_deg",
+                        f"nothing beside positions.{key}: one of the two",
+                        self.angles_deg,
+                    )
+        if not self.adaptive:
+            for key in ("tolerance", "max_count"):
+                if key in given:
+                    refuse(
+                        f"positions.{key}", "nothing, unless positions.adaptive is true", given[key]
+                    )
+            return
+        if self.count < LEAST_START:
+            refuse(
+                "positions.count",
+                f"at least {LEAST_START} to begin adaptive positions with",
+                self.count,
+            )
+        if self.max_count is not None and self.max_count < self.count:
+            refuse(
+                "positions.max_count",
+                f"at least positions.count ({self.count})",
+                self.max_count,
+            )
+
+
+def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
+    """Refuse one of two kinds that go together and with no other.
+
+    Raises
+    ------
+    SceneError
+    """
+    kinds = body_1.kind, body_2.kind
+    for wanted in ((body_1.kind, body_1.partner), (body_2.partner, body_2.kind)):
+        if None not in wanted and kinds != wanted:
+            refuse(
+                "body_2.kind",
+                "'{1}' with body_1.kind '{0}': the two go together and with no other".format(
+                    *wanted
+                ),
+                f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
+            )

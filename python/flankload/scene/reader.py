@@ -1,15 +1,12 @@
-"""A scene as a file: reading it, the schema of what may stand in it."""
+"""A scene from a TOML file."""
 
 from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Any
 
 from flankload.errors import SceneError
-from flankload.scene.form import json_schema
 from flankload.scene.scene import Scene
-from flankload.scene.tables import SceneFile
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -56,17 +53,6 @@ def read_scene(path: str | Path) -> Scene:
         )
         raise SceneError(file=path, key="file", expected=expected, found=found) from None
     return Scene.from_dict(tables, file=path)
-
-
-def scene_schema() -> dict[str, Any]:
-    """JSON schema of a scene file, with unit and meaning of each key.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12; the keyword `unit` stands beside each number.
-    """
-    return {**json_schema(SceneFile), "title": "flankload scene"}
 
 
 def _reason(error: OSError) -> str:

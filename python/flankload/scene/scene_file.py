@@ -1,58 +1,28 @@
-"""The tables of a whole scene file, put together from those of its parts.
+"""A whole scene file: the tables of its parts put together, and the rules that lie between them.
 
-The reader (`form`) and the JSON schema are both made from what stands in these rooms, every key
-once with its type, range, unit and meaning.
+The reader (`form`) and the JSON schema are both made from these tables, every key once with its
+type, range, unit and meaning.
 """
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from msgspec import Meta
-
-from flankload.scene.belt_tables import Belt, Pulley
-from flankload.scene.cam_tables import Cam, Follower
-from flankload.scene.chain_tables import Chain, Sprocket
-from flankload.scene.effect_tables import EffectsAsked
-from flankload.scene.gear_tables import Gear, Ring, SplineHub, SplineShaft
-from flankload.scene.mesh_tables import ComplianceBody, MeshBody
-from flankload.scene.pair_tables import Load, Pair, Positions
-from flankload.scene.table import Length, Strips, Table, Text, about
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.belt import Belt, Pulley
+from flankload.scene.cam import Cam, Follower
+from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.drive import check_drive
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.effects.rules import check_effects
+from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.mesh import ComplianceBody, MeshBody
+from flankload.scene.pair import Load, Pair, Positions, check_partners
+from flankload.scene.refusal import refuse
+from flankload.scene.table import Table, Text, about
 
 Body1 = Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody
 Body2 = Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody
 BodySpec = Body1 | Body2
-
-
-class Accuracy(Table, frozen=True, kw_only=True):
-    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
-
-    tolerance: Annotated[
-        Annotated[float, Meta(ge=1e-4, le=0.1)],
-        about(
-            "-",
-            "wanted relative error of transmission error, load share, peak pressure off sharp "
-            "corners and secant stiffness; named, it decides on the knobs that are not",
-        ),
-    ] = 0.01
-    plane: Annotated[
-        Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
-    ] = "strain"
-    estimate: Annotated[bool, about("", "false skips the error estimate")] = True
-    flank_element_mm: Annotated[
-        Length | None, about("mm", "length of the finite elements along the flank")
-    ] = None
-    modes: Annotated[
-        Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
-    ] = None
-    strips_per_half_width: Annotated[
-        Strips | None, about("-", "contact strips per Hertz half-width")
-    ] = None
-    corner_strips_per_half_width: Annotated[
-        Strips | None, about("-", "the same where a sharp tip corner carries")
-    ] = None
-    zone_half_widths: Annotated[
-        Annotated[float, Meta(gt=1, le=20)] | None,
-        about("-", "half-width of the strips' zone in Hertz half-widths"),
-    ] = None
 
 
 class SceneFile(Table, frozen=True, kw_only=True):
@@ -68,3 +38,30 @@ class SceneFile(Table, frozen=True, kw_only=True):
     positions: Positions = Positions()
     effects: EffectsAsked = EffectsAsked()
     accuracy: Accuracy = Accuracy()
+
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Refuse what does not go together between the tables.
+
+        Parameters
+        ----------
+        given : mapping
+            The scene as it stands in the file.
+
+        Raises
+        ------
+        SceneError
+            At the first key that contradicts another one; names key, expected and found.
+        """
+        check_partners(self.body_1, self.body_2)
+        check_drive(self, given)
+        if self.pair is not None:
+            self.pair.check(self.body_1, self.body_2)
+        check_effects(self, given)
+        self.positions.check(given.get("positions", {}))
+        if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
+            refuse(
+                "body_2.rigid",
+                "false, since body_1.rigid is true: where neither body yields, nothing says how "
+                "the flanks share the torque",
+                True,
+            )

@@ -23,9 +23,14 @@ from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.period import Period, period_of
 from flankload.scene import Belt, Chain
-from flankload.scene.effect_rules import check_coast_kinds
+from flankload.scene.discretization import (
+    DEFAULT,
+    Resolution,
+    choose_resolution,
+    elements_for_modes,
+)
 from flankload.scene.effects import Effects, effects_of
-from flankload.scene.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
+from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
@@ -38,7 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.scene import Scene
-    from flankload.scene.pair_tables import Positions
+    from flankload.scene.pair import Positions
 
 
 @dataclass(frozen=True)

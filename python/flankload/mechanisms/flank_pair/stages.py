@@ -11,8 +11,8 @@ from flankload.elasticity.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.pairing.expansion import grown
+from flankload.scene.discretization import Resolution, choose_resolution
 from flankload.scene.effects import effects_of
-from flankload.scene.resolution import Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,235 +1,355 @@
-"""The table of effects: a row for each."""
+"""The effects: one record for each. What a scene does not call for is not computed."""
 
 from __future__ import annotations
 
-from flankload.scene.effects.effect import Effect, Work
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+from flankload.scene.effects.record import Effect, Switch, Work
 from flankload.scene.effects.switches import (
     MODIFICATIONS,
-    level,
-    misplaced,
-    modified,
-    quantity,
-    rubs,
-    several,
-    stressed,
-    yields,
+    has_several_torques,
+    is_elastic,
+    is_misplaced,
+    is_modified,
 )
 
-BOTH_BODIES = ("compliance body 1", "compliance body 2")
-ALL_SWEEPS = ("sweep", "tangent", "estimate")
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
 
-EFFECTS: tuple[Effect, ...] = (
-    Effect(
-        name="elastic_body_1",
-        title="body 1 yields",
+BODIES = ("compliance body 1", "compliance body 2")
+SWEEPS = ("sweep", "tangent", "estimate")
+#: Kinds of bodies whose coast flanks are not known, and why.
+ONE_FLANK = {
+    "mesh": "of whose teeth a file names one flank",
+    "compliance": "of whose teeth a file names one flank",
+    "cam": "which has one flank",
+    "follower": "which has one flank",
+    "sprocket": "whose pockets hold rollers",
+    "chain": "which has no teeth",
+}
+IN_MODES = (
+    "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by small forces"
+)
+
+
+def _effect(title: str, **record: Any) -> Any:
+    """A field of `Effects` with its record."""
+    return field(metadata={"title": title, **record})
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What a scene calls for: a truth value for each effect, beside its record (`Effect`)."""
+
+    elastic_body_1: bool = _effect(
+        "body 1 yields",
         keys=("body_1.rigid",),
-        switch=yields(1),
+        called_for=is_elastic(1),
+        needs_load=True,
         stages=("compliance body 1",),
         work=Work(factorisations=1, normal_loads=1),
         counters=("fe_factorisations", "unit_loads_normal"),
         size_by="compliance",
-    ),
-    Effect(
-        name="elastic_body_2",
-        title="body 2 yields",
+    )
+    elastic_body_2: bool = _effect(
+        "body 2 yields",
         keys=("body_2.rigid",),
-        switch=yields(2),
+        called_for=is_elastic(2),
+        needs_load=True,
         stages=("compliance body 2",),
         work=Work(factorisations=1, normal_loads=1),
         counters=("fe_factorisations", "unit_loads_normal"),
         size_by="compliance",
-    ),
-    Effect(
-        name="segment",
-        title="a segment of the teeth with held cuts",
+    )
+    segment: bool = _effect(
+        "a segment of the teeth with held cuts",
         keys=("effects.body", "effects.segment_teeth"),
-        switch=level("body", "segment", "whole"),
-        stages=BOTH_BODIES,
+        on={"body": "segment", "segment_teeth": 5},
+        off={"body": "whole", "segment_teeth": None},
+        stages=BODIES,
         size_by="compliance",
         of_teeth=True,
         coarser=True,
-    ),
-    Effect(
-        name="single_tooth",
-        title="a single tooth with held cuts",
+    )
+    single_tooth: bool = _effect(
+        "a single tooth with held cuts",
         keys=("effects.body",),
-        switch=level("body", "tooth", "whole"),
-        stages=BOTH_BODIES,
+        on={"body": "tooth", "segment_teeth": None},
+        off={"body": "whole", "segment_teeth": None},
+        stages=BODIES,
         size_by="compliance",
         of_teeth=True,
         coarser=True,
-    ),
-    Effect(
-        name="tooth_coupling",
-        title="coupling between teeth",
+    )
+    tooth_coupling: bool = _effect(
+        "coupling between teeth",
         keys=("effects.tooth_coupling",),
-        switch=level("tooth_coupling", True, True),
-        stages=BOTH_BODIES,
+        on={"tooth_coupling": True},
+        off={"tooth_coupling": False},
+        stages=BODIES,
         size_by="compliance",
         of_teeth=True,
-    ),
-    Effect(
-        name="nodal_near_field",
-        title="near field from plain nodes",
+    )
+    nodal_near_field: bool = _effect(
+        "near field from plain nodes",
         keys=("effects.near_field",),
-        switch=level("near_field", "nodes", "analytic"),
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"near_field": "nodes"},
+        off={"near_field": "analytic"},
+        stages=(*BODIES, *SWEEPS),
         counters=("unit_loads_nodal",),
         size_by="spacing",
         coarser=True,
-        excludes=("lumped_contact", "coast_flanks", "thermal_growth", "centrifugal_growth"),
-    ),
-    Effect(
-        name="finite_influence",
-        title="influence numbers of finite force",
+        refused_with={
+            "thermal_growth": "'analytic' with effects.temperature_rise_K: growth is known in "
+            "modes alone",
+            "centrifugal_growth": "'analytic' with effects.speed_rpm: growth is known in modes "
+            "alone",
+            "coast_flanks": IN_MODES,
+        },
+        refused_for={
+            "cam": "'analytic' with body_2.kind 'cam': a closed flank has no first and last node"
+        },
+    )
+    finite_influence: bool = _effect(
+        "influence numbers of finite force",
         keys=("effects.influence",),
-        switch=level("influence", "finite", "small"),
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"influence": "finite"},
+        off={"influence": "small"},
+        stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=2, solves=2),
         counters=("unit_loads_tangential", "finite_solutions"),
         size_by="levers",
-        excludes=("lumped_contact", "coast_flanks"),
-    ),
-    Effect(
-        name="lumped_contact",
-        title="lumped Hertz contact",
+        refused_with={"coast_flanks": IN_MODES},
+    )
+    lumped_contact: bool = _effect(
+        "lumped Hertz contact",
         keys=("effects.contact",),
-        switch=level("contact", "lumped", "pairs"),
-        stages=ALL_SWEEPS,
+        on={"contact": "lumped"},
+        off={"contact": "pairs"},
+        stages=SWEEPS,
         work=Work(columns=-1, solves=-1),
         size_by="places",
         coarser=True,
-        excludes=("coast_flanks", "nodal_near_field", "finite_influence"),
-    ),
-    Effect(
-        name="tip_contact",
-        title="tip and fillet contact",
+        refused_with={
+            "nodal_near_field": "'pairs' with effects.near_field 'nodes': forces there have places",
+            "finite_influence": "'pairs' with effects.influence 'finite': forces there have places",
+            "coast_flanks": "'pairs' with effects.coast_flank: lumped contact has working flanks "
+            "only",
+        },
+        refused_for={
+            "spline_shaft": "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and "
+            "touch over a length instead of at a place"
+        },
+    )
+    tip_contact: bool = _effect(
+        "tip and fillet contact",
         keys=("effects.tip_contact",),
-        switch=level("tip_contact", True, True),
-        stages=ALL_SWEEPS,
+        on={"tip_contact": True},
+        off={"tip_contact": False},
+        stages=SWEEPS,
         size_by="places",
         of_teeth=True,
-    ),
-    Effect(
-        name="coast_flanks",
-        title="contact on the coast flanks",
+    )
+    coast_flanks: bool = _effect(
+        "contact on the coast flanks",
         keys=("effects.coast_flank",),
-        switch=level("coast_flank", True, False),
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"coast_flank": True},
+        off={"coast_flank": False},
+        stages=(*BODIES, *SWEEPS),
         work=Work(coast_readings=1),
         counters=("coast_readings",),
         size_by="places",
         of_teeth=True,
-        excludes=("root_stress", "lumped_contact", "nodal_near_field", "finite_influence"),
-    ),
-    Effect(
-        name="flank_modifications",
-        title="flank modifications",
+        refused_for={
+            kind: f"false with {{body}}.kind '{kind}', {why}" for kind, why in ONE_FLANK.items()
+        },
+    )
+    flank_modifications: bool = _effect(
+        "flank modifications",
         keys=tuple(f"body_*.{key}" for key in MODIFICATIONS),
-        switch=modified,
+        called_for=is_modified,
         stages=("bodies",),
         size_by="gaps",
         of_teeth=True,
-    ),
-    Effect(
-        name="pitch_errors",
-        title="pitch errors",
+    )
+    pitch_errors: bool = _effect(
+        "pitch errors",
         keys=("body_*.pitch_errors_um",),
-        switch=misplaced,
+        called_for=is_misplaced,
         stages=("bodies",),
         size_by="gaps",
         of_teeth=True,
-    ),
-    Effect(
-        name="thermal_growth",
-        title="thermal growth",
+    )
+    thermal_growth: bool = _effect(
+        "thermal growth",
         keys=(
             "effects.temperature_rise_K",
             "effects.thermal_expansion_per_K",
             "effects.support_expansion_per_K",
         ),
-        switch=quantity("temperature_rise_K"),
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"temperature_rise_K": 50.0},
+        off={
+            "temperature_rise_K": None,
+            "thermal_expansion_per_K": None,
+            "support_expansion_per_K": None,
+        },
+        stages=(*BODIES, *SWEEPS),
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
         size_by="gaps",
-        excludes=("nodal_near_field",),
-    ),
-    Effect(
-        name="centrifugal_growth",
-        title="centrifugal expansion",
+    )
+    centrifugal_growth: bool = _effect(
+        "centrifugal expansion",
         keys=("effects.speed_rpm", "effects.density_kg_m3"),
-        switch=quantity("speed_rpm"),
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"speed_rpm": 3000.0},
+        off={"speed_rpm": None, "density_kg_m3": None},
+        stages=(*BODIES, *SWEEPS),
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
         size_by="gaps",
-        excludes=("nodal_near_field",),
-    ),
-    Effect(
-        name="friction",
-        title="friction",
+        refused_for={
+            "cam": "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not "
+            "turn"
+        },
+    )
+    friction: bool = _effect(
+        "friction",
         keys=("effects.friction_coefficient",),
-        switch=rubs,
-        stages=(*BOTH_BODIES, *ALL_SWEEPS),
+        on={"friction_coefficient": 0.1},
+        off={"friction_coefficient": None},
+        stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=1),
         counters=("unit_loads_tangential",),
         size_by="levers",
-    ),
-    Effect(
-        name="power_loss",
-        title="power loss",
+    )
+    power_loss: bool = _effect(
+        "power loss",
         keys=("effects.friction_coefficient",),
-        switch=rubs,
+        on={"friction_coefficient": 0.1},
+        off={"friction_coefficient": None},
         stages=("result",),
-    ),
-    Effect(
-        name="root_stress",
-        title="stress in the tooth roots",
+    )
+    root_stress: bool = _effect(
+        "stress in the tooth roots",
         keys=("effects.root_stress",),
-        switch=stressed,
-        stages=(*BOTH_BODIES, "result"),
+        on={"root_stress": True},
+        off={"root_stress": False},
+        needs_load=True,
+        stages=(*BODIES, "result"),
         work=Work(recoveries=1),
         counters=("stress_recoveries",),
         of_teeth=True,
-        excludes=("coast_flanks",),
-    ),
-    Effect(
-        name="several_torques",
-        title="several torques",
+        refused_with={
+            "coast_flanks": "false with effects.coast_flank: stress is known of forces on the "
+            "working flanks only"
+        },
+        refused_for={"cam": "nothing: a cam and its follower have no tooth roots"},
+    )
+    several_torques: bool = _effect(
+        "several torques",
         keys=("load.torque_Nm",),
-        switch=several,
-        stages=ALL_SWEEPS,
+        called_for=has_several_torques,
+        stages=SWEEPS,
         work=Work(columns=1, solves=1),
-    ),
-    Effect(
-        name="large_displacement",
-        title="rollers of a chain followed to where they stand",
+    )
+    large_displacement: bool = _effect(
+        "rollers of a chain followed to where they stand",
         keys=("effects.large_displacement",),
-        switch=level("large_displacement", True, False),
+        on={"large_displacement": True},
+        off={"large_displacement": False},
         stages=("sweep",),
         work=Work(columns=10, solves=10),
         size_by="places",
-    ),
-    Effect(
-        name="land_friction",
-        title="friction on the lands of a belt",
+        only_for="chain",
+    )
+    land_friction: bool = _effect(
+        "friction on the lands of a belt",
         keys=("effects.land_friction",),
-        switch=quantity("land_friction"),
-        stages=(*BOTH_BODIES, "sweep", "estimate"),
+        on={"land_friction": 0.1},
+        off={"land_friction": None},
+        stages=(*BODIES, "sweep", "estimate"),
         work=Work(tangential_loads=1),
         counters=("unit_loads_tangential",),
         size_by="levers",
-        excludes=("land_lift",),
-    ),
-    Effect(
-        name="land_lift",
-        title="lands of a belt that lift off",
+        only_for="belt",
+    )
+    land_lift: bool = _effect(
+        "lands of a belt that lift off",
         keys=("effects.land_lift",),
-        switch=level("land_lift", True, False),
+        on={"land_lift": True},
+        off={"land_lift": False},
         stages=("compliance body 2", "sweep"),
         work=Work(normal_loads=1, columns=1),
         size_by="places",
-        excludes=("land_friction",),
-    ),
-)
+        refused_with={
+            "land_friction": "false with effects.land_friction: lands that lift do not rub as all "
+            "others do"
+        },
+        only_for="belt",
+    )
+
+
+def _records() -> tuple[Effect, ...]:
+    """The records, those that are refused together excluded both ways."""
+    rows = {item.name: item.metadata for item in fields(Effects)}
+    pairs = {(name, other) for name, row in rows.items() for other in row.get("refused_with", ())}
+    return tuple(
+        Effect(
+            name=name,
+            excludes=tuple(b for b in rows if (name, b) in pairs or (b, name) in pairs),
+            **row,
+        )
+        for name, row in rows.items()
+    )
+
+
+EFFECTS = _records()
+
+
+def effects_of(scene: Scene) -> Effects:
+    """Effects that a scene calls for.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Effects
+    """
+    return Effects(**{effect.name: effect.switch(scene).on for effect in EFFECTS})
+
+
+def switches_of(scene: Scene) -> dict[str, Switch]:
+    """Effects that a scene calls for, each with the key that says so.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to Switch
+        In the order of the records.
+    """
+    return {effect.name: effect.switch(scene) for effect in EFFECTS}
+
+
+def work_in(stage: str, effects: Effects) -> Work:
+    """What all effects that are called for add to a stage.
+
+    Parameters
+    ----------
+    stage : str
+    effects : Effects
+
+    Returns
+    -------
+    Work
+        Sum of their records.
+    """
+    work = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
+    return Work(
+        **{item.name: sum(getattr(row, item.name) for row in work) for item in fields(Work)}
+    )

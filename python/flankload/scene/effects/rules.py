@@ -1,27 +1,24 @@
 """Effects that do not go together, or not with these bodies: one refusal at a time, both keys."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flankload.scene.belt_tables import Belt, Pulley
-from flankload.scene.cam_tables import Cam, Follower
-from flankload.scene.chain_tables import Chain, Sprocket
-from flankload.scene.effect_tables import LARGEST_COEFFICIENT
-from flankload.scene.gear_tables import SplineShaft
-from flankload.scene.growth_rules import check_growth
-from flankload.scene.mesh_tables import ComplianceBody, MeshBody
+from flankload.scene.belt import Belt
+from flankload.scene.drive import DriveTable
+from flankload.scene.effects.keys import LARGEST_COEFFICIENT
+from flankload.scene.effects.records import EFFECTS
+from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.tables import SceneFile
 
-#: Kinds of bodies whose coast flanks are not known, and why.
-ONE_FLANK = {
-    "mesh": "of whose teeth a file names one flank",
-    "compliance": "of whose teeth a file names one flank",
-    "cam": "which has one flank",
-    "follower": "which has one flank",
-    "sprocket": "whose pockets hold rollers",
-    "chain": "which has no teeth",
-}
+if TYPE_CHECKING:
+    from flankload.scene.effects.record import Effect
+    from flankload.scene.scene_file import BodySpec, SceneFile
+
+RECORDS = {effect.name: effect for effect in EFFECTS}
+#: Strain up to which growth is linear, far beyond what any machine bears.
+LARGEST_STRAIN = 0.02
 
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
@@ -38,40 +35,68 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     SceneError
         Names the key, and in what it expects the other one.
     """
-    effects = given.get("effects", {})
+    named = [effect for effect in EFFECTS if effect.is_named(asked.effects)]
+    _check_known(asked, given.get("effects", {}))
     _check_friction(asked)
-    _check_lumped(asked)
     _check_extent(asked)
-    _check_coupling(asked, effects)
-    check_growth(asked)
-    _check_nodes(asked)
-    _check_places(asked)
-    _check_tip_contact(asked)
-    _check_coast_flank(asked)
+    _check_teeth(asked, given.get("effects", {}))
+    _check_growth(asked)
+    for effect in named:
+        _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
+    _check_levels(asked)
+    _check_forces(asked)
+    for effect in named:
+        for other, expected in effect.refused_with.items():
+            if RECORDS[other] in named:
+                refuse(f"effects.{effect.key}", expected, _value(effect, asked))
 
 
-def check_coast_kinds(*kinds: str) -> None:
+def check_coast_kinds(kind_1: str, kind_2: str) -> None:
     """Check that both flanks of every tooth of body 1, of body 2 are known.
 
     Raises
     ------
     SceneError
     """
-    for key, kind in zip(("body_1", "body_2"), kinds, strict=True):
-        if kind in ONE_FLANK:
+    _check_kinds(RECORDS["coast_flanks"], kind_1, kind_2, found="true")
+
+
+def _value(effect: Effect, asked: SceneFile) -> str:
+    return shown(getattr(asked.effects, effect.key or ""))
+
+
+def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec]]:
+    return ("body_1", asked.body_1), ("body_2", asked.body_2)
+
+
+def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """A drive knows its own effects only, and no other bodies know them."""
+    owners = {effect.key: effect.only_for for effect in EFFECTS if effect.only_for}
+    kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
+    for key, value in given.items():
+        if owners.get(key, kind_2) != kind_2:
             refuse(
-                "effects.coast_flank",
-                f"false with {key}.kind '{kind}', {ONE_FLANK[kind]}",
-                "true",
+                f"effects.{key}", f"nothing, unless body_2.kind is '{owners[key]}'", shown(value)
             )
+        if asked.body_2.is_drive and key not in owners:
+            expected = f"nothing: a {kind_2} and its {kind_1} do not know it"
+            refuse(f"effects.{key}", expected, shown(value))
+
+
+def _check_kinds(effect: Effect, kind_1: str, kind_2: str, *, found: str) -> None:
+    for body, kind in (("body_1", kind_1), ("body_2", kind_2)):
+        if kind in effect.refused_for:
+            refuse(f"effects.{effect.key}", effect.refused_for[kind].format(body=body), found)
 
 
 def _check_friction(asked: SceneFile) -> None:
     """A list has one number per tooth, or rows of ascending roll position and coefficient."""
-    given = asked.effects.friction_coefficient
+    given, key = asked.effects.friction_coefficient, "effects.friction_coefficient"
+    if given and not asked.body_2.has_teeth:
+        expected = "nothing: this version knows no friction between a cam and its follower"
+        refuse(key, expected, "a coefficient")
     if not isinstance(given, tuple):
         return
-    key = "effects.friction_coefficient"
     rows = [row for row in given if isinstance(row, tuple)]
     if rows and len(rows) < len(given):
         refuse(key, "numbers, one per tooth, or rows of roll position and coefficient", "both")
@@ -86,170 +111,135 @@ def _check_friction(asked: SceneFile) -> None:
             )
 
 
-def _check_lumped(asked: SceneFile) -> None:
-    """Lumped contact has no strips, and conforming flanks have no place to lump it in."""
-    if asked.effects.contact != "lumped":
-        return
-    key = "effects.contact"
-    if isinstance(asked.body_1, SplineShaft):
-        refuse(
-            key,
-            "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and touch over a length "
-            "instead of at a place",
-            "'lumped'",
-        )
-    for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
-        if getattr(asked.accuracy, name) is not None:
-            refuse(
-                f"accuracy.{name}",
-                f"nothing with {key} 'lumped', which lays no strips",
-                getattr(asked.accuracy, name),
-            )
-
-
 def _check_extent(asked: SceneFile) -> None:
     """A segment has an odd number of sectors, and the bodies have as many."""
     body, segment_teeth = asked.effects.body, asked.effects.segment_teeth
+    key = "effects.segment_teeth"
     if body != "segment" and segment_teeth is not None:
-        refuse(
-            "effects.segment_teeth",
-            "nothing, unless effects.body is 'segment'",
-            segment_teeth,
-        )
+        refuse(key, "nothing, unless effects.body is 'segment'", segment_teeth)
     if body == "whole":
         return
     if body == "segment" and (segment_teeth is None or segment_teeth % 2 == 0):
         refuse(
-            "effects.segment_teeth",
+            key,
             "an odd number from 3, since effects.body is 'segment': as many teeth on both sides "
             "of the one in its middle",
             segment_teeth,
         )
-    for key, spec in (("body_1", asked.body_1), ("body_2", asked.body_2)):
-        if spec.rigid:
+    for name, spec in _bodies(asked):
+        if spec.rigid or isinstance(spec, DriveTable):
             continue
-        if isinstance(spec, Sprocket | Chain | Pulley | Belt):
-            continue  # these know no effects of elastic flanks at all
         if isinstance(spec, ComplianceBody):
-            why = f"{key}.kind is 'compliance': its file says how much of the body it is"
-        elif isinstance(spec, Cam | Follower):
-            why = f"{key}.kind is '{spec.kind}', which has one flank"
+            why = f"{name}.kind is 'compliance': its file says how much of the body it is"
+        elif not spec.has_teeth:
+            why = f"{name}.kind is '{spec.kind}', which has one flank"
         elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
-            why = f"{key}.flank_sets names the flanks of a whole body, not of one of its sectors"
+            why = f"{name}.flank_sets names the flanks of a whole body, not of one of its sectors"
+        elif segment_teeth is not None and segment_teeth > spec.number_of_teeth:
+            teeth = spec.number_of_teeth
+            refuse(
+                key, f"at most {teeth}, as many teeth as {name} has ({name}.teeth)", segment_teeth
+            )
         else:
-            if segment_teeth is not None and segment_teeth > spec.number_of_teeth:
-                refuse(
-                    "effects.segment_teeth",
-                    f"at most {spec.number_of_teeth}, as many teeth as {key} has ({key}.teeth)",
-                    segment_teeth,
-                )
             continue
         refuse("effects.body", f"'whole', since {why}", shown(body))
 
 
-def _check_coupling(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """One tooth alone has no neighbours to move, nor has a flank all around."""
-    if asked.effects.body == "tooth" and given.get("tooth_coupling"):
-        refuse(
-            "effects.tooth_coupling",
-            "false or nothing, since effects.body is 'tooth': of a tooth by itself no other moves",
-            True,
-        )
-    if not asked.effects.tooth_coupling and isinstance(asked.body_2, Cam):
-        refuse(
-            "effects.tooth_coupling",
-            "true, since body_2.kind is 'cam': cam and follower have one flank each",
-            "false",
-        )
-
-
-def _check_tip_contact(asked: SceneFile) -> None:
-    """Cams and followers have no tips that could be left out."""
-    if not asked.effects.tip_contact and isinstance(asked.body_2, Cam):
-        refuse(
-            "effects.tip_contact",
-            "true with body_2.kind 'cam', which has neither tips nor fillets",
-            False,
-        )
-
-
-def _check_places(asked: SceneFile) -> None:
-    """A lumped contact has one place for its forces."""
-    if asked.effects.contact != "lumped":
+def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """One tooth alone has no neighbours to move; a cam has no teeth, and no tips to leave out."""
+    effects, key = asked.effects, "effects.tooth_coupling"
+    if effects.body == "tooth" and given.get("tooth_coupling"):
+        why = "of a tooth by itself no other moves"
+        refuse(key, f"false or nothing, since effects.body is 'tooth': {why}", True)
+    if asked.body_2.has_teeth:
         return
-    for key, value in (("near_field", "nodes"), ("influence", "finite")):
-        if getattr(asked.effects, key) == value:
-            refuse(
-                "effects.contact",
-                f"'pairs' with effects.{key} '{value}': forces there have places",
-                "'lumped'",
-            )
+    if not effects.tooth_coupling:
+        why = "cam and follower have one flank each"
+        refuse(key, f"true, since body_2.kind is 'cam': {why}", False)
+    if not effects.tip_contact:
+        expected = "true with body_2.kind 'cam', which has neither tips nor fillets"
+        refuse("effects.tip_contact", expected, False)
 
 
-def _check_nodes(asked: SceneFile) -> None:
-    """Both flanks have nodes for forces, and nothing stands in modes."""
+def _check_growth(asked: SceneFile) -> None:
+    """No key of growth without its cause, no large strain, no elements where there are none."""
+    effects = asked.effects
+    for key, other in (
+        ("thermal_expansion_per_K", "temperature_rise_K"),
+        ("support_expansion_per_K", "temperature_rise_K"),
+        ("density_kg_m3", "speed_rpm"),
+    ):
+        if getattr(effects, key) is not None and getattr(effects, other) is None:
+            expected = f"nothing, unless there is an effects.{other}"
+            refuse(f"effects.{key}", expected, getattr(effects, key))
+    for expansion in ("thermal_expansion_per_K", "support_expansion_per_K"):
+        rises, per_K = _of_both(effects.temperature_rise_K), _of_both(getattr(effects, expansion))
+        for rise, strain_per_K in zip(rises, per_K, strict=True):
+            if abs(rise * strain_per_K) > LARGEST_STRAIN:
+                refuse(
+                    "effects.temperature_rise_K",
+                    f"so few K that they stretch the bodies by {LARGEST_STRAIN:g} at most, with "
+                    f"effects.{expansion} {strain_per_K:g}",
+                    rise,
+                )
+    for key in ("speed_rpm", "support_expansion_per_K"):
+        if getattr(effects, key) is not None:
+            _check_elements(asked, key)
+
+
+def _check_elements(asked: SceneFile, key: str) -> None:
+    """Growth beside what holds a body, or by its speed, is a load of finite elements."""
+    if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
+        why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
+        refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+    for name, spec in _bodies(asked):
+        if isinstance(spec, ComplianceBody) and not spec.rigid:
+            why = f"{name}.kind is 'compliance': its file does not say how it grows"
+            refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+
+
+def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
+    """A number for each body; 0 where there is none."""
+    return value if isinstance(value, tuple) else (value or 0.0,) * 2
+
+
+def _check_levels(asked: SceneFile) -> None:
+    """Lumped contact has no strips; nodes have no modes, and carry on the active flank only."""
+    accuracy = asked.accuracy
+    if asked.effects.contact == "lumped":
+        for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
+            if getattr(accuracy, name) is not None:
+                expected = "nothing with effects.contact 'lumped', which lays no strips"
+                refuse(f"accuracy.{name}", expected, getattr(accuracy, name))
     if asked.effects.near_field != "nodes":
         return
-    key = "effects.near_field"
-    if isinstance(asked.body_2, Cam):
-        refuse(
-            key,
-            "'analytic' with body_2.kind 'cam': a closed flank has no first and last node",
-            "'nodes'",
-        )
-    for name, body in (("body_1", asked.body_1), ("body_2", asked.body_2)):
+    for name, body in _bodies(asked):
         profile = body.profile if isinstance(body, MeshBody) else None
         for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
             if getattr(profile, rounding) is not None:
                 refuse(
-                    key,
+                    "effects.near_field",
                     f"'analytic' with {name}.profile.{rounding}: the edges of a file's flank set "
                     "that carry end where the tip turns",
                     "'nodes'",
                 )
-    for growth in ("temperature_rise_K", "speed_rpm"):
-        if getattr(asked.effects, growth):
-            refuse(
-                key, f"'analytic' with effects.{growth}: growth is known in modes alone", "'nodes'"
-            )
-    if asked.accuracy.modes is not None:
-        refuse(
-            "accuracy.modes",
-            f"nothing with {key} 'nodes': forces at nodes stand in place of modes",
-            asked.accuracy.modes,
+    if accuracy.modes is not None:
+        expected = (
+            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes"
         )
+        refuse("accuracy.modes", expected, accuracy.modes)
 
 
-def _check_coast_flank(asked: SceneFile) -> None:
-    """Both flanks of every tooth are known, and something yields between them."""
-    effects = asked.effects
-    if not effects.coast_flank:
-        return
-    check_coast_kinds(asked.body_1.kind, asked.body_2.kind)
-    if asked.body_1.rigid and asked.body_2.rigid:
+def _check_forces(asked: SceneFile) -> None:
+    """Something holds a belt off its pulley; something yields between flanks across a tooth."""
+    belt = asked.body_2
+    if asked.effects.land_lift and isinstance(belt, Belt) and belt.prestress_N == 0.0:
+        why = "what holds a belt straight off its pulley"
+        refuse("body_2.prestress_N", f"a number > 0 with effects.land_lift: {why}", "0")
+    if asked.effects.coast_flank and asked.body_1.rigid and asked.body_2.rigid:
         refuse(
             "effects.coast_flank",
             "false with body_1.rigid and body_2.rigid: flanks that press on each other "
             "across a tooth must yield",
-            "true",
-        )
-    if effects.contact == "lumped":
-        refuse(
-            "effects.contact",
-            "'pairs' with effects.coast_flank: lumped contact has working flanks only",
-            "'lumped'",
-        )
-    for key, value in (("near_field", "nodes"), ("influence", "finite")):
-        if getattr(effects, key) == value:
-            refuse(
-                f"effects.{key}",
-                "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by "
-                "small forces",
-                shown(value),
-            )
-    if effects.root_stress:
-        refuse(
-            "effects.root_stress",
-            "false with effects.coast_flank: stress is known of forces on the working flanks only",
             "true",
         )
