@@ -73,13 +73,13 @@ class Effect:
         Field of `Effects`.
     title : str
     keys : tuple of str
-        What calls for it; "body_*" is either body.
+        What calls for it; "body_*" is either body. Absent: those of `on`.
     stages : tuple of str
         Stages of the run that do its work, as `result.cost["stages"]` names them.
-    on, off : mapping of str to object
-        Keys of [effects] with which a scene has the effect, and has it not; None: the key is
-        absent. The first of `on` decides. A number is what is assumed where a scene names none:
-        with any but 0 the effect is on.
+    on : mapping of str to object
+        Keys of [effects] with which a scene has the effect; None: the key is absent. The first one
+        decides. A number is what is assumed where a scene names none: with any but 0 the effect
+        is on.
     called_for : callable or None
         Scene to Switch, for an effect that no key of [effects] decides on.
     needs_load : bool
@@ -107,7 +107,6 @@ class Effect:
     keys: tuple[str, ...]
     stages: tuple[str, ...]
     on: Mapping[str, Any] = field(default_factory=dict)
-    off: Mapping[str, Any] = field(default_factory=dict)
     called_for: Callable[[Scene], Switch] | None = None
     needs_load: bool = False
     work: Work = Work()
@@ -124,6 +123,14 @@ class Effect:
     def key(self) -> str | None:
         """The key of [effects] that decides."""
         return next(iter(self.on), None)
+
+    @property
+    def off(self) -> dict[str, Any]:
+        """Keys of [effects] with which a scene has it not: as they are by default, or false."""
+        plain = EffectsAsked()
+        keys = [key.removeprefix("effects.") for key in self.keys if key.startswith("effects.")]
+        defaults = {key: getattr(plain, key) for key in keys}
+        return {key: False if value is True else value for key, value in defaults.items()}
 
     @property
     def is_quantity(self) -> bool:

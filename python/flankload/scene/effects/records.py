@@ -64,9 +64,7 @@ class Effects:
     )
     segment: bool = _effect(
         "a segment of the teeth with held cuts",
-        keys=("effects.body", "effects.segment_teeth"),
         on={"body": "segment", "segment_teeth": 5},
-        off={"body": "whole", "segment_teeth": None},
         stages=BODIES,
         size_by="compliance",
         of_teeth=True,
@@ -74,9 +72,7 @@ class Effects:
     )
     single_tooth: bool = _effect(
         "a single tooth with held cuts",
-        keys=("effects.body",),
         on={"body": "tooth", "segment_teeth": None},
-        off={"body": "whole", "segment_teeth": None},
         stages=BODIES,
         size_by="compliance",
         of_teeth=True,
@@ -84,18 +80,14 @@ class Effects:
     )
     tooth_coupling: bool = _effect(
         "coupling between teeth",
-        keys=("effects.tooth_coupling",),
         on={"tooth_coupling": True},
-        off={"tooth_coupling": False},
         stages=BODIES,
         size_by="compliance",
         of_teeth=True,
     )
     nodal_near_field: bool = _effect(
         "near field from plain nodes",
-        keys=("effects.near_field",),
         on={"near_field": "nodes"},
-        off={"near_field": "analytic"},
         stages=(*BODIES, *SWEEPS),
         counters=("unit_loads_nodal",),
         size_by="spacing",
@@ -113,9 +105,7 @@ class Effects:
     )
     finite_influence: bool = _effect(
         "influence numbers of finite force",
-        keys=("effects.influence",),
         on={"influence": "finite"},
-        off={"influence": "small"},
         stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=2, solves=2),
         counters=("unit_loads_tangential", "finite_solutions"),
@@ -124,9 +114,7 @@ class Effects:
     )
     lumped_contact: bool = _effect(
         "lumped Hertz contact",
-        keys=("effects.contact",),
         on={"contact": "lumped"},
-        off={"contact": "pairs"},
         stages=SWEEPS,
         work=Work(columns=-1, solves=-1),
         size_by="places",
@@ -144,18 +132,14 @@ class Effects:
     )
     tip_contact: bool = _effect(
         "tip and fillet contact",
-        keys=("effects.tip_contact",),
         on={"tip_contact": True},
-        off={"tip_contact": False},
         stages=SWEEPS,
         size_by="places",
         of_teeth=True,
     )
     coast_flanks: bool = _effect(
         "contact on the coast flanks",
-        keys=("effects.coast_flank",),
         on={"coast_flank": True},
-        off={"coast_flank": False},
         stages=(*BODIES, *SWEEPS),
         work=Work(coast_readings=1),
         counters=("coast_readings",),
@@ -189,11 +173,6 @@ class Effects:
             "effects.support_expansion_per_K",
         ),
         on={"temperature_rise_K": 50.0},
-        off={
-            "temperature_rise_K": None,
-            "thermal_expansion_per_K": None,
-            "support_expansion_per_K": None,
-        },
         stages=(*BODIES, *SWEEPS),
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
@@ -203,7 +182,6 @@ class Effects:
         "centrifugal expansion",
         keys=("effects.speed_rpm", "effects.density_kg_m3"),
         on={"speed_rpm": 3000.0},
-        off={"speed_rpm": None, "density_kg_m3": None},
         stages=(*BODIES, *SWEEPS),
         work=Work(growth_loads=1),
         counters=("fe_load_cases_growth",),
@@ -215,9 +193,7 @@ class Effects:
     )
     friction: bool = _effect(
         "friction",
-        keys=("effects.friction_coefficient",),
         on={"friction_coefficient": 0.1},
-        off={"friction_coefficient": None},
         stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=1),
         counters=("unit_loads_tangential",),
@@ -225,16 +201,12 @@ class Effects:
     )
     power_loss: bool = _effect(
         "power loss",
-        keys=("effects.friction_coefficient",),
         on={"friction_coefficient": 0.1},
-        off={"friction_coefficient": None},
         stages=("result",),
     )
     root_stress: bool = _effect(
         "stress in the tooth roots",
-        keys=("effects.root_stress",),
         on={"root_stress": True},
-        off={"root_stress": False},
         needs_load=True,
         stages=(*BODIES, "result"),
         work=Work(recoveries=1),
@@ -255,9 +227,7 @@ class Effects:
     )
     large_displacement: bool = _effect(
         "rollers of a chain followed to where they stand",
-        keys=("effects.large_displacement",),
         on={"large_displacement": True},
-        off={"large_displacement": False},
         stages=("sweep",),
         work=Work(columns=10, solves=10),
         size_by="places",
@@ -265,9 +235,7 @@ class Effects:
     )
     land_friction: bool = _effect(
         "friction on the lands of a belt",
-        keys=("effects.land_friction",),
         on={"land_friction": 0.1},
-        off={"land_friction": None},
         stages=(*BODIES, "sweep", "estimate"),
         work=Work(tangential_loads=1),
         counters=("unit_loads_tangential",),
@@ -276,9 +244,7 @@ class Effects:
     )
     land_lift: bool = _effect(
         "lands of a belt that lift off",
-        keys=("effects.land_lift",),
         on={"land_lift": True},
-        off={"land_lift": False},
         stages=("compliance body 2", "sweep"),
         work=Work(normal_loads=1, columns=1),
         size_by="places",
@@ -291,8 +257,11 @@ class Effects:
 
 
 def _records() -> tuple[Effect, ...]:
-    """The records, those that are refused together excluded both ways."""
-    rows = {item.name: item.metadata for item in fields(Effects)}
+    """The records with their keys; what refuses the other is excluded both ways."""
+    rows = {item.name: dict(item.metadata) for item in fields(Effects)}
+    for row in rows.values():
+        on = row.get("on", {})
+        row.setdefault("keys", tuple(f"effects.{key}" for key in on if on[key] is not None))
     pairs = {(name, other) for name, row in rows.items() for other in row.get("refused_with", ())}
     return tuple(
         Effect(
