@@ -20,7 +20,8 @@ import flankload as fl
 from flankload.bodies import Body, SectorMesh, sector_breaks
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 
 FILE = Path(__file__).parents[1] / "reference_solutions" / "internal_pair.json"
 

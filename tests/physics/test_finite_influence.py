@@ -13,8 +13,9 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload.elasticity.nodal_loads import hat_values
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import FINITE_STEPS, compliance_of
+from flankload.pairing.body_pair import BodyPair
 
 SCENE = tomllib.loads(
     (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")

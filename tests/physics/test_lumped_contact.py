@@ -18,7 +18,8 @@ from flankload.analysis.runner import compliance_of
 from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.scene.discretization import Grid
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"

@@ -19,7 +19,8 @@ from flankload.bodies.profile_deviation import deviation_at
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_norms, mode_values
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 
 #: A modified profile against its projection on the modes, of what it changes (measured 0.8 % of
 #: the rotation, of a force and of the peak pressure).

@@ -10,8 +10,8 @@ from scipy.optimize import minimize_scalar
 from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.gear_profile import GearProfile, gear_profile
-from flankload.bodies.involute.involute import InvoluteFlank, Modifications
+from flankload.bodies.profile.gear_profile import GearProfile, gear_profile
+from flankload.bodies.profile.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
 

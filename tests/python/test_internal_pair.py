@@ -12,7 +12,8 @@ from tolerances import SOLVER
 
 import flankload as fl
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.gear_pair import describe_mesh
 
 PINION = {

@@ -13,7 +13,7 @@ from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload import plot
-from flankload.bodies.involute.involute import Involute
+from flankload.bodies.profile.involute import Involute
 from flankload.bodies.profile_deviation import ProfileDeviation, deviation_at
 from flankload.plot import (
     plot_all,

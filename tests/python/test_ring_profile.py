@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from tolerances import ROUND_OFF, SOLVER
 
-from flankload.bodies.involute.gear_profile import gear_profile
 from flankload.bodies.involute.ring import build_ring
-from flankload.bodies.involute.ring_profile import RingProfile, ring_profile
+from flankload.bodies.profile.gear_profile import gear_profile
+from flankload.bodies.profile.ring_profile import RingProfile, ring_profile
 from flankload.errors import SceneError
 from flankload.scene import Gear, Ring
 

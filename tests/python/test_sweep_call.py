@@ -21,8 +21,9 @@ from flankload.contact.pair_table import COLUMNS
 from flankload.contact.sweep import Sweep, sweep
 from flankload.contact.sweep_failure import raise_first_failure
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.pairing import Pairing
 
 TORQUES = [40e3, 302e3, 0.0, 900e3]

@@ -25,8 +25,8 @@ import flankload as fl
 from flankload.base.array_archive import archive_of
 from flankload.bodies import WholeMesh
 from flankload.bodies.imported.body_file import write_body
-from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cli import main
+from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of

@@ -15,7 +15,7 @@ from flankload.contact.sweep import sweep
 from flankload.cost import Account, beside_plan, held_bytes
 from flankload.elasticity.compliance import BodyCompliance, no_compliance
 from flankload.errors import ContactError, SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.premises import (
@@ -27,6 +27,7 @@ from flankload.mechanisms.flank_pair.premises import (
     marked,
 )
 from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, sweep_of
+from flankload.pairing.body_pair import BodyPair
 from flankload.result import Result
 from flankload.result.cost import cost_of
 from flankload.result.geometry import pair_geometry

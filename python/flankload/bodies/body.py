@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.errors import SceneError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.imported.given import GivenCompliance
-    from flankload.bodies.involute.involute import Involute
+    from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
 
 
@@ -269,3 +271,20 @@ class Body:
     def root_radius_mm(self) -> float | None:
         """Radius of the root circle, where the profile is known."""
         return None if self.involute is None else self.involute.root_radius_mm
+
+
+def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
+    """Pitch errors of a body: none, or one per tooth.
+
+    Raises
+    ------
+    SceneError
+        If there is another number of them.
+    """
+    if errors_um and len(errors_um) != teeth:
+        raise SceneError(
+            key=f"{key}.pitch_errors_um",
+            expected=f"one entry per tooth: {teeth}",
+            found=f"{len(errors_um)} entries",
+        )
+    return tuple(errors_um)

@@ -19,7 +19,7 @@ from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unk
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
     Counted = Mapping[str, Mapping[str, int]]

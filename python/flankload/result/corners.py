@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
 
 #: Kinds of bodies whose profile the keys of a scene make.
 PARAMETRIC = ("gear", "ring", "spline_shaft", "spline_hub")

@@ -6,6 +6,7 @@ expected and what was found.
 
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from fractions import Fraction
 from functools import cache
 from math import inf
 from types import UnionType
@@ -134,7 +135,9 @@ def _plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, str | bytes):
         return value
-    return [_plain(part) for part in value] if isinstance(value, Sequence) else value
+    if isinstance(value, Sequence):
+        return [_plain(part) for part in value]
+    return float(value) if isinstance(value, Fraction) else value
 
 
 def _fits(kind: Any, value: Any) -> bool:
@@ -163,8 +166,9 @@ def _refuse_value(kind: Any, value: Any, key: str) -> NoReturn:
         if get_origin(bare) is tuple:
             kind, items = member, get_args(bare)
             items = items[:1] * len(value) if items[-1] is Ellipsis else items
+            count = getattr(inspect.type_info(member), "max_length", None)  # of a fixed length
             for i, (item, part) in enumerate(zip(items, value, strict=False)):
-                if not _fits(item, part):
+                if len(value) == (count or len(items)) and not _fits(item, part):
                     _refuse_value(item, part, f"{key}[{i}]")
     refuse(key, expected_of(inspect.type_info(kind)), shown(value))
 

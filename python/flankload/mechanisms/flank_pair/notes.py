@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
 #: In place of a body whose corner works: a lumped contact that no parabola makes.

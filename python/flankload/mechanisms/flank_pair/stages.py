@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
