@@ -252,6 +252,16 @@ class Body:
     mirrored: bool = False
 
     @property
+    def is_parametric(self) -> bool:
+        """Whether keys of a scene make its involute profile."""
+        return self.kind in ("gear", "ring", "spline_shaft", "spline_hub")
+
+    @property
+    def conforms(self) -> bool:
+        """Whether it is a spline, whose flanks fit those of the other body."""
+        return self.kind in ("spline_shaft", "spline_hub")
+
+    @property
     def outward(self) -> int:
         """1 where the flank's tip stands further from the axis than its root, -1 where nearer."""
         root, tip = (self.curve.point([s])[0] for s in (0.0, self.curve.length_mm))

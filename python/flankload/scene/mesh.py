@@ -115,6 +115,7 @@ class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
     """A body whose flank and compliance come from a file, computed before, here or elsewhere."""
 
     from_file: ClassVar[bool] = True
+    brings_compliance: ClassVar[bool] = True
 
     file: Annotated[
         Text,

@@ -82,6 +82,8 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
         The one kind of body that this one goes with, where there is only one.
     from_file : bool
         A file has the elements or the compliance of the body.
+    brings_compliance : bool
+        That file has its compliance, and no elements.
     is_drive : bool
         The body is a part of a chain or belt drive, which has no flanks that roll on each other.
     has_teeth : bool
@@ -92,6 +94,7 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
 
     partner: ClassVar[str | None] = None
     from_file: ClassVar[bool] = False
+    brings_compliance: ClassVar[bool] = False
     is_drive: ClassVar[bool] = False
     has_teeth: ClassVar[bool] = True
     conforms: ClassVar[bool] = False

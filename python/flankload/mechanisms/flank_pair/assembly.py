@@ -173,7 +173,7 @@ def build_bodies(
     except SceneError as error:
         raise _with_file(error, scene) from None
     # the same teeth meet at every position of concentric splines: no window leaves any out
-    window = None if _is_concentric(scene) else pitches
+    window = None if scene.is_concentric else pitches
     # a compliance file may bring pitch errors and modified flanks along
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
@@ -369,17 +369,12 @@ def _beyond_teeth(
     return (note,)
 
 
-def _is_concentric(scene: Scene) -> bool:
-    """Whether a spline's axes are in line."""
-    return scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
-
-
 def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Concentric splines stand the same at every position: of a count the first one suffices."""
     if (
-        not _is_concentric(scene)
+        not scene.is_concentric
         or scene.positions.angles_deg is not None
         or position_rad.size == 1
     ):
