@@ -22,8 +22,8 @@ import numpy as np
 
 import flankload as fl
 from flankload import _core
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effect
+from flankload.scene.effects.keys import EffectsAsked
 from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
 from tests.support.paths import SCENES
 

@@ -21,7 +21,7 @@ from flankload.plan import Plan, PlannedEffect, Size
 from flankload.plan.choice import without_choice
 from flankload.plan.sizes import States, size_of
 from flankload.plan.variants import other_way
-from flankload.scene.pair_tables import Load, Positions
+from flankload.scene.pair import Load, Positions
 from tests.support.paths import SCENES
 
 #: Wanted: factor between predicted and measured; CPU seconds of a plan, packages included.

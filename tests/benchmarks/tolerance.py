@@ -23,8 +23,8 @@ import numpy as np
 
 import flankload as fl
 from flankload.mechanisms import run_once
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
+from flankload.scene.pair import Positions
 from flankload.setting import Setting
 from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND

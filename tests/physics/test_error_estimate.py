@@ -17,7 +17,7 @@ from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
-from flankload.scene.resolution import DEFAULT, Grid, Resolution
+from flankload.scene.discretization import DEFAULT, Grid, Resolution
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
 

@@ -18,7 +18,7 @@ import numpy as np
 import flankload as fl
 from flankload.analysis.estimate import OVERALL, POINTWISE
 from flankload.mechanisms import run_once
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

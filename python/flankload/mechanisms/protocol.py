@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Resolution
 
     Counted = Mapping[str, Mapping[str, int]]
     Rows = list[tuple[str, str]]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Counted
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Resolution
 
 
 def run_once(

@@ -19,19 +19,16 @@ from flankload.cost import Account
 from flankload.elasticity.compliance import BodyCompliance, no_compliance
 from flankload.elasticity.finite_elements import condensed, stiffness
 from flankload.errors import ContactError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, bodies_of, build_bodies
-from flankload.mechanisms.flank_pair.premises import (
-    blame_load,
-    broken_by_geometry,
-    broken_by_load,
-    held,
-)
+from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies
+from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, sweep_of
+from flankload.mechanisms.premises import held
+from flankload.pairing.body_pair import BodyPair
 from flankload.plan.sizes import States
 from flankload.result.geometry import pair_geometry
-from flankload.scene.effect_tables import EffectsAsked
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Grid, Resolution, choose_resolution
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.pair import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flankload.mechanisms.belt.drive import BeltAssembly
-from flankload.mechanisms.flank_pair.assembly import BodyPair
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.pairing.body_pair import BodyPair
 from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unknowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
     Counted = Mapping[str, Mapping[str, int]]

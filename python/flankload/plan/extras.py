@@ -19,7 +19,7 @@ from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
     from flankload.cost import Account
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
     from flankload.scene.effects import Effect

@@ -11,8 +11,8 @@ from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, scaled, size_of
 from flankload.plan.variants import is_readable, other_way
 from flankload.scene import Cam
+from flankload.scene.discretization import Grid, choose_resolution
 from flankload.scene.effects import EFFECTS, Effect
-from flankload.scene.resolution import Grid, choose_resolution
 
 if TYPE_CHECKING:
     from flankload.plan.coarse import Coarse

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]

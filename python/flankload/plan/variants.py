@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from flankload.scene import MeshBody, Scene
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import MODIFICATIONS, Effect
+from flankload.scene.effects.keys import EffectsAsked
 
 if TYPE_CHECKING:
     from collections.abc import Callable

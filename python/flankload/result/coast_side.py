@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.resolution import Grid
+    from flankload.scene.discretization import Grid
 
 
 @dataclass(frozen=True, eq=False)

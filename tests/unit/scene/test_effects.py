@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from flankload.scene import Scene
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effects, effects_of, switches_of
+from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import SCENE, changed
 from tests.support.paths import DOCS
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
 
 #: Kinds of body 1, as a message names them.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Resolution
 
 
 class TimingBelt:

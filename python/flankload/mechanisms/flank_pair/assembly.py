@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,19 +13,24 @@ from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import require_flanks
-from flankload.pairing.expansion import Growth, growth_notes, growth_of
+from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import (
-    Friction,
     coefficients_by_tooth,
     friction_notes,
     friction_of,
 )
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
-from flankload.pairing.pairing import Pairing, pair_bodies
+from flankload.pairing.pairing import pair_bodies
 from flankload.pairing.period import Period, period_of
-from flankload.scene.effect_rules import check_coast_kinds
+from flankload.scene.discretization import (
+    DEFAULT,
+    Resolution,
+    choose_resolution,
+    elements_for_modes,
+)
 from flankload.scene.effects import Effects, effects_of
-from flankload.scene.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
+from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
@@ -38,70 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.scene import Scene
-    from flankload.scene.pair_tables import Positions
-
-
-@dataclass(frozen=True)
-class BodyPair:
-    """Both bodies and how they stand to each other.
-
-    Attributes
-    ----------
-    body_1, body_2 : Body
-    pairing : Pairing
-    resolution : Resolution
-    effects : Effects
-    position_rad : (P,) array
-        Angles of body 1 from position zero; of adaptive positions those to begin with.
-    pitches : int or None
-        Tooth pitches that the positions run over; None where they are single angles.
-    closed : bool
-        All repeats after them (with pitch errors one tooth pitch is no period).
-    adaptive : bool
-        More positions are looked for.
-    notes : tuple of str
-        What a user must know of bodies and pair.
-    friction : Friction or None
-        None where the scene has no friction.
-    fillets : two RootFillets or None
-        Where stress is asked for.
-    growth : two Growth or None
-        What makes the bodies grow.
-    standing_note : str or None
-        How far apart flanks stand whose place their files give.
-    """
-
-    body_1: Body
-    body_2: Body
-    pairing: Pairing
-    resolution: Resolution
-    effects: Effects
-    position_rad: NDArray[np.float64]
-    pitches: int | None
-    closed: bool
-    adaptive: bool
-    notes: tuple[str, ...]
-    friction: Friction | None = None
-    fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
-    growth: tuple[Growth | None, Growth | None] = (None, None)
-    standing_note: str | None = None
-
-    @property
-    def period_rad(self) -> float:
-        """Period of the curves: what the positions run over, where all repeats after it."""
-        if self.closed and self.pitches is not None:
-            return self.pitches * self.pairing.pitch_rad
-        return self.pairing.period_rad
-
-    @property
-    def turn_1(self) -> float:
-        """Turn of body 1's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[0]
-
-    @property
-    def turn_2(self) -> float:
-        """Turn of body 2's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[1]
+    from flankload.scene.pair import Positions
 
 
 def bodies_of(
@@ -208,7 +150,7 @@ def build_bodies(
     except SceneError as error:
         raise _with_file(error, scene) from None
     # the same teeth meet at every position of concentric splines: no window leaves any out
-    window = None if _is_concentric(scene) else pitches
+    window = None if scene.is_concentric else pitches
     # a compliance file may bring pitch errors and modified flanks along
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
@@ -404,20 +346,11 @@ def _beyond_teeth(
     return (note,)
 
 
-def _is_concentric(scene: Scene) -> bool:
-    """Whether a spline's axes are in line."""
-    return scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
-
-
 def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Concentric splines stand the same at every position: of a count the first one suffices."""
-    if (
-        not _is_concentric(scene)
-        or scene.positions.angles_deg is not None
-        or position_rad.size == 1
-    ):
+    if not scene.is_concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
         return position_rad, ()
     note = (
         f"on common axes all positions are alike: one is computed, not {position_rad.size} "

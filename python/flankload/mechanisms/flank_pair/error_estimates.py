@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.mechanisms.flank_pair.states import FlankStates
     from flankload.mechanisms.stage_clock import StageClock
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
 

@@ -20,7 +20,7 @@ from flankload.scene.effects import work_in
 if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Work
 

@@ -12,10 +12,11 @@ from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import grown
+from flankload.scene.discretization import Resolution, choose_resolution
 from flankload.scene.effects import effects_of
-from flankload.scene.resolution import Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 

@@ -12,7 +12,7 @@ from flankload.scene import MeshBody
 
 if TYPE_CHECKING:
     from flankload.cost import Account
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
 #: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
