@@ -16,7 +16,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.analysis.runner import solve_with
-from flankload.scene.discretization import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Discretization, Grid, choose_discretization
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -84,11 +84,11 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
     fine = fl.Scene.from_dict(
         {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
     )
-    default = choose_resolution(fine)
+    default = choose_discretization(fine)
     result = solve_with(
         fine,
         {},
-        resolution=Resolution(
+        discretization=Discretization(
             default.flank_element_parts / elements,
             MODES,
             Grid(

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from flankload.plan import Plan
     from flankload.plan.duration import Duration
     from flankload.scene import Scene
-    from flankload.scene.discretization import Resolution
+    from flankload.scene.discretization import Discretization
 
     Progress = Callable[[str, int, int], None]
     Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
@@ -154,7 +154,7 @@ def solve_with(
     progress: Progress | None = None,
     *,
     plan: Plan | None = None,
-    resolution: Resolution | None = None,
+    discretization: Discretization | None = None,
     on_duration: Callable[[Duration], None] | None = None,
 ) -> Result | tuple[Result, ...]:
     """The same with compliances that another scene of the same bodies and knobs has left.
@@ -166,7 +166,7 @@ def solve_with(
     kept : mapping of 0 and 1 to BodyCompliance and Account
         Of body 1 and 2, with what they took, which is counted as if it were spent here. What is
         missing is computed and put in.
-    resolution : Resolution, optional
+    discretization : Discretization, optional
         Knobs, where the scene itself names none; those of the scene if absent.
 
     Returns
@@ -199,7 +199,7 @@ def solve_with(
             scene, choice = choose_effects(scene)
         chosen = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     with clock.stage("bodies", 0) as account:
-        pair = build_bodies(scene, resolution)
+        pair = build_bodies(scene, discretization)
         by_geometry = held(scene, tuple(broken_by_geometry(pair)))
         standing = _standing_gap(scene, pair, account)
         account.bytes += held_bytes(pair)
@@ -223,7 +223,7 @@ def solve_with(
             return run(
                 position_rad=position_rad,
                 compliances=compliances,
-                grid=pair.resolution.grid,
+                grid=pair.discretization.grid,
                 torques_Nmm=[1000.0 * torque for torque in scene.torques_Nm],
                 account=account,
                 progress=clock.sweep_progress("sweep", fixed, number if pair.adaptive else None),
@@ -232,7 +232,7 @@ def solve_with(
         try:
             pair, found, errors, rounds = _all_positions(scene, pair, run_round)
         except ContactError as error:
-            grid, at = pair.resolution.grid, pair.position_rad
+            grid, at = pair.discretization.grid, pair.position_rad
             part = partial(run, compliances=compliances, grid=grid, position_rad=at)
             blame_load(scene, pair, geometry, error, lambda torque: part(torques_Nmm=[torque]))
             raise
@@ -246,7 +246,7 @@ def solve_with(
                 partial(
                     run,
                     compliances=compliances,
-                    grid=pair.resolution.grid,
+                    grid=pair.discretization.grid,
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("tangent", fixed + SWEEP_STEPS),
@@ -258,7 +258,7 @@ def solve_with(
             partial(
                 run,
                 compliances=compliances,
-                grid=pair.resolution.grid,
+                grid=pair.discretization.grid,
                 keep_pairs=False,
                 account=aside,
             ),
@@ -342,7 +342,7 @@ def _estimates(
         parts,
         run_again,
         compliances,
-        pair.resolution.grid,
+        pair.discretization.grid,
         lumped=pair.effects.lumped_contact,
         position_rad=pair.position_rad,
         window=None if pair.adaptive else window,
@@ -370,7 +370,7 @@ def _with_compliance_period(
     )
     if (one, two) == (1, 1):
         return pair
-    return build_bodies(scene, pair.resolution, bodies=bodies, groups=(one, two))
+    return build_bodies(scene, pair.discretization, bodies=bodies, groups=(one, two))
 
 
 def _all_positions(
@@ -456,7 +456,7 @@ def _compliances(
             compliance = compliance_of(
                 body,
                 scene,
-                pair.resolution,
+                pair.discretization,
                 fillets=pair.fillets[z],
                 growth=growth,
                 estimate=scene.accuracy.estimate and elastic[z],
@@ -481,7 +481,7 @@ def _standing_gap(scene: Scene, pair: BodyPair, account: Account) -> tuple[str, 
         position_rad=pair.position_rad[:1],
         torques_Nmm=[0.0],
         face_width_mm=scene.pair.face_width_mm,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         account=account,
     )
     radius = pair.body_1.reference_radius_mm
