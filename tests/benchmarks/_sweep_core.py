@@ -58,7 +58,7 @@ class Job:
             position_rad=self.positions(count),
             torques_Nmm=torques_Nmm,
             face_width_mm=self.scene.pair.face_width_mm,
-            grid=pair.resolution.grid,
+            grid=pair.discretization.grid,
             level=level,
         )
 

@@ -66,7 +66,7 @@ def run(
         position_rad=pair.position_rad,
         torques_Nmm=torques,
         face_width_mm=14.0,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         keep_pairs=keep_pairs,
         progress=progress,
     )

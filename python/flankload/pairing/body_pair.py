@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.discretization import Resolution
+    from flankload.scene.discretization import Discretization
     from flankload.scene.effects import Effects
 
 
@@ -26,7 +26,7 @@ class BodyPair:
     ----------
     body_1, body_2 : Body
     pairing : Pairing
-    resolution : Resolution
+    discretization : Discretization
     effects : Effects
     position_rad : (P,) array
         Angles of body 1 from position zero; of adaptive positions those to begin with.
@@ -51,7 +51,7 @@ class BodyPair:
     body_1: Body
     body_2: Body
     pairing: Pairing
-    resolution: Resolution
+    discretization: Discretization
     effects: Effects
     position_rad: NDArray[np.float64]
     pitches: int | None

@@ -137,7 +137,7 @@ def _pairs(pair: BodyPair) -> float:
     """Contact pairs of a state."""
     if pair.effects.lumped_contact:
         return LUMPED_PAIRS
-    grid, pairing = pair.resolution.grid, pair.pairing
+    grid, pairing = pair.discretization.grid, pair.pairing
     cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width
     touching = TOUCHING
     if pairing.whole_circle:

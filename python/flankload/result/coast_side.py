@@ -111,7 +111,7 @@ def coast_side(
         pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
     )
     return coast, ""

@@ -59,7 +59,7 @@ def swept(
         position_rad=pair.position_rad,
         torques_Nmm=[1000.0 * torque_Nm],
         face_width_mm=14.0,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
     )
     return found
 

@@ -25,8 +25,8 @@ from flankload.pairing.pairing import pair_bodies
 from flankload.pairing.period import Period, period_of
 from flankload.scene.discretization import (
     DEFAULT,
-    Resolution,
-    choose_resolution,
+    Discretization,
+    choose_discretization,
     elements_for_modes,
 )
 from flankload.scene.effects import Effects, effects_of
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 def bodies_of(
     scene: Scene,
-    resolution: Resolution,
+    discretization: Discretization,
     which: tuple[int, ...] = (0, 1),
     *,
     alike: tuple[Body, Body] | None = None,
@@ -58,7 +58,7 @@ def bodies_of(
     Parameters
     ----------
     scene : Scene
-    resolution : Resolution
+    discretization : Discretization
     which : tuple of int
         0 is body 1, 1 body 2.
     alike : two Body, optional
@@ -78,14 +78,15 @@ def bodies_of(
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
-            element_mm, nodes_mm = None, _nodes_mm(scene, resolution, alike)
-        bodies = tuple(_body(scene, resolution, z, element_mm, nodes_mm) for z in which)
+            element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike)
+        bodies = tuple(_body(scene, discretization, z, element_mm, nodes_mm) for z in which)
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
         elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
             bodies = tuple(
-                _bearing(body, scene, resolution, z) for z, body in zip(which, bodies, strict=True)
+                _bearing(body, scene, discretization, z)
+                for z, body in zip(which, bodies, strict=True)
             )
         return bodies
     except SceneError as error:
@@ -94,7 +95,7 @@ def bodies_of(
 
 def build_bodies(
     scene: Scene,
-    resolution: Resolution | None = None,
+    discretization: Discretization | None = None,
     *,
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
@@ -104,7 +105,7 @@ def build_bodies(
     Parameters
     ----------
     scene : Scene
-    resolution : Resolution, optional
+    discretization : Discretization, optional
         Knobs; those of the scene if absent.
     bodies : two Body, optional
         From `bodies_of`, where they are there already.
@@ -120,8 +121,8 @@ def build_bodies(
     SceneError
         If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
     """
-    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
-    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
+    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
+    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, discretization)
     try:
         if effects.coast_flanks:
             check_coast_kinds(body_1.kind, body_2.kind)
@@ -180,7 +181,7 @@ def build_bodies(
         body_1=body_1,
         body_2=body_2,
         pairing=pairing,
-        resolution=resolution,
+        discretization=discretization,
         effects=effects,
         position_rad=position_rad,
         pitches=pitches,
@@ -212,17 +213,20 @@ def _check_nodes(body: Body, key: str) -> None:
 
 
 def _nodes_mm(
-    scene: Scene, resolution: Resolution, alike: tuple[Body, Body] | None
+    scene: Scene, discretization: Discretization, alike: tuple[Body, Body] | None
 ) -> float | None:
     """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
     if scene.accuracy.flank_element_mm is not None:
         return scene.accuracy.flank_element_mm
     if alike is None:
-        alike = _body(scene, resolution, 0, None, None), _body(scene, resolution, 1, None, None)
+        alike = (
+            _body(scene, discretization, 0, None, None),
+            _body(scene, discretization, 1, None, None),
+        )
     return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
 
 
-def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
+def _bearing(body: Body, scene: Scene, discretization: Discretization, z: int) -> Body:
     """The body, its flank as fine as the modes that the scene names want it; the rest as it was."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
@@ -230,18 +234,22 @@ def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
     if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
         return body
     low, high = body.mode_range_mm
-    return _body(scene, resolution, z, None, (high - low) / wanted)
+    return _body(scene, discretization, z, None, (high - low) / wanted)
 
 
 def _body(
-    scene: Scene, resolution: Resolution, z: int, element_mm: float | None, nodes_mm: float | None
+    scene: Scene,
+    discretization: Discretization,
+    z: int,
+    element_mm: float | None,
+    nodes_mm: float | None,
 ) -> Body:
     return build_body(
         (scene.body_1, scene.body_2)[z],
         f"body_{z + 1}",
         folder=scene.folder,
         flank_element_mm=element_mm,
-        flank_element_parts=resolution.flank_element_parts,
+        flank_element_parts=discretization.flank_element_parts,
         flank_nodes_mm=nodes_mm,
     )
 

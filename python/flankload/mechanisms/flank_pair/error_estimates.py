@@ -67,7 +67,7 @@ def error_estimates(
                 tuple(found[t] for t in loaded),
                 run_again,
                 compliances,
-                pair.resolution.grid,
+                pair.discretization.grid,
                 lumped=pair.effects.lumped_contact,
                 position_rad=pair.position_rad,
                 window=None if pair.adaptive else window,

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.discretization import Resolution
+    from flankload.scene.discretization import Discretization
 
     Compliances = tuple[BodyCompliance, BodyCompliance]
 
@@ -41,7 +41,9 @@ class FlankPair:
 
     without_flanks: str | None = None
 
-    def build(self, scene: Scene, discretization: Resolution | None, account: Account) -> BodyPair:
+    def build(
+        self, scene: Scene, discretization: Discretization | None, account: Account
+    ) -> BodyPair:
         """Assemble both bodies."""
         return with_standing_gap(scene, build_bodies(scene, discretization), account)
 

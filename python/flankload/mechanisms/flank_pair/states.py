@@ -86,7 +86,7 @@ def flank_states(
     ContactError
         If a position has no state; PremiseError where a part of the torque breaks a premise.
     """
-    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.resolution.grid)
+    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
     with clock.stage("sweep") as account:
         swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
         try:

@@ -133,10 +133,14 @@ class Effect:
         return {key: False if value is True else value for key, value in defaults.items()}
 
     @property
+    def numbers(self) -> dict[str, float]:
+        """Keys of [effects] with the numbers that are assumed where a scene names none."""
+        return {key: value for key, value in self.on.items() if type(value) in (int, float)}
+
+    @property
     def is_quantity(self) -> bool:
         """Whether a number decides, not a level."""
-        value = next(iter(self.on.values()), None)
-        return isinstance(value, float) and not isinstance(value, bool)
+        return self.key in self.numbers
 
     def is_named(self, asked: EffectsAsked) -> bool:
         """Whether the key has the value of the effect; of a quantity, any but 0 itself."""

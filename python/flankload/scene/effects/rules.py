@@ -71,16 +71,15 @@ def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec
 
 def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """A drive knows its own effects only, and no other bodies know them."""
-    owners = {effect.key: effect.only_for for effect in EFFECTS if effect.only_for}
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
-    for key, value in given.items():
-        if owners.get(key, kind_2) != kind_2:
-            refuse(
-                f"effects.{key}", f"nothing, unless body_2.kind is '{owners[key]}'", shown(value)
-            )
-        if asked.body_2.is_drive and key not in owners:
-            expected = f"nothing: a {kind_2} and its {kind_1} do not know it"
-            refuse(f"effects.{key}", expected, shown(value))
+    for drive in dict.fromkeys(effect.only_for for effect in EFFECTS if effect.only_for):
+        own = [effect.key for effect in EFFECTS if effect.only_for == drive]
+        for key, value in given.items():
+            if drive == kind_2 and key not in own:
+                expected = f"nothing: a {kind_2} and its {kind_1} do not know it"
+                refuse(f"effects.{key}", expected, shown(value))
+            if drive != kind_2 and key in own:
+                refuse(f"effects.{key}", f"nothing, unless body_2.kind is '{drive}'", shown(value))
 
 
 def _check_kinds(effect: Effect, kind_1: str, kind_2: str, *, found: str) -> None:
