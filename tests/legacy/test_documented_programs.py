@@ -1,4 +1,4 @@
-"""The programs of docs/reference/fortran.md, built with the command that stands in their first line."""
+"""The programs of docs/reference/fortran.md, each built with the command in its first line."""
 
 from __future__ import annotations
 
