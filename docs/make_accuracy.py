@@ -1,4 +1,4 @@
-"""Measures `docs/accuracy.md` and its pictures anew: `./dev docs` (a quarter of an hour).
+"""Measures `docs/reference/accuracy.md` and its pictures anew: `./dev docs` (a quarter of an hour).
 
 Finished runs are kept in out/accuracy, so that an interrupted measurement goes on where it was.
 """
@@ -24,6 +24,7 @@ from flankload.studies.accuracy.study_text import KNOBS, NAMED
 from flankload.studies.accuracy.truth import Truth
 
 DOCS = Path(__file__).parent
+PAGE = DOCS / "reference"
 SCENES = DOCS.parent / "examples" / "scenes"
 KEPT = DOCS.parent / "out" / "accuracy"
 QUANTITIES = ("transmission_error", "load_share", "peak_pressure", "stiffness")
@@ -53,11 +54,11 @@ def main() -> None:
         studies[name] = fl.accuracy(scene, QUANTITIES, BUDGET_S, resume=KEPT / f"{name}.jsonl")
         picture = png_of(plot_work_precision(studies[name]))
         write_atomically(DOCS / "pictures" / f"accuracy_{name}.png", picture)
-    write_atomically(DOCS / "accuracy.md", "\n".join(_page(studies)) + "\n")
+    write_atomically(PAGE / "accuracy.md", "\n".join(_page(studies)) + "\n")
 
 
 def _page(studies: dict[str, fl.Study]) -> Iterator[str]:
-    text = (DOCS / "accuracy.in.md").read_text(encoding="utf-8")
+    text = (PAGE / "accuracy.in.md").read_text(encoding="utf-8")
     parts = {
         "PAIRS": "\n".join(line for name in PAIRS for line in _pair(name, studies[name])),
         "SHARES": "\n".join(_shares(studies)),

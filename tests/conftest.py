@@ -5,6 +5,11 @@ from __future__ import annotations
 import gc
 import signal
 
+import pytest
+
+#: Checks that tests share say as much where they fail as those of the tests.
+pytest.register_assert_rewrite("tests.support")
+
 
 def pytest_configure() -> None:
     """Let Ctrl-C reach this process and the programs that the tests start.

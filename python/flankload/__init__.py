@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.analysis.runner import solve
+    from flankload.api import solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -91,7 +91,7 @@ _ROOM_OF_NAME = {
     "Plan": "plan",
     "plan": "plan",
     "Result": "result",
-    "solve": "analysis.runner",
+    "solve": "api",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",

@@ -62,7 +62,7 @@ class SceneError(FlankloadError):
 
 
 class PremiseError(SceneError):
-    """A scene that breaks a premise of the model (`docs/limits.md`).
+    """A scene that breaks a premise of the model (`docs/guide/limits.md`).
 
     `effects.beyond_limits = true` solves it all the same.
     """

@@ -10,9 +10,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from tests.benchmarks._problem import Problem
 
-BUILD = Path(__file__).parents[2] / "build"
+from tests.support.cylinder_problem import Problem
+from tests.support.paths import BUILD
+
 TARGET = "tests/fortran/bench_contact"
 
 

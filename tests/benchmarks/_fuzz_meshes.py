@@ -12,8 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.benchmarks._tally import Tally
-from tests.benchmarks._truth import TooLongError, at_most
 
 import flankload as fl
 from flankload.base.array_archive import archive_of
@@ -23,12 +21,13 @@ from flankload.meshes.defects import find_defects
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 from flankload.meshes.report import hints, mesh_rows, set_rows
+from tests.support.finer_solutions import TooLongError, at_most
+from tests.support.paths import EXAMPLES, MESHES, TEST_MESHES
+from tests.support.tally import Tally
 
-ROOT = Path(__file__).parents[2]
-EXAMPLES = ROOT / "examples"
 FILES = (
-    *sorted((ROOT / "tests" / "meshes").iterdir()),
-    *sorted((EXAMPLES / "meshes").iterdir()),
+    *sorted(TEST_MESHES.iterdir()),
+    *sorted(MESHES.iterdir()),
     *sorted((EXAMPLES / "compliance").iterdir()),
 )
 #: Scenes in which a file may be body 1.

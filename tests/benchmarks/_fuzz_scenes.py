@@ -6,9 +6,6 @@ import warnings
 from typing import Any
 
 import numpy as np
-from tests.benchmarks._spoiling import Tree, spoiled
-from tests.benchmarks._tally import Tally
-from tests.benchmarks._truth import TooLongError, at_most
 
 import flankload as fl
 from flankload.errors import FlankloadError, SceneError
@@ -16,6 +13,9 @@ from flankload.mechanisms.belt.drive import describe_belt
 from flankload.mechanisms.chain.drive import describe_drive
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.steering import first_scene
+from tests.support.finer_solutions import TooLongError, at_most
+from tests.support.spoiled_scenes import Tree, spoiled
+from tests.support.tally import Tally
 
 #: A scene may ask for more than is worth waiting for: then it is no trial.
 MOST_CPU_S = 10.0

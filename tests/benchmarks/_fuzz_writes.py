@@ -14,11 +14,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from tests.benchmarks._tally import Tally
 
 import flankload as fl
+from tests.support.paths import SCENES
+from tests.support.tally import Tally
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "chain.toml"
+SCENE = SCENES / "chain.toml"
 #: Positions of a run that is interrupted: its files take a while.
 POSITIONS = 20
 #: Writers at a time, files that they share, writes of a round.

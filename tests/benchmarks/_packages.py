@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from tests.benchmarks._problem import Problem, Vector
+
+from tests.support.cylinder_problem import Problem, Vector
 
 #: Scaled forces, and the seconds that finding them took.
 Found = tuple[Vector, float]

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 import numpy as np
+
 from tests.benchmarks._packages import PACKAGES, Found, Package, Scaled, scale
-from tests.benchmarks._problem import Problem, residual
+from tests.support.cylinder_problem import Problem, residual
 
 #: An answer counts up to this error of a row.
 EXACT_ENOUGH = 1e-9

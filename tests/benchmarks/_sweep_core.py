@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
-from tests.benchmarks._core import BUILD
 
 import flankload as fl
 from flankload.contact.sweep import Level, Sweep, _core_arguments, sweep
@@ -20,6 +19,7 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.scene.resolution import Grid
+from tests.benchmarks._core import BUILD
 
 TARGET = "tests/fortran/bench_sweep"
 

@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from tests.benchmarks._core import CoreTimes, core_times
-from tests.benchmarks._packages import PACKAGES
-from tests.benchmarks._problem import Problem, Vector, cylinder, residual
-from tests.benchmarks._rivals import Measured, least_ratio, measure_packages, number, table
 
 from flankload import ContactState, solve_contact, solve_contact_general
+from tests.benchmarks._core import CoreTimes, core_times
+from tests.benchmarks._packages import PACKAGES
+from tests.benchmarks._rivals import Measured, least_ratio, measure_packages, number, table
+from tests.support.cylinder_problem import Problem, Vector, cylinder, residual
 
 SIZES = (100, 400, 1600)
 FRICTIONS = (0.0, 0.1)

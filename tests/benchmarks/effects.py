@@ -19,14 +19,15 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
 
 import flankload as fl
 from flankload import _core
 from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effect
+from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
+from tests.support.paths import SCENES
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
+SCENE = SCENES / "external_gear.toml"
 #: Some with two pairs that carry, some with one.
 POSITIONS = 4
 #: Effects on, by the keys that call for them; those of the plain scene are taken off.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tests.benchmarks._tally import Tally
+from tests.support.tally import Tally
 
 #: Of a whole run.
 CONTACT_PROBLEMS, SCENES, MESHES, WRITES, INTERRUPTS = 30_000, 3250, 520, 600, 100
@@ -31,10 +31,10 @@ def run(seed: int = 1, part: float = 1.0) -> str:
 
 
 def _tallies(seed: int, part: float) -> Iterator[Tally]:
-    from tests.benchmarks._fuzz_contact import fuzz_contact
     from tests.benchmarks._fuzz_meshes import fuzz_meshes
     from tests.benchmarks._fuzz_scenes import fuzz_scenes
     from tests.benchmarks._fuzz_writes import fuzz_interrupts, fuzz_writes
+    from tests.support.contact_fuzz import fuzz_contact
 
     for fuzz, count in (
         (fuzz_contact, CONTACT_PROBLEMS),

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -18,8 +17,9 @@ import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.paths import SCENES
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
+SCENE = SCENES / "external_gear.toml"
 #: Wanted, seconds: both gears' elements, a position, the import over numpy, the demo.
 WANTED = {"elements": 1.0, "position": 1e-3, "import": 0.3, "demo": 20.0}
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -20,8 +19,9 @@ from flankload.elasticity.compliance import flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.resolution import Grid
 from flankload.studies.verification.calculix import version_of
+from tests.support.paths import SCENES
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
+SCENE = SCENES / "external_gear.toml"
 POSITIONS = 8
 #: Elements on the half-width: decks from coarse to fine; the last one solves all positions.
 ELEMENTS = (2.0, 4.0, 6.0)

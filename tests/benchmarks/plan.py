@@ -22,8 +22,8 @@ from flankload.plan.choice import without_choice
 from flankload.plan.sizes import States, size_of
 from flankload.plan.variants import other_way
 from flankload.scene.pair_tables import Load, Positions
+from tests.support.paths import SCENES
 
-SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Wanted: factor between predicted and measured; CPU seconds of a plan, packages included.
 FACTOR, PLAN_S = 2.0, 1.5
 #: Sizes below this part of the tolerance are said to be nothing, whatever their factor.

@@ -6,16 +6,12 @@ FLANKLOAD_STRESS=… sets another number of problems.
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "hard_cases"))
-
-from gear_like import METHODS, gear_like, outcome
+from tests.support.gear_like import METHODS, gear_like, outcome
 
 BATCH = 1000
 

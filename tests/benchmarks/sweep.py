@@ -14,15 +14,15 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from tests.benchmarks._sweep_core import Job, stage_times
 
 import flankload as fl
 from flankload.contact.sweep import LEVELS
+from tests.benchmarks._sweep_core import Job, stage_times
+from tests.support.paths import SCENES
 
-SCENE = Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml"
+SCENE = SCENES / "external_gear.toml"
 TORQUE = 302e3
 STAGES = ("zones", "lumped", "cells", "influence", "loop")
 #: Wanted: ms of pairs, influence numbers and loop; s and MB of 1000 x 10; two threads against one.

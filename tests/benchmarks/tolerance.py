@@ -20,11 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tests.benchmarks._scenes import SEED, scenes
-from tests.benchmarks.estimate import true_errors
 
 import flankload as fl
-from flankload.analysis.runner import solve_with
+from flankload.mechanisms import run_once
 from flankload.scene.pair_tables import Positions
 from flankload.scene.resolution import Grid, Resolution, choose_resolution
 from flankload.setting import Setting
@@ -32,6 +30,8 @@ from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND
 from flankload.studies.accuracy.observed import observed
 from flankload.studies.accuracy.runs import Runs
+from tests.support.finer_solutions import true_errors
+from tests.support.random_scenes import SEED, scenes
 
 STORE = "out/bench_tolerance_{}.json"
 TOLERANCES = (1e-2, 1e-3)
@@ -140,7 +140,7 @@ class _Truth:
             TRUE_PART * default.flank_element_parts, TRUE_MODES, Grid(strips, 3.0 * strips)
         )
         scene = replace(self._scene, positions=positions)
-        found = solve_with(scene, self._kept, resolution=fine)
+        found = run_once(scene, self._kept, discretization=fine)
         assert isinstance(found, fl.Result)
         return found
 

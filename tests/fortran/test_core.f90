@@ -7,6 +7,7 @@ program test_core
         & solve_factored
     use flankload_factor_block, only: extend_block, cut
     use flankload_contact_problem, only: contact_problem, new_contact_problem
+    use flankload_contact_certificate, only: certify
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
@@ -38,6 +39,7 @@ program test_core
     call test_small_inverse
     call test_three_pairs
     call test_no_numbers_after_failure
+    call test_certificate_of_a_wrong_state
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
@@ -564,5 +566,23 @@ contains
             & .and. all(state%motion /= state%motion), 'every number is NaN')
         call expect(size(state%active_pairs) == 0, 'no pair is active')
     end subroutine test_no_numbers_after_failure
+
+    !> Two equal springs: one that carries all while the other is pushed in is no state.
+    subroutine test_certificate_of_a_wrong_state
+        real(wp) :: compliance(2, 2), levers(2, 1)
+        type(contact_problem) :: problem
+        type(contact_result) :: state
+        type(error_type), allocatable :: error
+
+        compliance = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+        levers = 1.0_wp
+        call new_contact_problem(compliance, [0.0_wp, 0.0_wp], levers, levers, [1.0_wp], &
+            & symmetric_matrix, problem, error)
+        call certify(problem, compliance, [0.5_wp, 0.5_wp], [0.0_wp, 0.0_wp], [0.5_wp], state)
+        call expect(state%status == 0 .and. state%backward_error <= 0.0_wp, 'both carry half')
+        call certify(problem, compliance, [1.0_wp, 0.0_wp], [0.0_wp, -1.0_wp], [1.0_wp], state)
+        call expect(state%status == 1, 'an open pair that is pushed in')
+        call expect(abs(state%backward_error - 1.0_wp) <= round_off, 'by all that it is moved')
+    end subroutine test_certificate_of_a_wrong_state
 
 end program test_core

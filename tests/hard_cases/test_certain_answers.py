@@ -7,18 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracle import EPS, Problem, judge_general
-from tests.benchmarks import _fuzz_contact
-from tests.benchmarks._fuzz_contact import METHODS, faults, fuzz_contact
-from tests.benchmarks._fuzz_problems import (
+
+import flankload as fl
+from tests.support import contact_fuzz
+from tests.support.contact_fuzz import METHODS, faults, fuzz_contact
+from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.random_problems import (
     KINDS,
     Trial,
     decades,
     narrow_cones,
     nearly_dependent,
 )
-
-import flankload as fl
 
 DATA = Path(__file__).parent / "data"
 ROW_TOLERANCE = 10 * EPS
@@ -32,7 +32,7 @@ def stored(name: str) -> Problem:
 
 def solve_and_judge(problem: Problem, method: str) -> fl.ContactState:
     """The state; its rows and its set of pairs hold in 60 digits."""
-    state = _fuzz_contact.solve(problem, method)
+    state = contact_fuzz.solve(problem, method)
     verdict = judge_general(
         problem.compliance,
         problem.gaps,
@@ -102,7 +102,7 @@ def test_the_sign_of_a_sum_is_that_of_the_given_numbers(method: str) -> None:
     )
     assert solve_and_judge(above, method).active_pairs.tolist() == [0, 1]
     with pytest.raises(fl.errors.NoContactState) as refusal:
-        _fuzz_contact.solve(below, method)
+        contact_fuzz.solve(below, method)
     assert refusal.value.proven
 
 
@@ -164,7 +164,7 @@ def test_the_fuzz_notices_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None
     root = np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 1.0], [0.0, 1.0, 2.0]])
     ones = np.ones((3, 1))
     trial = Trial(Problem(root, np.array([0.0, 0.1, 0.0]), ones, ones, np.array([1.0])), True)
-    solve = _fuzz_contact.solve
+    solve = contact_fuzz.solve
     assert faults(trial, "auto", None) == []
 
     def spoilt(problem: Problem, method: str, warm: object = None) -> fl.ContactState:
@@ -182,7 +182,7 @@ def test_the_fuzz_notices_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None
         return fl.ContactState(**{**vars(state), "normal_forces": 2 * state.normal_forces})
 
     for wrong, fault in ((spoilt, "backward error"), (refused, "exists"), (other, "unique")):
-        monkeypatch.setattr(_fuzz_contact, "solve", wrong)
+        monkeypatch.setattr(contact_fuzz, "solve", wrong)
         assert any(fault in found for found in faults(trial, "auto", None))
-    monkeypatch.setattr(_fuzz_contact, "solve", lambda *_: 1 / 0)
+    monkeypatch.setattr(contact_fuzz, "solve", lambda *_: 1 / 0)
     assert fuzz_contact(5, 3).traceback == 3

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from gear_like import METHODS, gear_like, outcome
+
+from tests.support.gear_like import METHODS, gear_like, outcome
 
 
 @pytest.mark.parametrize("seed", range(4))

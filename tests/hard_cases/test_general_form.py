@@ -6,14 +6,15 @@ from fractions import Fraction
 
 import mpmath as mp
 import numpy as np
-import oracle
 import pytest
-from general_like import general_like
-from oracle import EPS, Problem, judge_general
-from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload import errors
+from tests.support import oracle
+from tests.support.contact_fuzz import solve
+from tests.support.general_like import general_like
+from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 METHODS = ("auto", "single", "block", "load_path")
 #: What rounding may leave in a row or load, relative to its own size: as the core takes it.
@@ -24,18 +25,6 @@ STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
 SECOND_MOTION = (19, 29, 39, 44, 54)
 #: Levers over many decades that a search of all cases took for loads that no forces hold.
 SCATTERED = (10, 22, 53, 136, 171, 242, 306, 431, 555, 579, 669, 706)
-
-
-def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.ContactState:
-    return fl.solve_contact_general(
-        problem.compliance,
-        problem.gaps,
-        problem.motions,
-        problem.loads,
-        load_rows=problem.load_rows,
-        method=method,
-        warm_pairs=warm,
-    )
 
 
 def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:

@@ -6,17 +6,15 @@ import itertools
 
 import numpy as np
 import pytest
-from oracle import EPS, Verdict, judge, judge_general
-from test_contact import brute_force
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload import _core, errors
+from tests.support.contact_problems import FOUR, THREE, brute_force
+from tests.support.oracle import EPS, Verdict, judge, judge_general
+from tests.support.tolerances import SOLVER
 
 METHODS = ("auto", "single", "block", "cascade", "primal", "load_path")
 TWINS = np.array([[2, 1, 1, 0.5], [1, 2, 2, 1], [1, 2, 2, 1], [0.5, 1, 1, 2]])
-THREE = np.array([[10, 9.4, 8], [9.4, 10, 9.4], [8, 9.4, 10]])
-FOUR = np.array([[10.0, 7, 5, 4], [7, 10, 7, 5], [5, 7, 10, 8], [4, 5, 8, 10]])
 
 # The sum of the hard promises: each row on its own scale, forces as good as the condition allows.
 BACKWARD = 10 * EPS

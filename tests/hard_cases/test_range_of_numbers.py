@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from general_like import general_like
-from oracle import EPS, Problem
 
 import flankload as fl
 from flankload import errors
+from tests.support.general_like import general_like
+from tests.support.oracle import EPS, Problem
 
 #: Decades of forces, lengths and motions.
 LARGEST = 150

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracle import EPS, Problem, judge_general
 
 import flankload as fl
+from tests.support.oracle import EPS, Problem, judge_general
 
 METHODS = ("auto", "single", "block", "load_path")
 KINDS = ("springs", "indefinite", "unsymmetric")

@@ -1,4 +1,4 @@
-"""The programs of docs/reference/fortran.md, each built with the command in its first line."""
+"""Programs of docs/reference/fortran.md, built with the command in their first line."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload import _core
-
-from .conftest import ROOT, expect_printed, run
-from .nodal_position import NodalPosition
-from .nodal_sweep import NodalSweep
+from tests.support.nodal_position import NodalPosition
+from tests.support.nodal_sweep import NodalSweep
+from tests.support.programs import ROOT, expect_printed, run
 
 TEXT = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
 COMMAND = re.compile(r"(gfortran|gcc) ([\w.]+) `pkg-config --cflags --libs flankload`")

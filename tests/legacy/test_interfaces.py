@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import EXAMPLES
+from tests.support.programs import EXAMPLES
 
 RIGHT = "3, matrix, 0, levers, scaled, symmetric, elastic, info"
 WRONG = {

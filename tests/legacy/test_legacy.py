@@ -8,13 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gear_like import gear_like
-from nodal_position import DATA, read_data
 
 import flankload as fl
 from flankload import _core
-
-from .conftest import EXAMPLES, LINKING, PROGRAMS, ROOT, built, expect_printed, run, written
+from tests.support.gear_like import gear_like
+from tests.support.nodal_position import DATA, read_data
+from tests.support.programs import (
+    EXAMPLES,
+    LINKING,
+    PROGRAMS,
+    ROOT,
+    built,
+    expect_printed,
+    run,
+    written,
+)
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import EXAMPLES, ROOT, built, run, written
-from .nodal_position import DATA
+from tests.support.nodal_position import DATA
+from tests.support.programs import EXAMPLES, ROOT, built, run, written
 
 EXPORTS = runpy.run_path(str(ROOT / "fortran" / "install" / "exported_symbols.py"))
 PROJECT = """cmake_minimum_required(VERSION 3.18)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import EXAMPLES, LINKING, PROGRAMS, built, expect_printed, run, written
-from .nodal_position import DATA
-from .nodal_sweep import NAMES, SWEEP_DATA, NodalSweep, read_sweep
+from tests.support.nodal_position import DATA
+from tests.support.nodal_sweep import NAMES, SWEEP_DATA, NodalSweep, read_sweep
+from tests.support.programs import EXAMPLES, LINKING, PROGRAMS, built, expect_printed, run, written
 
 FOLDERS = ["legacy_fortran", "modern_fortran", "c"]
 

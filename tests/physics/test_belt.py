@@ -14,52 +14,34 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tolerances import ROUND_OFF, SOLVER
 
 from flankload.bodies.body import Material
-from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
+from flankload.mechanisms.belt.belt import Round, Strip
 from flankload.mechanisms.belt.belt_mesh import mesh_strip
-from flankload.mechanisms.belt.contact import BeltState, SpringRow, solve_belt, spring_row
+from flankload.mechanisms.belt.contact import SpringRow, solve_belt, spring_row
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends, strip_response
 from flankload.mechanisms.belt.strip import cord_stiffness, solve_piece
 from flankload.meshes.plane_mesh import jacobians
+from tests.support.belts import (
+    CORD,
+    FORCE,
+    HTD,
+    ROW,
+    ROW_AT_THE_EDGE,
+    T10,
+    TAUT,
+    longer,
+    response,
+    shares,
+)
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
-CORD, FORCE = 25e3, 40.0
 #: Of shares between two programs, points; without the land in series they are 5 to 8 points off.
 SHARES = 0.6
-#: Of shares between a row of springs and the elements from which it comes, points.
-ROW = 0.2
-#: The same, where the last tooth touches with a part of its flank and nothing holds the cord
-#: straight: its sharp corner at the land recedes, which a spring does not know. Finer elements, and
-#: such that are finer at the corners, come to 0.28, with lands held at nodes, by hats, and with
-#: free corners alike.
-ROW_AT_THE_EDGE = 0.3
 #: Of the same answer by two ways of elimination, on the largest entry.
 ELIMINATION = 1e-10
 #: Of places on arcs that elements follow as parabolas, mm; an arc may begin within an element.
 ARCS = 1e-3
-
-T10 = Strip(
-    pulley_teeth=24,
-    pitch_mm=10.0,
-    wrapped_teeth=12,
-    width_mm=1.0,
-    tooth=Trapezoid(5.3, 2.5, np.radians(25.0)),
-    groove=None,
-    land_distance_mm=1.0,
-    back_mm=2.0,
-    cord_N_per_mm=CORD,
-    material=Material(100.0, 0.45),
-)
-
-
-def longer(strip: Strip, difference_um: float) -> Strip:
-    return replace(strip, pitch_difference_mm=difference_um / 1000.0)
-
-
-@cache
-def response(strip: Strip = T10, elements: int = 6, *, lands: bool = True) -> StripResponse:
-    return BeltRow(strip, elements, rubbing=lands, lifting=lands).at(0.0)
 
 
 @cache
@@ -71,10 +53,6 @@ def whole(
     lands = {number: nodes for number, nodes in mesh.lands.items() if number not in free}
     piece = solve_piece(strip, replace(mesh, lands=lands), rubbing=True, lifting=True)
     return strip_response((piece,))
-
-
-def shares(state: BeltState) -> np.ndarray:
-    return 100.0 * state.tooth_N_per_mm / FORCE
 
 
 def row_of(teeth: int, ratio: float) -> SpringRow:
@@ -283,9 +261,6 @@ def test_lands_that_rub_carry_a_part_of_the_torque(friction: float, part: float)
     np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)
 
 
-TAUT = replace(T10, prestress_N_per_mm=20.0)
-
-
 def test_lands_that_need_not_lift_change_nothing() -> None:
     known = response(TAUT, 3)
     held = solve_belt(TAUT, known, FORCE, 5.0)
@@ -393,9 +368,6 @@ def test_positions_pass_over_into_each_other_but_where_a_tooth_comes() -> None:
     before, after = turns(np.array([0.4999, 0.5001]))
     # what the tight strand has stretched over a pitch is taken back by the tooth that comes
     assert after < 0.9 * before
-
-
-HTD = replace(T10, pitch_mm=8.0, tooth=Round(2.575, 3.38), land_distance_mm=0.686, back_mm=2.2)
 
 
 @pytest.mark.parametrize("tooth", [HTD.tooth, Round(2.575, 2.3), Round(2.0, 2.0)])

@@ -7,10 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.sparse import block_diag, bmat, csc_matrix, hstack
+from scipy.sparse import block_array, block_diag, csc_array, hstack
 from scipy.sparse.linalg import spsolve
-from test_belt import CORD, FORCE, HTD, ROW, ROW_AT_THE_EDGE, T10, TAUT, longer, response, shares
-from tolerances import SOLVER
 
 from flankload.bodies.body import Material
 from flankload.elasticity.finite_elements import degrees_of, stiffness
@@ -30,6 +28,19 @@ from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends
 from flankload.mechanisms.belt.strip import cord_stiffness
 from flankload.mechanisms.belt.touch import land_forces, touches_of, unit_forces
 from flankload.meshes.plane_mesh import jacobians
+from tests.support.belts import (
+    CORD,
+    FORCE,
+    HTD,
+    ROW,
+    ROW_AT_THE_EDGE,
+    T10,
+    TAUT,
+    longer,
+    response,
+    shares,
+)
+from tests.support.tolerances import SOLVER
 
 PLASTIC, STEEL = Material(3000.0, 0.35), Material(206e3, 0.3)
 #: Of symmetry.
@@ -105,7 +116,7 @@ def test_ring_without_grooves_is_a_thick_ring(plane: str) -> None:
 SMALL = replace(T10, pulley_teeth=10, wrapped_teeth=4)
 
 
-def whole_pulley(pulley: ElasticPulley, elements: int) -> tuple[np.ndarray, csc_matrix, np.ndarray]:
+def whole_pulley(pulley: ElasticPulley, elements: int) -> tuple[np.ndarray, csc_array, np.ndarray]:
     """Nodes of each sector among those of the whole body, its stiffness, nodes of the bore."""
     sector = mesh_pulley(pulley, elements).sector
     turns = 2 * np.pi / pulley.teeth * np.arange(pulley.teeth)
@@ -148,7 +159,7 @@ def test_ring_of_sectors_is_the_whole_pulley(strip: Strip) -> None:
     number, matrix, bore = whole_pulley(found.mesh.pulley, 2)
     forces = whole_forces(found, strip, 2, number)
     free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(bore))
-    moved = spsolve(matrix[free][:, free].tocsc(), csc_matrix(forces[free])).toarray()
+    moved = spsolve(matrix[free][:, free].tocsc(), csc_array(forces[free])).toarray()
     scale = np.abs(closed).max()
     np.testing.assert_allclose(closed, forces[free].T @ moved, rtol=0.0, atol=SOLVER * scale)
 
@@ -215,27 +226,27 @@ def monolith(
     pull = np.zeros(belt.shape[0])
     pull[2 * mesh.slack + 1] = slack
     ways = lands.degrees
-    tie_belt = csc_matrix(
+    tie_belt = csc_array(
         (np.ones(ways.size), (np.arange(ways.size), ways)), (ways.size, belt.shape[0])
     )[:, kept]
     tie_pulley = forces[:, n : n + h].T
     belt, columns, pull = belt[kept][:, kept], columns[kept], pull[kept]
     body = block_diag([belt, pulley]).tocsc()
-    meets = csc_matrix(np.vstack([columns, forces[:, active]]))
-    tie = hstack([tie_belt, csc_matrix(tie_pulley)]).tocsc()
+    meets = csc_array(np.vstack([columns, forces[:, active]]))
+    tie = hstack([tie_belt, csc_array(tie_pulley)]).tocsc()
     # lands push the belt outwards by N, and along the turn
     pushes, turned = -tie.T, np.zeros(ways.size)
     if friction:
         along = np.vstack([lands.forces.toarray()[kept], forces[:, n + h :]])
-        pushes = pushes - friction * csc_matrix(along)
+        pushes = pushes - friction * csc_array(along)
         turned[:] = friction * strip.land_radius_mm
     # unknowns: belt, pulley, F, N, rotation
-    system = bmat(
+    system = block_array(
         [
             [body, -meets, pushes, None],
-            [meets.T, None, None, csc_matrix(-lever[:, None])],
-            [tie, None, None, csc_matrix((ways.size, 1))],
-            [None, csc_matrix(lever), csc_matrix(turned), None],
+            [meets.T, None, None, csc_array(-lever[:, None])],
+            [tie, None, None, csc_array((ways.size, 1))],
+            [None, csc_array(lever[None]), csc_array(turned[None]), None],
         ]
     ).tocsc()
     right = np.zeros(system.shape[0])
@@ -247,9 +258,9 @@ def monolith(
     return solved[body.shape[0] :][:k], float(solved[-1]), energy
 
 
-def polar(turns: np.ndarray) -> csc_matrix:
+def polar(turns: np.ndarray) -> csc_array:
     """Columns outwards and along the turn."""
-    blocks = [csc_matrix([[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]]) for t in turns]
+    blocks = [csc_array([[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]]) for t in turns]
     return block_diag(blocks).tocsc()
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from blind_cells import Job, job, reference, scenes
 
 from flankload.contact.sweep import Sweep
+from tests.support.blind_cells import Job, job, reference, scenes
 
 SEED, WANTED = 20261121, 10
 JOBS = pytest.mark.parametrize("k", range(WANTED))

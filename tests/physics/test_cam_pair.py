@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
 
 import flankload as fl
 from flankload.bodies import WholeMesh
@@ -12,6 +11,7 @@ from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.pairing.cam_motion import Stand
+from tests.support.cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
 
 #: Steel in plane strain.
 MODULUS = 206000.0 / (1 - 0.3**2)

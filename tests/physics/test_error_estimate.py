@@ -7,19 +7,19 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.benchmarks._scenes import scenes
-from tests.benchmarks.estimate import compared
 
 import flankload as fl
 from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
 from flankload.analysis.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
-from flankload.analysis.runner import solve_with
 from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity.near_field import mode_values
+from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
 from flankload.scene.resolution import DEFAULT, Grid, Resolution
+from tests.support.finer_solutions import compared
+from tests.support.random_scenes import scenes
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)
@@ -85,7 +85,7 @@ def test_rotation_converges_with_the_elements() -> None:
     )
 
     def rotation(part: float) -> np.ndarray:
-        result = solve_with(scene, {}, resolution=Resolution(part, 4, Grid()))
+        result = run_once(scene, {}, discretization=Resolution(part, 4, Grid()))
         assert isinstance(result, fl.Result)
         return result.rotation_rad
 
@@ -100,7 +100,9 @@ def test_rotation_converges_with_the_cells() -> None:
 
     def rotation(count: float) -> np.ndarray:
         grid = Grid(count, 3 * count)
-        result = solve_with(scene, {}, resolution=Resolution(DEFAULT.flank_element_parts, 5, grid))
+        result = run_once(
+            scene, {}, discretization=Resolution(DEFAULT.flank_element_parts, 5, grid)
+        )
         assert isinstance(result, fl.Result)
         return result.rotation_rad
 
@@ -142,7 +144,7 @@ def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
     found = fl.solve(fl.Scene.from_dict(scene))
     finer = Resolution(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
     without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
-    true = solve_with(without, {}, resolution=finer)
+    true = run_once(without, {}, discretization=finer)
     assert isinstance(found, fl.Result)
     assert isinstance(true, fl.Result)
     assert found.estimate is not None
@@ -167,7 +169,7 @@ def test_forces_on_coast_flanks_have_an_estimate() -> None:
 
     found = fl.solve(fl.Scene.from_dict(scene))
     without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
-    error = np.abs(shares(found) - shares(solve_with(without, {}, resolution=finer))).max()
+    error = np.abs(shares(found) - shares(run_once(without, {}, discretization=finer))).max()
     assert isinstance(found, fl.Result)
     assert found.estimate is not None
     assert error < found.estimate["coast_force"] < 10 * error

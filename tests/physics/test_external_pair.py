@@ -8,16 +8,15 @@ loads and 1.5 % in the peak pressure, 0.4 % and 2 N/mm where a sharp tip corner 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import flankload as fl
+from tests.support.paths import REFERENCE_SOLUTIONS
 
-ROOT = Path(__file__).parents[2]
-REFERENCE = json.loads((ROOT / "tests/reference_solutions/external_pair.json").read_text())
-CLOSED_FORM = json.loads((ROOT / "tests/reference_solutions/closed_form.json").read_text())
+REFERENCE = json.loads((REFERENCE_SOLUTIONS / "external_pair.json").read_text())
+CLOSED_FORM = json.loads((REFERENCE_SOLUTIONS / "closed_form.json").read_text())
 
 #: Rotation, load (of the total) and peak pressure, relative, at interior positions.
 INTERIOR = {"rotation": 2e-3, "load": 3e-3, "pressure": 1.5e-2}

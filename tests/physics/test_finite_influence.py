@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import tomllib
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload.elasticity.nodal_loads import hat_values
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.mechanisms.flank_pair.stages import FINITE_STEPS, compliance_of
+from tests.support.gear_scenes import example
+from tests.support.tolerances import SOLVER
 
-SCENE = tomllib.loads(
-    (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
-)
+SCENE = example("external_gear")
 #: Two pairs carry, off tip corners.
 ANGLE_DEG = 11.25
 #: So many times softer than steel.

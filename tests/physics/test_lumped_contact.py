@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import tomllib
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from test_hertz import CASE, LEVER, contact
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload.analysis.estimate import lumped_error
-from flankload.analysis.runner import compliance_of
 from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.scene.resolution import Grid
+from tests.support.paths import SCENES
+from tests.support.pressed_cylinders import CASE, LEVER, contact
+from tests.support.tolerances import SOLVER
 
-SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Finer than any default, so that the cells' own error does not count.
 FINE = Grid(24.0, 72.0)
 #: What lumping may leave off corners, roundings and kinks (rotation, share of the load, pressure)

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import tomllib
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from nodal_position import NodalPosition
-from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload.elasticity import nodal_loads
 from flankload.elasticity.near_field import mode_loads
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
+from tests.support.gear_scenes import example
+from tests.support.nodal_position import NodalPosition
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
-SCENE = tomllib.loads(
-    (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
-)
+SCENE = example("external_gear")
 # One pair, two pairs; no tip corner at work. Hertz half-widths 0.18, 0.14 mm.
 ANGLES_DEG = [2.0, 11.25]
 #: What nodes so far apart leave of the rotation, against modes, and the last of the largest

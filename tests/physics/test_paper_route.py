@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-FILE = Path(__file__).parents[2] / "examples" / "paper_route.py"
+from tests.support.paths import ROOT
+
+FILE = ROOT / "examples" / "paper_route.py"
 #: Spacings of the nodes, mm, and what they leave of the rotation at most (measured 3.6, 1.8 %).
 SPACINGS = (0.2, 0.1)
 ROTATION = (0.045, 0.022)

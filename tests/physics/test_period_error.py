@@ -7,23 +7,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import Cells, whole_of
 from msgspec import structs
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload.analysis.period_error import teeth_until_alike
-from flankload.analysis.runner import solve_with
 from flankload.base.array_archive import archive_of
 from flankload.bodies.imported.body_file import write_body
 from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cost import Account
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.scene.mesh_tables import ComplianceBody
 from flankload.scene.pair_tables import Positions
+from tests.support.mesh_files import Cells, whole_of
+from tests.support.tolerances import SOLVER
 
 TEETH = 24
 #: Elements of the wheel's disc between these radii (mm) are cut out in some sectors, so that four
@@ -234,7 +234,7 @@ def test_teeth_without_a_flank_are_named_as_the_first_cure(folder: Path) -> None
     every = compliance_of(build_bodies(every).body_2, every)
     blocks = every.smooth.reshape(TEETH, TEETH, 3, 3)[np.ix_(named, named)]
     some = dataclasses.replace(every, smooth=blocks.reshape(-1, 3, 3), flanks=tuple(named))
-    found = solve_with(scene, {1: (some, Account())})
+    found = run_once(scene, {1: (some, Account())})
     assert found.period_pitches == 1
     (text,) = said(found)
     assert "(name the flanks of all teeth of body_2, then positions.pitches" in text

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plain_elements import FILE, solve_plainly
 
 import flankload as fl
 from flankload.bodies.imported.body_file import write_body
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.paths import SCENES
+from tests.support.plain_elements import FILE, solve_plainly
 
 REFERENCE = json.loads(FILE.read_text(encoding="utf-8"))
-EXAMPLE = Path(__file__).parents[2] / "examples" / "scenes" / "internal_gear.toml"
+EXAMPLE = SCENES / "internal_gear.toml"
 #: Rotation (relative) and forces (of the sum) off sharp corners; on them, where the plain elements
 #: take each flank's own normal and five modes follow the load at the flank's very end less well.
 INTERIOR, CORNER = 3e-3, 1.5e-2

@@ -6,8 +6,6 @@ from math import acos, cos, pi, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
-from plain_elements import hat_loads
-from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.bodies import Body
@@ -21,6 +19,9 @@ from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import EDGES
 from flankload.scene import Gear, Ring
+from tests.support.plain_elements import hat_loads
+from tests.support.ring_bodies import RING
+from tests.support.tolerances import ROUND_OFF
 
 #: Largest stress with the default elements against elements a third as long: wanted 2 %, measured
 #: 0.06 % on the pinion, 0.3 % on the wheel, 1.1 % on the ring under a force low on its flank.
@@ -39,10 +40,6 @@ PINION = {
 WHEEL = {
     "teeth": 24, "module_mm": 4.5, "profile_shift": 0.171, "tip_diameter_mm": 118.36,
     "bore_diameter_mm": 40.0,
-}  # fmt: skip
-RING = {
-    "teeth": 60, "module_mm": 3.0, "tip_diameter_mm": 175.2, "root_diameter_mm": 187.5,
-    "outer_diameter_mm": 220.0,
 }  # fmt: skip
 
 

@@ -9,23 +9,21 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from plain_friction import solve_rubbing
-from tolerances import ROUND_OFF, SOLVER
 
 import flankload as fl
 from flankload.errors import NoContactState
+from tests.support.paths import REFERENCE_SOLUTIONS
+from tests.support.plain_friction import solve_rubbing
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Energy over a period: what the pairing on circles leaves, with and without friction.
 ENERGY = 1e-3
 WIDTH, DISTANCE = 14.0, 91.5
-INTERNAL = json.loads(
-    (Path(__file__).parents[1] / "reference_solutions" / "internal_pair.json").read_text()
-)["scene"]
+INTERNAL = json.loads((REFERENCE_SOLUTIONS / "internal_pair.json").read_text())["scene"]
 
 
 def gear(teeth: int, shift: float, tip: float, bore: float, **keys: Any) -> dict[str, Any]:
@@ -304,7 +302,10 @@ def test_spline_with_index_errors_slides_by_its_offset_alone() -> None:
 
 
 def test_state_is_smooth_through_the_pitch_point() -> None:
-    """Steps of force and rotation halve with the steps of the position."""
+    """Steps of force and rotation halve with the steps of the position.
+
+    In the cell in which the sliding changes its sign, friction has the mean sign over the cell.
+    """
     steps = []
     for count in (41, 81):
         angles = np.linspace(-0.8, 0.8, count).tolist()
@@ -315,6 +316,19 @@ def test_state_is_smooth_through_the_pitch_point() -> None:
                 np.abs(np.diff(result.site_force_N.sum(axis=1))).max(),
             ]
         )
+        for p in (0, count // 4):
+            pairs = result.pairs(p)
+            assert (pairs.site == 0).all()
+            loaded = pairs.force_N > 0
+            over_cell = np.abs(np.gradient(pairs.sliding_mm_per_rad))
+            sign = np.clip(pairs.sliding_mm_per_rad / (0.5 * over_cell), -1, 1)[loaded]
+            assert (np.abs(sign) < 1).sum() == 1
+            np.testing.assert_allclose(
+                pairs.friction_force_N[loaded],
+                0.3 * sign * pairs.force_N[loaded],
+                rtol=SOLVER,
+                atol=0,
+            )
     assert (np.array(steps[0]) > 1.8 * np.array(steps[1])).all()
 
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gear_scenes import changed
-from test_result_contacts import RING_PAIR, SPLINE
-from tolerances import SOLVER
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.gear_scenes import changed
+from tests.support.pair_scenes import RING_PAIR, SPLINE
+from tests.support.tolerances import SOLVER
 
 #: Peaks over conforming flanks stand at edges, whose cells are the finest by far: 4e-9 of rounding.
 CONFORMING = 5e-8

@@ -13,7 +13,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_hertz import arc
 
 from flankload.bodies.body import Material
 from flankload.contact.sweep import sweep
@@ -23,6 +22,7 @@ from flankload.pairing.friction import Friction
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
 from flankload.scene.resolution import Grid
+from tests.support.pressed_cylinders import arc
 
 RADII = (20.0, 35.0)
 #: The contact lies at (LEVER, ASIDE), its normal along y; both axes at y = 0, DISTANCE apart.

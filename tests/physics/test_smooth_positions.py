@@ -11,7 +11,8 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from blind_cells import Job
+
+from tests.support.blind_cells import Job
 
 #: Part of the largest rotation by which it may jump.
 JUMP = 2e-4

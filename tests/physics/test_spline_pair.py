@@ -7,9 +7,9 @@ from math import cos, radians
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from tolerances import SOLVER
 
 import flankload as fl
+from tests.support.tolerances import SOLVER
 
 TEETH, MODULE, WIDTH = 24, 2.0, 30.0
 BASE_RADIUS = 0.5 * TEETH * MODULE * cos(radians(30))

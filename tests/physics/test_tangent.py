@@ -1,14 +1,13 @@
 """Tangent stiffness against differences of the rotation that the program itself computes."""
 
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import flankload as fl
+from tests.support.paths import SCENES
 
-SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: The differences' own error: second order in the step, rounding of the rotation over the step.
 DIFFERENCES = 1e-6
 #: Smaller than the step that the tangent itself is made with.
@@ -93,6 +92,29 @@ def test_no_torque_needs_no_tangent() -> None:
     result = fl.solve(fl.Scene.from_dict(tables))
     assert isinstance(result, fl.Result)
     assert np.isnan(result.stiffness_tangent_Nm_per_rad).all()
+
+
+def test_tangents_of_parabolas_are_exact() -> None:
+    """Central differences of the rotation, and of the forces."""
+    from flankload.tangent import with_tangents
+
+    from flankload.contact.sweep import Sweep
+
+    def state(torque: float) -> Sweep:
+        numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
+        known = {
+            "torque_Nmm": torque,
+            "rotation_rad": np.array([torque + 0.1 * torque**2]),
+            "tangent_rad_per_Nmm": np.array([2.0]),
+            "site_force_N": np.array([[3.0 * torque + torque**2, -torque]]),
+        }
+        return Sweep(**(numbers | known))  # type: ignore[arg-type]
+
+    (found,) = with_tangents((state(5.0),), lambda torques_Nmm: tuple(map(state, torques_Nmm)))
+    assert found.tangent_rad_per_Nmm[0] == pytest.approx(1.0 + 0.2 * 5.0, rel=1e-10)
+    np.testing.assert_allclose(
+        found.site_force_per_torque, [[3.0 + 2.0 * 5.0, -1.0]], rtol=1e-10, atol=0
+    )
 
 
 def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state() -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from copy import deepcopy
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.analysis import tip_error
@@ -19,18 +16,12 @@ from flankload.analysis.estimate import Estimate
 from flankload.bodies.involute.ring import build_ring
 from flankload.elasticity.compliance import flank_compliance
 from flankload.scene import Ring
+from tests.support.gear_scenes import example
+from tests.support.ring_bodies import RING
+from tests.support.tolerances import ROUND_OFF
 
-SCENE = tomllib.loads(
-    (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
-)
+SCENE = example("external_gear")
 MODULE = 4.5
-RING = {
-    "teeth": 60,
-    "module_mm": 3.0,
-    "tip_diameter_mm": 175.2,
-    "root_diameter_mm": 187.5,
-    "outer_diameter_mm": 220.0,
-}
 ROUNDED = {"tip_radius_mm": 0.08 * MODULE}
 #: What elements of 1/18 module leave of the wedge.
 WEDGE = 0.15

@@ -7,15 +7,11 @@ by quantity; with ``--check`` nothing is written.
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
-TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS / room) for room in ("python", "hard_cases")]
-
-from .compare import movements, path_of, read_reference, reference_of, table, write_reference  # noqa: E402
-from .contact_cases import contact_cases  # noqa: E402
-from .nodal_cases import nodal_cases  # noqa: E402
-from .scene_cases import scene_cases  # noqa: E402
+from .compare import movements, path_of, read_reference, reference_of, table, write_reference
+from .contact_cases import contact_cases
+from .nodal_cases import nodal_cases
+from .scene_cases import scene_cases
 
 
 def main(arguments: list[str]) -> int:

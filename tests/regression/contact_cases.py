@@ -7,13 +7,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from gear_like import gear_like
-from general_like import general_like
-from tests.benchmarks._problem import cylinder
 
 import flankload as fl
 from flankload import _core, errors
 from flankload.contact.problem import GENERAL
+from tests.support.cylinder_problem import cylinder
+from tests.support.gear_like import gear_like
+from tests.support.general_like import general_like
 
 from .cases import Case
 from .quantities import CONTACT
@@ -95,7 +95,7 @@ def _gear_like(seed: int, method: str, *, friction: bool = False) -> Case:
         problem = gear_like(rng)
     return Case(
         inputs={
-            "generator": "tests/hard_cases/gear_like.py: the first problem of 40 pairs or more "
+            "generator": "tests/support/gear_like.py: the first problem of 40 pairs or more "
             + ("with" if friction else "without")
             + " friction",
             "seed": seed,
@@ -140,7 +140,7 @@ def _cylinder(n: int, method: str, *, friction: float = 0.0, demand: bool = Fals
 
     return Case(
         inputs={
-            "generator": "tests/benchmarks/_problem.py: cylinder on a half-plane that bends",
+            "generator": "tests/support/cylinder_problem.py: cylinder on a half-plane that bends",
             "pairs": n,
             "friction": friction,
             "torque_Nmm": p.torque,
@@ -160,7 +160,7 @@ def _general(seed: int, *, held: bool) -> Case:
 
     return Case(
         inputs={
-            "generator": "tests/hard_cases/general_like.py: the first of two motions or more whose "
+            "generator": "tests/support/general_like.py: the first of two motions or more whose "
             f"loads can {'' if held else 'not '}be held",
             "seed": seed,
             "pairs": problem.gaps.size,
@@ -206,7 +206,7 @@ def _several_torques(seed: int) -> Case:
 
     return Case(
         inputs={
-            "generator": "tests/hard_cases/gear_like.py: the first problem of 40 pairs or more "
+            "generator": "tests/support/gear_like.py: the first problem of 40 pairs or more "
             "without friction",
             "seed": seed,
             "torques_Nmm": torques.tolist(),
@@ -249,7 +249,7 @@ def _with_rows_exchanged(seed: int) -> Case:
 
     return Case(
         inputs={
-            "generator": "tests/hard_cases/gear_like.py: the first problem of 40 pairs or more "
+            "generator": "tests/support/gear_like.py: the first problem of 40 pairs or more "
             "with friction",
             "seed": seed,
             "friction": problem.friction,

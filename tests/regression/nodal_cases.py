@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from tests.legacy.nodal_position import DATA, read_data
-from tests.legacy.nodal_sweep import SWEEP_DATA, read_sweep
+
+from tests.support.nodal_position import DATA, read_data
+from tests.support.nodal_sweep import SWEEP_DATA, read_sweep
 
 from .cases import Case
 from .quantities import NODAL
@@ -45,14 +46,14 @@ def nodal_cases() -> dict[str, Case]:
         "nodal_position": Case(
             inputs={"file": file + DATA.name},
             provenance="the external gear half a pitch on; scipy's splines and root finder in "
-            "tests/python/test_nodal_position.py",
+            "tests/unit/contact/test_nodal_position.py",
             solve=_position,
             known=NODAL,
         ),
         "nodal_sweep": Case(
             inputs={"file": file + SWEEP_DATA.name, "circles": "through the points of body 1"},
             provenance="the external gear over a pitch; the sweep of the scene itself in "
-            "tests/python/test_nodal_sweep.py",
+            "tests/unit/contact/test_nodal_sweep.py",
             solve=_sweep,
             known=NODAL,
         ),

@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from cam_scenes import FLAT_FOLLOWER, disc
 
 import flankload as fl
+from tests.support.cam_scenes import FLAT_FOLLOWER, disc
+from tests.support.paths import SCENES
 
 from .cases import Case
 from .quantities import MORE, SCENE, quantity_beside
 
-SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
 #: Positions of a period: enough to see every state of contact, and a second a scene at the most.
 POSITIONS = 6
 

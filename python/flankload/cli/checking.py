@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterable
     from pathlib import Path
-
-    from flankload.bodies.body import Body
-    from flankload.scene import Scene
-    from flankload.scene.effects import Switch
 
 
 def check(arguments: Namespace) -> None:
@@ -24,126 +18,23 @@ def check(arguments: Namespace) -> None:
 
 
 def _check_scene(path: Path) -> None:
+    from flankload.mechanisms.registry import mechanism_of
     from flankload.scene import read_scene
-
-    scene = read_scene(path)
-    if scene.body_2.kind in ("chain", "belt"):
-        _check_drive(scene)
-        return
-    from flankload.mechanisms.flank_pair.assembly import build_bodies
-    from flankload.mechanisms.flank_pair.premises import broken_by_geometry, held
-    from flankload.mechanisms.flank_pair.stages import compliance_of
-    from flankload.pairing.gear_pair import describe_mesh
-    from flankload.pairing.spline_fit import describe_fit
-    from flankload.scene.effects import EFFECTS, switches_of
     from flankload.steering import first_pick, first_scene
 
+    scene = read_scene(path)
     picked = first_pick(scene).setting.tables() if scene.steers else {}
-    scene = first_scene(scene)
-    pair = build_bodies(scene)
-    for body in (pair.body_1, pair.body_2):
-        if body.given is not None:
-            compliance_of(body, scene)  # costs next to nothing and finds what is wrong
+    description = mechanism_of(scene).describe(first_scene(scene))
     print(f"{scene.name}: a valid scene")
-    for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2)):
-        _print_rows(f"{name}: {body.kind}", _rows_of_body(body))
-    mesh, fit = pair.pairing.mesh, pair.pairing.fit
-    _print_rows(
-        "pair",
-        [
-            ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
-            ("face width", f"{scene.pair.face_width_mm:g} mm"),
-            *(describe_mesh(mesh) if mesh is not None else ()),
-            *(describe_fit(fit) if fit is not None else ()),
-        ],
-    )
+    for title, rows in description.rows.items():
+        _print_rows(title, rows)
     if picked:
         keys = [(key, f"{value}") for table in picked.values() for key, value in table.items()]
         _print_rows(f"knobs that a tolerance of {scene.accuracy.tolerance:g} begins with", keys)
-    switches = switches_of(scene)
-    has_teeth = pair.pairing.motion is None
-    rows = [row for row in EFFECTS if has_teeth or not row.of_teeth]
-    _print_rows("effects", [(row.title, _said(switches[row.name])) for row in rows])
-    if pair.notes:
+    if description.notes:
         print()
-    for note in pair.notes:
+    for note in description.notes:
         print(f"warning: {note}")
-    for broken in held(scene, tuple(broken_by_geometry(pair))):
-        print(f"warning: {broken.note}")
-
-
-def _check_drive(scene: Scene) -> None:
-    from flankload.mechanisms.belt.drive import describe_belt
-    from flankload.mechanisms.chain.drive import describe_drive
-    from flankload.scene.usual import question_notes
-
-    rows = describe_drive(scene) if scene.body_2.kind == "chain" else describe_belt(scene)
-    print(f"{scene.name}: a valid scene")
-    for title, found in rows.items():
-        _print_rows(title, found)
-    if notes := question_notes(scene):
-        print()
-    for note in notes:
-        print(f"warning: {note}")
-
-
-def _said(switch: Switch) -> str:
-    return f"{'yes' if switch.on else 'no'} ({switch.because})"
-
-
-def _rows_of_body(body: Body) -> list[tuple[str, str]]:
-    rows = [] if body.kind in ("cam", "follower") else [("teeth", f"{body.teeth}")]
-    involute = body.involute
-    if involute is not None:
-        for name, radius in (
-            ("root", involute.root_radius_mm),
-            ("form", involute.form_radius_mm),
-            ("base", involute.base_radius_mm),
-            ("tip", involute.tip_radius_mm),
-        ):
-            rows.append((f"{name} diameter", f"{2 * radius:.4f} mm"))
-        tip = involute.tip_radius_mm
-        rows.append(
-            ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
-        )
-    elif body.curve.closed:
-        radii = np.hypot(*body.outline.T)
-        rows += [
-            ("profile", f"{body.curve.length_mm:.4f} mm around"),
-            ("radii of the profile", f"{radii.min():.4f} to {radii.max():.4f} mm"),
-        ]
-    else:
-        rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
-    if body.given is not None:
-        return [*rows, ("compliance", body.given.description)]
-    if body.mesh is None:
-        return [*rows, ("mesh", "none: rigid")]
-    return [*rows, *_rows_of_mesh(body)]
-
-
-def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
-    from flankload.bodies import WholeMesh
-    from flankload.meshes.report import quality_rows
-
-    mesh = body.mesh
-    assert mesh is not None
-    low, high = (float(np.hypot(*body.curve.point([s])[0])) for s in body.mode_range_mm)
-    whole = isinstance(mesh, WholeMesh)
-    kinds = ", ".join(f"{len(data)} {kind}" for kind, data in mesh.cells)
-    rows = [
-        ("mesh of the whole body" if whole else "mesh of a sector",
-         f"{len(mesh.nodes)} nodes, {kinds}"),
-        *quality_rows(mesh.nodes, mesh.cells),
-        ("held", f"{mesh.fixed_nodes.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
-        ("flank", f"{mesh.flank_elements} elements"
-         + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
-    ]  # fmt: skip
-    if isinstance(mesh, WholeMesh) and len(mesh.flanks) > 1:
-        rows.append(("flanks", f"{len(mesh.flanks)}"))
-    if body.flank_nodes is not None:
-        nodes = body.flank_nodes
-        rows.append(("flank nodes", f"{nodes.count}, up to {nodes.spacing_mm:.3g} mm apart"))
-    return rows
 
 
 def _check_mesh(path: Path) -> None:

@@ -35,7 +35,7 @@ def run(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart(_places(arguments), scene)
-    from flankload.analysis.runner import solve
+    from flankload.api import solve
 
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
@@ -188,44 +188,21 @@ def mesh(arguments: Namespace) -> None:
     scene = read_scene(arguments.scene)
     bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
     check_apart((("-o", path) for path in bodies), scene)
-    if scene.body_1.kind == "pulley" and not scene.body_1.rigid:
-        _write_pulley(scene, folder, arguments.format)
-        return
-    from flankload.bodies import WholeMesh
     from flankload.bodies.imported.body_file import write_body
-    from flankload.mechanisms.flank_pair.assembly import build_bodies
+    from flankload.mechanisms.registry import mechanism_of
     from flankload.steering import first_scene
 
-    pair = build_bodies(first_scene(scene))
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, body, turn in (
-        ("body_1", pair.body_1, pair.turn_1),
-        ("body_2", pair.body_2, pair.turn_2),
-    ):
-        if body.mesh is None:
-            why = "its compliance comes from a file" if body.given is not None else "rigid"
-            print(f"{name}: {why}, so it has no mesh")
+    scene = first_scene(scene)
+    meshes = list(mechanism_of(scene).meshes(scene))
+    if any(item.mesh is not None for item in meshes):
+        folder.mkdir(parents=True, exist_ok=True)
+    for item in meshes:
+        if item.mesh is None:
+            print(f"{item.name}: {item.words}")
             continue
-        path = folder / f"{name}.{arguments.format}"
-        write_body(path, body.mesh, turn_rad=turn)
-        part = f"one of {body.teeth} sectors"
-        if isinstance(body.mesh, WholeMesh):
-            flanks = len(body.mesh.flanks)
-            part = f"the whole body with {flanks} flank{'s' * (flanks > 1)}"
-        print(f"{path}: {len(body.mesh.nodes)} nodes, {part}")
-
-
-def _write_pulley(scene: Scene, folder: Path, suffix: str) -> None:
-    """Write the sector of a pulley, as its first tooth stands; the belt is no body of sectors."""
-    from flankload.bodies.imported.body_file import write_body
-    from flankload.mechanisms.belt.drive import pulley_mesh
-
-    sector = pulley_mesh(scene).sector
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"body_1.{suffix}"
-    write_body(path, sector)
-    print(f"{path}: {len(sector.nodes)} nodes, one of {sector.teeth} sectors")
-    print("body_2: a strip around the pulley, which has no file")
+        path = folder / f"{item.name}.{arguments.format}"
+        write_body(path, item.mesh, turn_rad=item.turn_rad)
+        print(f"{path}: {len(item.mesh.nodes)} nodes, {item.words}")
 
 
 def schema(_: Namespace) -> None:

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies.body import Body, SectorMesh
     from flankload.pairing.expansion import Growth
 
 
 def growth_loads(
-    matrix: csc_matrix, mesh: SectorMesh | WholeMesh, growth: Growth | None
+    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None
 ) -> dict[str, NDArray[np.float64]]:
     """Nodal loads by which a body grows beside what holds it, by their names.
 
@@ -32,7 +32,7 @@ def growth_loads(
 
     Parameters
     ----------
-    matrix : csc_matrix, (2N, 2N)
+    matrix : csc_array, (2N, 2N)
         Stiffness, per mm of width.
     mesh : SectorMesh or WholeMesh
     growth : Growth or None

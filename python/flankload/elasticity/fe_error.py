@@ -28,7 +28,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_array
 
 from flankload.elasticity.finite_elements import lame_parameters
 
@@ -145,7 +145,7 @@ def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
         yield slice(start, start + size)
 
 
-def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) -> csr_matrix:
+def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) -> csr_array:
     """Sum at the nodes (N) of what all elements bring there from their best points (E b)."""
     n_elements, n = connectivity.shape
     n_best = outward.shape[1]
@@ -153,7 +153,7 @@ def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) ->
     number = np.arange(n_elements * n_best).reshape(n_elements, 1, n_best)
     columns = np.broadcast_to(number, (n_elements, n, n_best)).ravel()
     values = np.tile(outward.ravel(), n_elements)
-    return csr_matrix((values, (rows, columns)), shape=(n_nodes, n_elements * n_best))
+    return csr_array((values, (rows, columns)), shape=(n_nodes, n_elements * n_best))
 
 
 def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats, Floats]:

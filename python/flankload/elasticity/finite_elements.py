@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from flankload.cost import Account
@@ -60,7 +60,7 @@ def stiffness(
     cells: tuple[tuple[str, NDArray[np.int64]], ...],
     material: Material,
     plane: str,
-) -> csc_matrix:
+) -> csc_array:
     """Stiffness of a mesh of quadratic elements, per mm of width.
 
     Parameters
@@ -74,11 +74,11 @@ def stiffness(
 
     Returns
     -------
-    csc_matrix, (2N, 2N)
+    csc_array, (2N, 2N)
         N/mm per mm of width; degree of freedom 2*node + component.
     """
     size = 2 * len(nodes)
-    total = csc_matrix((size, size))
+    total = csc_array((size, size))
     for kind, connectivity in cells:
         total = total + _block_stiffness(nodes, kind, connectivity, material, plane)
     return total
@@ -90,7 +90,7 @@ def _block_stiffness(
     connectivity: NDArray[np.int64],
     material: Material,
     plane: str,
-) -> csc_matrix:
+) -> csc_array:
     basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE)
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
     shapes, _, elements, points = gradients.shape
@@ -107,8 +107,29 @@ def _block_stiffness(
     degrees = degrees_of(connectivity.ravel()).reshape(elements, 2 * shapes)
     rows = np.repeat(degrees, 2 * shapes, axis=1).ravel()
     columns = np.tile(degrees, 2 * shapes).ravel()
-    size = 2 * len(nodes)
-    return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
+    return assembled(blocks.ravel(), rows, columns, (2 * len(nodes), 2 * len(nodes)))
+
+
+def assembled(
+    values: NDArray[np.float64],
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    shape: tuple[int, int],
+) -> csc_array:
+    """Sparse matrix of entries; those at one place add up.
+
+    Parameters
+    ----------
+    values, rows, columns : (n,) arrays
+    shape : (int, int)
+
+    Returns
+    -------
+    csc_array
+        With the short indices that SuperLU takes.
+    """
+    places = (rows.astype(np.int32), columns.astype(np.int32))
+    return coo_array((values, places), shape=shape).tocsc()
 
 
 def place_load(
@@ -157,13 +178,13 @@ def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def factored(
-    matrix: csc_matrix, account: Account | None = None
+    matrix: csc_array, account: Account | None = None
 ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """Factorise a symmetric positive definite matrix once.
 
     Parameters
     ----------
-    matrix : csc_matrix, (n, n)
+    matrix : csc_array, (n, n)
     account : Account, optional
         Where the factorisation and every solution are counted.
 
@@ -178,7 +199,7 @@ def factored(
 
 
 def condensed(
-    matrix: csc_matrix,
+    matrix: csc_array,
     inner: NDArray[np.int64],
     kept: NDArray[np.int64],
     account: Account | None = None,
@@ -191,7 +212,7 @@ def condensed(
 
     Parameters
     ----------
-    matrix : csc_matrix, (n, n)
+    matrix : csc_array, (n, n)
     inner, kept : arrays
         Unknowns; others are held.
     account : Account, optional
@@ -217,7 +238,7 @@ def condensed(
     return solve, matrix[kept][:, kept].toarray() - coupling.T @ solve(coupling)
 
 
-def _factor(matrix: csc_matrix, order: str, account: Account) -> SuperLU:
+def _factor(matrix: csc_array, order: str, account: Account) -> SuperLU:
     factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     account.count(fe_factorisations=1)
     account.workspace_bytes += matrix.data.itemsize * factor.nnz  # the values of L and U
@@ -239,7 +260,7 @@ def _in_blocks(
 
 
 def _last_block(
-    matrix: csc_matrix,
+    matrix: csc_array,
     inner: NDArray[np.int64],
     kept: NDArray[np.int64],
     account: Account,

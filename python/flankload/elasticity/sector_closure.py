@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies.body import SectorMesh
 
@@ -54,7 +54,7 @@ class CondensedSector:
 
 
 def condense(
-    matrix: csc_matrix,
+    matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
     lap: Callable[[str], None] | None = None,
@@ -69,7 +69,7 @@ def condense(
 
     Parameters
     ----------
-    matrix : csc_matrix, (2N, 2N)
+    matrix : csc_array, (2N, 2N)
         Stiffness of the sector.
     loads : (2N, p) array
         Load columns; the same columns read the displacements.
@@ -327,7 +327,7 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
 
 
 def tooth_response(
-    matrix: csc_matrix,
+    matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
     lap: Callable[[str], None],

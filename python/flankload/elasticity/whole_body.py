@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies.body import MeshedFlank, SectorMesh, WholeMesh
 
@@ -70,7 +70,7 @@ def count_loads(account: Account, columns: int, *, friction: bool) -> None:
 
 
 def whole_response(
-    matrix: csc_matrix,
+    matrix: csc_array,
     mesh: WholeMesh,
     mode_range_mm: tuple[float, float],
     n_modes: int,
@@ -88,7 +88,7 @@ def whole_response(
 
     Parameters
     ----------
-    matrix : csc_matrix, (2N, 2N)
+    matrix : csc_array, (2N, 2N)
         Stiffness of the body.
     mesh : WholeMesh
         With f flanks.

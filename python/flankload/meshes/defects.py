@@ -255,7 +255,7 @@ def _folded(nodes: Floats, cells: Cells) -> Defect | None:
 
 def _loose_parts(cells: Cells) -> Defect | None:
     """One connected body; a part that nothing holds would fly away."""
-    from scipy.sparse import coo_matrix
+    from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     numbers = np.cumsum([0, *(len(data) for _, data in cells)])
@@ -271,7 +271,7 @@ def _loose_parts(cells: Cells) -> Defect | None:
     # elements and edges as one graph: an element hangs on each of its edges
     edge = edge.ravel() + numbers[-1]
     size = int(edge.max()) + 1
-    graph = coo_matrix((np.ones(edge.size), (element, edge)), shape=(size, size))
+    graph = coo_array((np.ones(edge.size), (element, edge)), shape=(size, size))
     _, part = connected_components(graph, directed=False)
     _, counts = np.unique(part[: numbers[-1]], return_counts=True)
     if counts.size == 1:

@@ -19,10 +19,10 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flankload.bodies.involute.involute import Involute
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.involute.involute import Involute
 
     Floats = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from flankload.bodies.involute.involute import Involute
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.involute.involute import Involute
 
     Floats = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from flankload.mechanisms.belt.pulley_compliance import rest_on
 from flankload.mechanisms.belt.row import BeltRow
 from flankload.mechanisms.belt.states import state_under
 from flankload.mechanisms.belt.work import Asked
-from flankload.mechanisms.flank_pair.premises import Torque, broken_by_turn, held
+from flankload.mechanisms.premises import Torque, broken_by_turn, held
 from flankload.plan.belt_price import (
     price_belt,
     price_pulley,

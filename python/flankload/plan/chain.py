@@ -15,8 +15,8 @@ from msgspec import structs
 
 from flankload.cost import Account
 from flankload.errors import FlankloadError
-from flankload.mechanisms.chain.drive import build_drive, solve_chain
-from flankload.mechanisms.flank_pair.premises import broken_by_drive, held
+from flankload.mechanisms import run_once
+from flankload.mechanisms.chain.drive import build_drive
 from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
 from flankload.plan.measuring import Measured
 from flankload.plan.sizes import Size, States, size_of
@@ -59,9 +59,6 @@ def plan_chain(scene: Scene) -> Plan:
     few = _at_few_positions(scene, 2 * np.pi / sprocket.teeth)
     large = scene.effects.large_displacement
     mine, tried = _tried(few)
-    for result in mine:
-        number = scene.torques_Nm.index(result.torque_Nm)
-        held(scene, tuple(broken_by_drive(scene, result, number)))
     found, other_tried = Measured(), tried
     try:
         other, other_tried = _tried(_large(few, large=not large))
@@ -141,7 +138,8 @@ class _Tried:
 def _tried(scene: Scene) -> tuple[tuple[Result, ...], _Tried]:
     """Results of few positions, and what a state took there."""
     start = process_time()
-    results = solve_chain(scene)
+    found = run_once(scene)
+    results = found if isinstance(found, tuple) else (found,)
     spent = process_time() - start
     positions = len(results[0].position_rad)
     states = len(results) * positions

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
@@ -69,7 +69,7 @@ class Coarse:
         self._bodies: dict[Any, Body] = {}
         self._pairs: dict[Scene, BodyPair] = {}
         self._compliances: dict[Any, BodyCompliance] = {}
-        self._matrices: dict[Any, tuple[csc_matrix, float]] = {}
+        self._matrices: dict[Any, tuple[csc_array, float]] = {}
         self._sweeps: dict[Scene, tuple[Sweep, ...]] = {}
         self._state_s: dict[Scene, float] = {}
         self._solutions: dict[Scene, float] = {}

@@ -13,13 +13,14 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from flankload.mechanisms.belt.drive import BeltAssembly
+from flankload.mechanisms.flank_pair.assembly import BodyPair
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unknowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.scene import Scene
 
     Counted = Mapping[str, Mapping[str, int]]
@@ -65,19 +66,25 @@ class Duration:
         return f"about {float(f'{self.seconds:.1g}'):g} s: {self.work}"
 
 
-def duration_of(scene: Scene, pair: BodyPair) -> Duration:
-    """How long a run of two bodies with flanks will take.
+def duration_of(scene: Scene, assembly: object) -> Duration | None:
+    """How long a run will take.
 
     Parameters
     ----------
     scene : Scene
-    pair : BodyPair
-        Its bodies.
+    assembly : BodyPair, BeltAssembly or ChainAssembly
 
     Returns
     -------
-    Duration
+    Duration or None
+        None of a chain, which takes next to nothing.
     """
+    if isinstance(assembly, BodyPair):
+        return _duration_of_pair(scene, assembly)
+    return duration_of_belt(scene) if isinstance(assembly, BeltAssembly) else None
+
+
+def _duration_of_pair(scene: Scene, pair: BodyPair) -> Duration:
     counted = predicted_work(scene, pair)
     positions = pair.position_rad.size
     torques = len(scene.torques_Nm)

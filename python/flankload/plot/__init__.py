@@ -29,7 +29,6 @@ from flankload.plot.root_stress import plot_root_stress
 from flankload.plot.stiffness import plot_stiffness
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
-from flankload.result.belt import BeltDrive
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,6 +56,27 @@ __all__ = [
     "plot_tensions",
     "plot_transmission_error",
 ]
+
+
+#: Every picture by its name.
+PICTURES: dict[str, Callable[[Result], Figure]] = {
+    "transmission_error": plot_transmission_error,
+    "load_sharing": plot_load_sharing,
+    "peak_pressure": plot_peak_pressure,
+    "loaded_pair": plot_loaded_pair,
+    "flank_forces": plot_flank_forces,
+    "stiffness": plot_stiffness,
+    "profile_deviation": plot_profile_deviation,
+    "follower_motion": plot_follower_motion,
+    "load_per_tooth": plot_load_per_tooth,
+    "flank_pressure": plot_flank_pressure,
+    "root_stress": plot_root_stress,
+    "belt_on_pulley": plot_belt_on_pulley,
+    "load_around_wrap": plot_load_around_wrap,
+    "force_through_wrap": plot_force_through_wrap,
+    "chain_on_sprocket": plot_chain_on_sprocket,
+    "tensions": plot_tensions,
+}
 
 
 def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
@@ -87,46 +107,10 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     OSError
         If the directory cannot be made or a file not be written.
     """
-    pictures: dict[str, Callable[[Result], Figure]] = {
-        "transmission_error.png": plot_transmission_error,
-        "load_sharing.png": plot_load_sharing,
-        "peak_pressure.png": plot_peak_pressure,
-        "loaded_pair.png": plot_loaded_pair,
-    }
-    if result.coast is not None:
-        pictures["flank_forces.png"] = plot_flank_forces
-    if result.torque_Nm > 0:
-        pictures["stiffness.png"] = plot_stiffness
-    if any(profile is not None for profile in result.drawing.profiles):
-        pictures["profile_deviation.png"] = plot_profile_deviation
-    if result.has_cam:
-        del pictures["load_sharing.png"]
-        pictures["follower_motion.png"] = plot_follower_motion
-    if result.whole_circle:
-        pictures = {
-            "load_per_tooth.png": plot_load_per_tooth,
-            "flank_pressure.png": plot_flank_pressure,
-            "loaded_pair.png": plot_loaded_pair,
-        }
-        if result.position_rad.size > 1:
-            pictures["transmission_error.png"] = plot_transmission_error
-    if isinstance(result.drive, BeltDrive):
-        pictures = {
-            "belt_on_pulley.png": plot_belt_on_pulley,
-            "load_around_wrap.png": plot_load_around_wrap,
-        }
-        if result.position_rad.size > 1:
-            pictures["transmission_error.png"] = plot_transmission_error
-            pictures["force_through_wrap.png"] = plot_force_through_wrap
-    elif result.drive is not None:
-        pictures = {
-            "transmission_error.png": plot_transmission_error,
-            "chain_on_sprocket.png": plot_chain_on_sprocket,
-            "tensions.png": plot_tensions,
-            "stiffness.png": plot_stiffness,
-        }
+    names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
     if any(stress is not None for stress in result.root_stress):
-        pictures["root_stress.png"] = plot_root_stress
+        names = (*names, "root_stress")
+    pictures = {f"{name}.png": PICTURES[name] for name in names}
     # Every picture is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)
@@ -134,3 +118,21 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     for name, content in drawn.items():
         write_atomically(folder / name, content)
     return tuple(folder / name for name in drawn)
+
+
+def _of_flanks(result: Result) -> tuple[str, ...]:
+    """Pictures of a flank pair."""
+    several = result.position_rad.size > 1
+    if result.whole_circle:
+        names = ("load_per_tooth", "flank_pressure", "loaded_pair")
+        return (*names, *["transmission_error"] * several)
+    profiles = any(profile is not None for profile in result.drawing.profiles)
+    return (
+        "transmission_error",
+        "follower_motion" if result.has_cam else "load_sharing",
+        "peak_pressure",
+        "loaded_pair",
+        *["flank_forces"] * (result.coast is not None),
+        *["stiffness"] * (result.torque_Nm > 0),
+        *["profile_deviation"] * profiles,
+    )

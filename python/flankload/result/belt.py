@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from flankload.base.text_table import text_table
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
+#: Behind the row of a land that lifts.
+HERE = "the land lifts here"
 #: Forces below this part of the tight tension are none.
 ROUNDING = 1e-9
 
@@ -119,26 +123,19 @@ class BeltDrive:
             yield from _rows_of_positions(result, self)
             yield ""
         yield f"teeth from the tight strand on, at {degrees(result.position_rad[p]):.3f} deg"
-        heads = ("tooth", "   force", "share", "tension before", "land before")
-        units = ("", "N", "%", "N", "N")
-        for texts in (heads, units):
-            yield _line(texts, heads)
-        for s, site in enumerate(result.sites):
-            if not isfinite(self.land_before_N[p, s]):
-                continue
-            on = isfinite(self.tension_behind_N[p, s])
-            values = (
-                f"{site}" if on else "end",
-                f"{result.site_force_N[p, s]:.1f}" if on else "",
-                f"{100 * result.load_share[p, s]:.2f}" if on else "",
-                f"{self.tension_behind_N[p, s] if on else self.slack_tension_N[p]:.1f}",
-                f"{self.land_before_N[p, s]:.1f}",
-            )
-            mark = "  the land lifts here" if self.lifting[p, s] else ""
-            yield _line(values, heads) + mark
-        if isfinite(self.last_land_N[p]):
-            ends = ("end", "", "", f"{self.slack_tension_N[p]:.1f}", f"{self.last_land_N[p]:.1f}")
-            yield _line(ends, heads) + ("  the land lifts here" if self.lifting[p, -1] else "")
+        yield from text_table(
+            [
+                ("tooth", "force", "share", "tension before", "land before"),
+                ("", "N", "%", "N", "N"),
+                *_cells_of_teeth(result, self, p),
+            ]
+        )
+
+    def pictures(self, result: Result) -> tuple[str, ...]:
+        """Names of the pictures that show it."""
+        several = result.position_rad.size > 1
+        names = ("belt_on_pulley", "load_around_wrap")
+        return (*names, *("transmission_error", "force_through_wrap") * several)
 
     def words(self) -> str:
         """What a report quotes."""
@@ -152,29 +149,43 @@ class BeltDrive:
         return text
 
 
-def _rows_of_positions(result: Result, drive: BeltDrive) -> Iterator[str]:
-    heads = (
-        "position",
-        "transm. error",
-        "first tooth",
-        "teeth loaded",
-        "most on one",
-        "least land",
-    )
-    units = ("deg", "um", "", "", "N", "N")
-    for texts in (heads, units):
-        yield _line(texts, heads)
-    for p in range(result.position_rad.size):
-        values = (
-            f"{degrees(result.position_rad[p]):.3f}",
-            f"{result.transmission_error_um[p]:.3f}",
-            f"{result.sites[np.isfinite(drive.tension_behind_N[p])][0]}",
-            f"{result.loaded_pairs[p]}",
-            f"{result.site_force_N[p].max():.1f}",
-            f"{np.nanmin(drive.lands_N[p]):.1f}",
+def _cells_of_teeth(result: Result, drive: BeltDrive, p: int) -> Iterator[tuple[str, ...]]:
+    """A row per tooth, and one per land behind the last tooth."""
+    slack = f"{drive.slack_tension_N[p]:.1f}"
+    for s, site in enumerate(result.sites):
+        if not isfinite(drive.land_before_N[p, s]):
+            continue
+        land = (f"{drive.land_before_N[p, s]:.1f}", HERE * bool(drive.lifting[p, s]))
+        if not isfinite(drive.tension_behind_N[p, s]):
+            yield "end", "", "", slack, *land
+            continue
+        yield (
+            f"{site}",
+            f"{result.site_force_N[p, s]:.1f}",
+            f"{100 * result.load_share[p, s]:.2f}",
+            f"{drive.tension_behind_N[p, s]:.1f}",
+            *land,
         )
-        yield _line(values, heads) + ("  a land lifts" if drive.lifting[p].any() else "")
+    if isfinite(drive.last_land_N[p]):
+        lifts = HERE * bool(drive.lifting[p, -1])
+        yield "end", "", "", slack, f"{drive.last_land_N[p]:.1f}", lifts
 
 
-def _line(texts: tuple[str, ...], heads: tuple[str, ...]) -> str:
-    return "  ".join(f"{text:>{len(head)}}" for text, head in zip(texts, heads, strict=True))
+def _rows_of_positions(result: Result, drive: BeltDrive) -> Iterator[str]:
+    rows: list[tuple[str, ...]] = [
+        ("position", "transm. error", "first tooth", "teeth loaded", "most on one", "least land"),
+        ("deg", "um", "", "", "N", "N"),
+    ]
+    for p in range(result.position_rad.size):
+        rows.append(
+            (
+                f"{degrees(result.position_rad[p]):.3f}",
+                f"{result.transmission_error_um[p]:.3f}",
+                f"{result.sites[np.isfinite(drive.tension_behind_N[p])][0]}",
+                f"{result.loaded_pairs[p]}",
+                f"{result.site_force_N[p].max():.1f}",
+                f"{np.nanmin(drive.lands_N[p]):.1f}",
+                "a land lifts" * bool(drive.lifting[p].any()),
+            )
+        )
+    yield from text_table(rows)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.text_table import NONE, text_table
 from flankload.cost import COUNTERS
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ MEASURES = (
     ("bytes", "MB held", 1e-6),
     ("workspace_bytes", "MB on the way", 1e-6),
 )
-#: What nothing was said of.
-NOTHING = "-"
 
 
 def cost_table(cost: Mapping[str, Any]) -> str:
@@ -34,13 +33,8 @@ def cost_table(cost: Mapping[str, Any]) -> str:
     str
         Lines without a line break at the end.
     """
-    rows = [HEAD, *(row for item in cost["stages"].items() for row in _rows(*item))]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
-    return "\n".join(
-        f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  "
-        f"{row[2]:>{widths[2]}}  {row[3]:>{widths[3]}}"
-        for row in rows
-    )
+    rows = (row for item in cost["stages"].items() for row in _rows(*item))
+    return "\n".join(text_table([HEAD, *rows], left=2))
 
 
 def _rows(name: str, stage: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
@@ -50,13 +44,13 @@ def _rows(name: str, stage: Mapping[str, Any]) -> Iterator[tuple[str, str, str, 
     for key, words, unit in MEASURES:
         if key == "workspace_bytes" and not stage[key]:
             continue
-        guess = _number(predicted[key] * unit) if key in predicted else NOTHING
+        guess = _number(predicted[key] * unit) if key in predicted else NONE
         yield label, words, guess, _number(stage[key] * unit)
         label = ""
     counted, expected = stage["counters"], predicted.get("counters", {})
     for key in COUNTERS:
         if counted.get(key, 0) or expected.get(key, 0):
-            guess = str(expected[key]) if key in expected else NOTHING
+            guess = str(expected[key]) if key in expected else NONE
             yield "", key.replace("_", " "), guess, str(counted.get(key, 0))
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+
+from flankload.base.text_table import number, text_table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -98,6 +100,10 @@ class ChainDrive:
         """
         yield from _rows_of_chain(result, self)
 
+    def pictures(self, result: Result) -> tuple[str, ...]:
+        """Names of the pictures that show it."""
+        return ("transmission_error", "chain_on_sprocket", "tensions", "stiffness")
+
     def words(self) -> str:
         """What a report quotes."""
         tight, margin = self.tight_tension_N, self.least_margin_N
@@ -110,37 +116,41 @@ class ChainDrive:
 
 
 def _rows_of_chain(result: Result, drive: ChainDrive) -> Iterator[str]:
-    heads = ("position", "transm. error", "tight strand", "slack strand", "rollers", "most on one")
-    units = ("deg", "um", "N", "N", "loaded", "N")
-    for texts in (heads, units):
-        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(texts, heads, strict=True))
-    for p in range(result.position_rad.size):
-        values = (
-            f"{degrees(result.position_rad[p]):.3f}",
-            f"{result.transmission_error_um[p]:.3f}",
-            f"{drive.tight_tension_N[p]:.1f}",
-            f"{drive.slack_tension_N[p]:.1f}",
-            f"{result.loaded_pairs[p]}",
-            f"{result.site_force_N[p].max():.1f}",
-        )
-        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(values, heads, strict=True))
+    yield from text_table(
+        [
+            ("position", "transm. error", "tight strand", "slack strand", "rollers", "most on one"),
+            ("deg", "um", "N", "N", "loaded", "N"),
+            *(
+                (
+                    f"{degrees(result.position_rad[p]):.3f}",
+                    f"{result.transmission_error_um[p]:.3f}",
+                    f"{drive.tight_tension_N[p]:.1f}",
+                    f"{drive.slack_tension_N[p]:.1f}",
+                    f"{result.loaded_pairs[p]}",
+                    f"{result.site_force_N[p].max():.1f}",
+                )
+                for p in range(result.position_rad.size)
+            ),
+        ]
+    )
     p = int(np.argmax(drive.tight_tension_N))
     yield ""
     yield f"rollers from the tight strand on, at {degrees(result.position_rad[p]):.3f} deg"
-    heads = ("roller", "   force", "share", "tension before", "stands out", "force from outwards")
-    units = ("", "N", "%", "N", "um", "deg")
-    for texts in (heads, units):
-        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(texts, heads, strict=True))
-    for s, site in enumerate(result.sites):
-        if not isfinite(drive.roller_height_um[p, s]):
-            continue
-        angle = drive.force_angle_deg[p, s]
-        values = (
-            f"{site}",
-            f"{result.site_force_N[p, s]:.1f}",
-            f"{100 * result.load_share[p, s]:.2f}",
-            f"{drive.tension_behind_N[p, s]:.1f}",
-            f"{drive.roller_height_um[p, s]:.1f}",
-            f"{angle:.1f}" if isfinite(angle) else "-",
-        )
-        yield "  ".join(f"{text:>{len(head)}}" for text, head in zip(values, heads, strict=True))
+    on_sprocket = np.flatnonzero(np.isfinite(drive.roller_height_um[p]))
+    yield from text_table(
+        [
+            ("roller", "force", "share", "tension before", "stands out", "force from outwards"),
+            ("", "N", "%", "N", "um", "deg"),
+            *(
+                (
+                    f"{result.sites[s]}",
+                    f"{result.site_force_N[p, s]:.1f}",
+                    f"{100 * result.load_share[p, s]:.2f}",
+                    f"{drive.tension_behind_N[p, s]:.1f}",
+                    f"{drive.roller_height_um[p, s]:.1f}",
+                    number(drive.force_angle_deg[p, s], ".1f"),
+                )
+                for s in on_sprocket
+            ),
+        ]
+    )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.text_table import MARK, NONE, number, text_table
 from flankload.result.accuracy_lines import accuracy_lines, outside_words
+from flankload.result.coast_contact import CoastContact
 from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
@@ -22,8 +24,6 @@ UNITS = ("deg", "um", "N/um", "N/um")
 
 #: Pairs that have a column each; of more a row shows those that carry.
 MOST_COLUMNS = 8
-#: What stands behind a pressure that a sharp corner carries.
-CORNER_MARK = "*"
 #: Parts of a quantity below are rounding, and printed as none.
 ROUNDING = 1e-9
 #: Sources of the estimate that have a line of their own: they tell of harmonics, which others do
@@ -91,13 +91,16 @@ def _warnings(results: Sequence[Result]) -> Iterator[str]:
 
 def _body(result: Result) -> list[str]:
     """Rows and what stands below them."""
-    rows = _rows(result)
     if result.drive is not None:
-        rows = result.drive.rows(result)
+        rows = [*result.drive.rows(result)]
+    elif result.has_cam:
+        rows = _rows_of_cam(result)
     elif result.whole_circle:
         rows = _rows_of_circle(result)
     elif result.sites.size > MOST_COLUMNS:
         rows = _rows_of_loaded(result)
+    else:
+        rows = _rows(result)
     return [*rows, "", *_footer(result)]
 
 
@@ -113,45 +116,95 @@ def _title(result: Result) -> str:
     return f"{result.name}: {result.torque_Nm:g} N m, {where}"
 
 
-def _rows(result: Result) -> Iterator[str]:
-    if result.has_cam:
-        yield from _rows_of_cam(result)
-        return
-    sites = [f"pair {site}" for site in result.sites]
-    widths = [len(text) for text in HEAD]
-    yield "  ".join([*HEAD, *(f"{site:^15}" for site in sites)])
-    yield "  ".join(
+def _rows(result: Result) -> list[str]:
+    """A row per position."""
+    sites = range(result.sites.size)
+    return text_table(
         [
-            *(f"{unit:>{width}}" for unit, width in zip(UNITS, widths, strict=True)),
-            *(f"{'share %':>7} {'MPa':>6} " for _ in sites),
+            (*HEAD, *(text for s in sites for text in (f"pair {result.sites[s]}", ""))),
+            (*UNITS, *("share %", "MPa") * result.sites.size),
+            *(
+                (*cells, *(text for s in sites for text in _share_and_pressure(result, p, s)))
+                for p, cells in enumerate(_position_cells(result))
+            ),
         ]
     )
-    for p, cells in enumerate(_position_cells(result)):
-        for s in range(result.sites.size):
-            cells.append(_site_cell(result, p, s))
-        yield "  ".join(cells)
 
 
-def _rows_of_cam(result: Result) -> Iterator[str]:
+def _rows_of_cam(result: Result) -> list[str]:
     """A row per position: where the follower stands, then what its one contact carries."""
     assert result.follower_angle_rad is not None
-    more, units = ("follower", "force", "pressure"), ("deg", "kN", "MPa")
-    widths = [*map(len, HEAD), *(max(8, len(name)) for name in more)]
-    for texts in ((*HEAD, *more), (*UNITS, *units)):
-        yield "  ".join(f"{text:>{width}}" for text, width in zip(texts, widths, strict=True))
+    follower = np.degrees(result.follower_angle_rad)
+    return text_table(
+        [
+            (*HEAD, "follower", "force", "pressure"),
+            (*UNITS, "deg", "kN", "MPa"),
+            *(
+                (*cells, f"{follower[p]:.3f}", *_force_and_pressure(result, p, 0))
+                for p, cells in enumerate(_position_cells(result))
+            ),
+        ]
+    )
+
+
+def _rows_of_loaded(result: Result) -> list[str]:
+    """A row per position with the pairs that carry there, of many."""
+    most = int(result.loaded_pairs.max())
+    rows: list[tuple[str, ...]] = [
+        (*HEAD, *("pair that", "carries", "") * most),
+        (*UNITS, *("pair", "share %", "MPa") * most),
+    ]
     for p, cells in enumerate(_position_cells(result)):
-        cells.append(f"{degrees(result.follower_angle_rad[p]):8.3f}")
-        if result.site_force_N[p, 0] > 0:
-            mark = CORNER_MARK if result.corner_contact[p, 0] else ""
-            cells.append(f"{result.site_force_N[p, 0] / 1e3:8.3f}")
-            cells.append(f"{result.peak_pressure_MPa[p, 0]:8.0f}{mark}")
-        else:
-            cells += [f"{'-':>8}", f"{'-':>8}"]
-        yield "  ".join(cells)
+        carrying = np.flatnonzero(result.site_force_N[p] > 0).tolist()
+        rows.append(
+            (
+                *cells,
+                *(
+                    text
+                    for s in carrying
+                    for text in (f"{result.sites[s]}", *_share_and_pressure(result, p, s))
+                ),
+            )
+        )
+    return text_table(rows)
+
+
+def _rows_of_circle(result: Result) -> list[str]:
+    """A row per position, then one per tooth where a tooth carries most."""
+    rows: list[tuple[str, ...]] = [
+        (*HEAD, "teeth loaded", "most on one", "at tooth"),
+        (*UNITS, "", "share %", ""),
+    ]
+    for p, cells in enumerate(_position_cells(result)):
+        s = int(np.argmax(result.site_force_N[p]))
+        at = f"{result.sites[s]}" if result.loaded_pairs[p] else NONE
+        rows.append(
+            (*cells, f"{result.loaded_pairs[p]}", f"{100 * result.load_share[p, s]:.2f}", at)
+        )
+    p = int(np.argmax(result.site_force_N.max(axis=1)))
+    title = f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
+    return [*text_table(rows), "", title, *_rows_of_teeth(result, p)]
+
+
+def _rows_of_teeth(result: Result, p: int) -> list[str]:
+    """A row per tooth at a position."""
+    coast = result.coast
+    heads = ("", "coast", "pressure") if coast is not None else ()
+    units = ("", "kN", "MPa") if coast is not None else ()
+    rows: list[tuple[str, ...]] = [
+        ("tooth", "force", "share", "pressure", *heads),
+        ("", "kN", "%", "MPa", *units),
+    ]
+    for s, site in enumerate(result.sites):
+        force, pressure = _force_and_pressure(result, p, s)
+        share = _share_and_pressure(result, p, s)[0]
+        beside = () if coast is None else ("", *_force_and_pressure(coast, p, s))
+        rows.append((f"{site}", force, share, pressure, *beside))
+    return text_table(rows)
 
 
 def _position_cells(result: Result) -> Iterator[list[str]]:
-    """What stands for a position before its pairs."""
+    """Cells of a position before its pairs."""
     numbers = np.column_stack(
         [
             np.degrees(result.position_rad),
@@ -160,71 +213,22 @@ def _position_cells(result: Result) -> Iterator[list[str]]:
             result.stiffness_secant_N_per_um,
         ]
     )
-    formats = (".3f", ".3f", ".2f", ".2f")
     for row in numbers:
-        yield [
-            f"{value:>{len(name)}{form}}" if isfinite(value) else f"{'-':>{len(name)}}"
-            for value, name, form in zip(row, HEAD, formats, strict=True)
-        ]
+        yield [number(*both) for both in zip(row, (".3f", ".3f", ".2f", ".2f"), strict=True)]
 
 
-def _rows_of_loaded(result: Result) -> Iterator[str]:
-    """A row per position with the pairs that carry there, of many."""
-    most = int(result.loaded_pairs.max())
-    yield "  ".join([*HEAD, *(f"{'pair that carries':^22}" for _ in range(most))])
-    titles = [f"{unit:>{len(name)}}" for unit, name in zip(UNITS, HEAD, strict=True)]
-    yield "  ".join([*titles, *(f"{'pair':>6} {'share %':>7} {'MPa':>6} " for _ in range(most))])
-    for p, cells in enumerate(_position_cells(result)):
-        for s in np.flatnonzero(result.site_force_N[p] > 0):
-            cells.append(f"{result.sites[s]:>6} {_site_cell(result, p, int(s))}")
-        yield "  ".join(cells)
+def _share_and_pressure(result: Result, p: int, s: int) -> tuple[str, str]:
+    pressure = _force_and_pressure(result, p, s)[1]
+    return (NONE if pressure == NONE else f"{100 * result.load_share[p, s]:.2f}"), pressure
 
 
-def _rows_of_circle(result: Result) -> Iterator[str]:
-    """A row per position, then one per tooth where a tooth carries most."""
-    more, units = ("teeth loaded", "most on one", "at tooth"), ("", "share %", "")
-    yield "  ".join([*HEAD, *more])
-    titles = zip((*UNITS, *units), (*HEAD, *more), strict=True)
-    yield "  ".join(f"{unit:>{len(name)}}" for unit, name in titles)
-    for p, cells in enumerate(_position_cells(result)):
-        s = int(np.argmax(result.site_force_N[p]))
-        at = f"{result.sites[s]}" if result.loaded_pairs[p] else "-"
-        values = (f"{result.loaded_pairs[p]}", f"{100 * result.load_share[p, s]:.2f}", at)
-        cells += [f"{value:>{len(name)}}" for value, name in zip(values, more, strict=True)]
-        yield "  ".join(cells)
-    p = int(np.argmax(result.site_force_N.max(axis=1)))
-    yield ""
-    yield f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
-    coast = result.coast
-    yield f"{'tooth':>8}  {'force':>8}  {'share':>7}  {'pressure':>8}" + (
-        "" if coast is None else f"   {'coast':>8}  {'pressure':>8}"
-    )
-    yield f"{'':>8}  {'kN':>8}  {'%':>7}  {'MPa':>8}" + (
-        "" if coast is None else f"   {'kN':>8}  {'MPa':>8}"
-    )
-    for s, site in enumerate(result.sites):
-        text = f"{site:>8}  {'-':>8}  {'-':>7}  {'-':>8} "
-        if result.site_force_N[p, s] > 0:
-            mark = CORNER_MARK if result.corner_contact[p, s] else " "
-            text = (
-                f"{site:>8}  {result.site_force_N[p, s] / 1e3:8.3f}  "
-                f"{100 * result.load_share[p, s]:7.2f}  {result.peak_pressure_MPa[p, s]:8.0f}{mark}"
-            )
-        if coast is not None and coast.force_N[p, s] > 0:
-            mark = CORNER_MARK if coast.corner_contact[p, s] else " "
-            text += (
-                f"  {coast.force_N[p, s] / 1e3:8.3f}  {coast.peak_pressure_MPa[p, s]:8.0f}{mark}"
-            )
-        elif coast is not None:
-            text += f"  {'-':>8}  {'-':>8}"
-        yield text
-
-
-def _site_cell(result: Result, p: int, s: int) -> str:
-    if result.site_force_N[p, s] <= 0:
-        return f"{'-':>7} {'-':>6} "
-    mark = CORNER_MARK if result.corner_contact[p, s] else " "
-    return f"{100 * result.load_share[p, s]:7.2f} {result.peak_pressure_MPa[p, s]:6.0f}{mark}"
+def _force_and_pressure(contact: Result | CoastContact, p: int, s: int) -> tuple[str, str]:
+    """Force in kN and pressure in MPa, marked on a sharp corner; none where nothing carries."""
+    force = contact.force_N if isinstance(contact, CoastContact) else contact.site_force_N
+    if force[p, s] <= 0:
+        return NONE, NONE
+    mark = MARK * bool(contact.corner_contact[p, s])
+    return f"{force[p, s] / 1e3:.3f}", f"{contact.peak_pressure_MPa[p, s]:.0f}{mark}"
 
 
 def _footer(result: Result) -> Iterator[str]:
@@ -372,7 +376,7 @@ def _largest_pressure(summary: dict[str, Any]) -> str:
         )
     if summary["peak_pressure_at_corner"]:
         parts.append(
-            f"up to {summary['peak_pressure_MPa']:.0f} MPa on a sharp corner ({CORNER_MARK}), "
+            f"up to {summary['peak_pressure_MPa']:.0f} MPa on a sharp corner ({MARK}), "
             "which means nothing"
         )
     return "; ".join(parts)

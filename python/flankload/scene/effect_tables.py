@@ -160,7 +160,7 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
         bool,
         about(
             "",
-            "true: a scene that breaks a premise of the model (docs/limits.md) is solved all the "
-            "same, its error estimates marked as outside the model's limits",
+            "true: a scene that breaks a premise of the model (docs/guide/limits.md) is solved all "
+            "the same, its error estimates marked as outside the model's limits",
         ),
     ] = False

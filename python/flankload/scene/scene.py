@@ -16,6 +16,8 @@ from flankload.scene.pair_tables import Load, Pair, Positions
 from flankload.scene.rules import check_body, check_whole
 from flankload.scene.tables import Accuracy, Body1, Body2, SceneFile
 
+#: N mm in a N m.
+N_MM_PER_N_M = 1000.0
 #: What stands for [pair] where there is none: a chain or a belt.
 NO_PAIR = Pair(face_width_mm=1.0)
 
@@ -82,6 +84,11 @@ class Scene:
         """All torques on body 1, N m."""
         torque = self.load.torque_Nm
         return torque if isinstance(torque, tuple) else (float(torque),)
+
+    @property
+    def torques_Nmm(self) -> tuple[float, ...]:
+        """All torques on body 1, N mm: the one place where N m becomes N mm."""
+        return tuple(N_MM_PER_N_M * torque for torque in self.torques_Nm)
 
     @property
     def has_torque_list(self) -> bool:

@@ -1,7 +1,7 @@
 """flankload's own compliance file: a body with the compliance of its flanks, number by number.
 
-`docs/compliance_files.md` says what each array is. Read back, a body is the one that was written,
-bit by bit, except that it has no elements any more.
+`docs/guide/compliance_files.md` describes the arrays. A body that is read back is the one that was
+written, bit by bit, without its elements.
 """
 
 from __future__ import annotations

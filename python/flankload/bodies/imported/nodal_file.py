@@ -1,6 +1,6 @@
 """Compliance files of other programs: nodes of a flank and a matrix between them.
 
-`docs/compliance_files.md` says what the matrix must mean.
+`docs/guide/compliance_files.md` says what the matrix must mean.
 """
 
 from __future__ import annotations

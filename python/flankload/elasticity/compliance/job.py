@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
@@ -51,7 +51,7 @@ def flank_compliance(
     fillets: RootFillets | None = None,
     sectors: int | None = None,
     growth: Growth | None = None,
-    matrix: csc_matrix | None = None,
+    matrix: csc_array | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of a body's flanks from one finite-element job.
@@ -78,7 +78,7 @@ def flank_compliance(
         tooth. A body meshed as a whole has none.
     growth : Growth, optional
         By what the body grows; of a single tooth only as a whole.
-    matrix : csc_matrix, optional
+    matrix : csc_array, optional
         Stiffness of its mesh, where it is there already.
     estimate : bool
         What the elements miss is estimated, too; not of nodes.
@@ -173,7 +173,7 @@ class _Laps:
         return {**self._seconds, "wall": perf_counter() - self._wall}
 
 
-def _sparse_bytes(matrix: csc_matrix) -> int:
+def _sparse_bytes(matrix: csc_array) -> int:
     return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
 
 

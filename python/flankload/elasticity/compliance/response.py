@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies.body import Body, SectorMesh, WholeMesh
     from flankload.cost import Account
@@ -38,7 +38,7 @@ class Job:
     Attributes
     ----------
     body : Body
-    matrix : csc_matrix
+    matrix : csc_array
         Stiffness of its mesh.
     loads : ModeLoads or NodeLoads
     friction : bool
@@ -54,7 +54,7 @@ class Job:
     """
 
     body: Body
-    matrix: csc_matrix
+    matrix: csc_array
     loads: ModeLoads | NodeLoads
     friction: bool
     stress: Callable[[int], Floats] | None

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.sparse import coo_matrix, csc_matrix, hstack
+from scipy.sparse import csc_array, hstack
 
-from flankload.elasticity.finite_elements import degrees_of
+from flankload.elasticity.finite_elements import assembled, degrees_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,7 +71,7 @@ class FlankLine:
     places: Floats
 
 
-def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine, ...], csc_matrix]:
+def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine, ...], csc_array]:
     """Contact pairs on all working flanks.
 
     Parameters
@@ -85,11 +85,11 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine
     flanks : Flanks
         n pairs.
     lines : tuple of FlankLine
-    columns : (2N, n) csc_matrix
+    columns : (2N, n) csc_array
         Nodal loads in x and y of a unit force of the pulley on each.
     """
     parts: list[tuple[Floats, ...]] = [(np.zeros(0, dtype=np.int64), *_no_pairs())]
-    lines, columns = [], [csc_matrix((2 * len(mesh.nodes), 0))]
+    lines, columns = [], [csc_array((2 * len(mesh.nodes), 0))]
     for tooth, nodes in sorted(mesh.flanks.items()):
         angle = strip.pitch_rad * (tooth + 0.5)
         places = mesh.nodes[nodes]
@@ -127,17 +127,17 @@ class Lands:
         Where each has its end.
     degrees : (h,) array
         Of freedom, of which `basis` makes the ways of the hats.
-    basis : (2N, 2N) csc_matrix
+    basis : (2N, 2N) csc_array
         Displacements of the nodes by the other degrees of freedom and these ways.
-    forces : (2N, h) csc_matrix
+    forces : (2N, h) csc_array
         Nodal loads of a unit force along the turn on each.
     """
 
     number: Numbers
     angle_rad: Floats
     degrees: Numbers
-    basis: csc_matrix
-    forces: csc_matrix
+    basis: csc_array
+    forces: csc_array
 
 
 def land_columns(mesh: BeltMesh) -> Lands:
@@ -159,7 +159,7 @@ def land_columns(mesh: BeltMesh) -> Lands:
     """
     size = 2 * len(mesh.nodes)
     numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
-    forces = [csc_matrix((size, 0))]
+    forces = [csc_array((size, 0))]
     for number, nodes in sorted(mesh.lands.items()):
         shapes, hats, along = _hats(mesh.nodes[nodes])
         weighted = np.linalg.norm(along, axis=1)[:, None] * hats
@@ -180,17 +180,17 @@ def land_columns(mesh: BeltMesh) -> Lands:
         np.concatenate(numbers),
         mesh.turns_rad[ways // 2],
         ways,
-        coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc(),
+        assembled(values, rows, columns, (size, size)),
         hstack(forces, format="csc"),
     )
 
 
-def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_matrix:
+def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
     """Columns (2N, k) that are 0 but for these degrees of freedom."""
     rows = np.repeat(degrees, values.shape[1])
     columns = np.tile(np.arange(values.shape[1]), degrees.size)
     shape = (2 * len(mesh.nodes), values.shape[1])
-    return csc_matrix((values.ravel(), (rows, columns)), shape=shape)
+    return assembled(values.ravel(), rows, columns, shape)
 
 
 def _hats(places: Floats) -> tuple[Floats, Floats, Floats]:

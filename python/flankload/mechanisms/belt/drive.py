@@ -1,20 +1,20 @@
-"""The conductor of a timing belt on its pulley: elements, positions, a contact problem for each."""
+"""A timing belt on its pulley: assembly, elements and states."""
 
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
 from functools import partial
 from math import degrees
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rounding import round_up
-from flankload.cost import Account, beside_plan, held_bytes
+from flankload.cost import Account, held_bytes
 from flankload.mechanisms.belt.belt import Strip, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser, mesh_strip
-from flankload.mechanisms.belt.contact import BeltState, spring_row
-from flankload.mechanisms.belt.drive_result import Standing, result_of_belt
+from flankload.mechanisms.belt.contact import BeltState, SpringRow, spring_row
 from flankload.mechanisms.belt.estimate import estimate_belt
 from flankload.mechanisms.belt.pulley import build_pulley
 from flankload.mechanisms.belt.pulley_compliance import PulleyResponse, rest_on, solve_pulley
@@ -31,109 +31,162 @@ from flankload.mechanisms.belt.work import (
 from flankload.meshes.report import quality_rows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from numpy.typing import NDArray
 
+    from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.estimate import Coarser
-    from flankload.result import Result
+    from flankload.mechanisms.stage_clock import StageClock
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
+    BeltCompliances = tuple[BeltRow, PulleyResponse | None]
 
 #: Fewer elements on a flank are too few for a pressure that changes along it.
 LEAST_ELEMENTS = 2
 
 
-def solve_belts(
-    scene: Scene,
-    progress: Callable[[str, int, int], None] | None = None,
-    guessed: Mapping[str, Mapping[str, Any]] | None = None,
-) -> tuple[Result, ...]:
-    """Forces of a timing belt on its pulley at all positions of a scene.
+@dataclass(frozen=True)
+class BeltAssembly:
+    """A belt on its pulley, before elements are solved.
+
+    Attributes
+    ----------
+    strip : Strip
+    position_rad : (P,) array
+        Angles of the pulley.
+    pitches : int or None
+        Pitches that the positions run over; None for single angles.
+    """
+
+    strip: Strip
+    position_rad: Floats
+    pitches: int | None
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How a belt stands on its pulley at a position.
+
+    Attributes
+    ----------
+    first_tooth, first_land : int
+    flanks : Flanks
+    degrees_of_freedom : int
+    """
+
+    first_tooth: int
+    first_land: int
+    flanks: Flanks
+    degrees_of_freedom: int
+
+    @classmethod
+    def of(cls, response: StripResponse) -> Standing:
+        """Of a response, whose matrices are not needed any more."""
+        return cls(
+            response.first_tooth,
+            response.first_land,
+            response.flanks,
+            response.degrees_of_freedom,
+        )
+
+
+@dataclass(frozen=True)
+class BeltStates:
+    """States of a belt.
+
+    Attributes
+    ----------
+    found : tuple of list of BeltState
+        One entry per torque, of each position.
+    standings : list of Standing
+        One entry per position.
+    springs : SpringRow
+        Row of springs that the belt is equivalent to.
+    """
+
+    found: tuple[list[BeltState], ...]
+    standings: list[Standing]
+    springs: SpringRow
+
+
+def assemble(scene: Scene) -> BeltAssembly:
+    """Belt, pulley and positions of a scene.
 
     Parameters
     ----------
     scene : Scene
-        With a pulley and a belt.
-    progress : callable, optional
-        As for `solve`.
-    guessed : mapping, optional
-        What a plan of the scene says, by stages.
 
     Returns
     -------
-    tuple of Result, one per torque
+    BeltAssembly
+    """
+    strip = strip_of(scene)
+    return BeltAssembly(strip, *positions_of(scene, strip))
+
+
+def compliances_of(scene: Scene, strip: Strip, clock: StageClock) -> BeltCompliances:
+    """Solve the elements of the belt, and of a pulley that is elastic.
+
+    Parameters
+    ----------
+    scene : Scene
+    strip : Strip
+    clock : StageClock
+
+    Returns
+    -------
+    row : BeltRow
+    pulley : PulleyResponse or None
+        None where the pulley is rigid.
+    """
+    pulley = None
+    if not scene.body_1.rigid:
+        with clock.stage("compliance body 1") as account:
+            pulley = solved_pulley(scene, pulley_mesh(scene), account)
+            account.bytes = held_bytes(pulley)
+    with clock.stage("compliance body 2") as account:
+        return _row(scene, strip, flank_elements(scene, strip), account), pulley
+
+
+def states_of(
+    scene: Scene, assembly: BeltAssembly, compliances: BeltCompliances, clock: StageClock
+) -> BeltStates:
+    """States at all positions under all torques.
+
+    Parameters
+    ----------
+    scene : Scene
+    assembly : BeltAssembly
+    compliances : (BeltRow, PulleyResponse or None)
+    clock : StageClock
+
+    Returns
+    -------
+    BeltStates
 
     Raises
     ------
-    InputError
-        If the plan is one of another scene.
     NoContactState
         If the belt has no state under a torque.
     """
-    tell = progress if progress is not None else (lambda stage, done, total: None)
-    torques = scene.torques_Nm
-    stages: dict[str, Account] = {}
-
-    def stage(name: str) -> Account:
-        return stages.setdefault(name, Account())
-
-    tell("bodies", 0, 1)
-    with stage("bodies") as account:
-        strip = strip_of(scene)
-        position_rad, pitches = positions_of(scene, strip)
-        account.bytes = held_bytes(position_rad)
-    predicted = beside_plan(predicted_work(scene, strip, position_rad), guessed)
-    total = position_rad.size + 1
-    known = None
-    if not scene.body_1.rigid:
-        tell("compliance body 1", 0, total)
-        with stage("compliance body 1") as account:
-            known = solved_pulley(scene, pulley_mesh(scene), account)
-            account.bytes = held_bytes(known)
-    tell("compliance body 2", 0, total)
-    with stage("compliance body 2") as account:
-        row = _row(scene, strip, flank_elements(scene, strip), account)
+    strip, torques = assembly.strip, scene.torques_Nm
     standings: list[Standing] = []
-    found: list[list[BeltState]] = [[] for _ in torques]
+    found: tuple[list[BeltState], ...] = tuple([] for _ in torques)
     springs = None
-    for p, angle in enumerate(position_rad):
-        tell("sweep", p + 1, total)
-        with stage("compliance body 2") as account:
-            response = response_at(strip, row, known, float(angle))
+    progress = clock.sweep_progress("sweep")
+    for p, angle in enumerate(assembly.position_rad):
+        progress(p, assembly.position_rad.size)
+        with clock.account("compliance body 2") as account:
+            response = response_at(strip, *compliances, float(angle))
             springs = springs or spring_row(strip, response)
             account.bytes = max(account.bytes, held_bytes(response))
-        with stage("sweep") as account:
+        with clock.account("sweep") as account:
             for torque, states in zip(torques, found, strict=True):
                 states.append(state_under(scene, strip, response, torque, account))
             standings.append(Standing.of(response))
-    stages["sweep"].bytes = held_bytes(found, standings)
     assert springs is not None
-    estimates: list[dict[str, object] | None] = [None] * len(torques)
-    if scene.accuracy.estimate and any(torques):
-        tell("estimate", total, total)
-        with stage("estimate") as account:
-            at = position_rad, pitches
-            estimates = _estimates(scene, strip, (row, known), at, found, account)
-    results = tuple(
-        result_of_belt(
-            scene,
-            strip,
-            springs,
-            standings,
-            states,
-            position_rad,
-            pitches,
-            torque,
-            stages,
-            predicted,
-            estimate,
-        )
-        for torque, states, estimate in zip(torques, found, estimates, strict=True)
-    )
-    tell("done", total, total)
-    return results
+    clock.account("sweep").bytes = held_bytes(found, standings)
+    return BeltStates(found, standings, springs)
 
 
 def positions_of(scene: Scene, strip: Strip) -> tuple[Floats, int | None]:
@@ -262,7 +315,7 @@ def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
     strip = strip_of(scene)
     mesh = mesh_strip(strip, flank_elements(scene, strip))
     slack = scene.load.slack_tension_N or 0.0
-    tight = 1000.0 * np.array(scene.torques_Nm) / strip.pitch_radius_mm + slack
+    tight = np.array(scene.torques_Nmm) / strip.pitch_radius_mm + slack
     mean = 0.5 * (tight.max() + slack)
     said = f"{strip.prestress_N_per_mm * strip.width_mm:g} N (half of both tensions: {mean:.4g} N)"
     clearance = 1000.0 * strip.clearance_rad * strip.pitch_radius_mm
@@ -323,33 +376,50 @@ def response_at(
     return held if known is None else rest_on(held, strip, known)
 
 
-def _estimates(
+def error_estimates(
     scene: Scene,
-    strip: Strip,
-    solved: tuple[BeltRow, PulleyResponse | None],
-    at_positions: tuple[Floats, int | None],
-    found: list[list[BeltState]],
+    assembly: BeltAssembly,
+    compliances: BeltCompliances,
+    found: tuple[list[BeltState], ...],
     account: Account,
 ) -> list[dict[str, object] | None]:
-    """What elements twice as long change at up to two positions, and what positions miss."""
-    position_rad, pitches = at_positions
+    """Errors by elements twice as long at up to two positions, and by the positions themselves.
+
+    Parameters
+    ----------
+    scene : Scene
+    assembly : BeltAssembly
+    compliances : (BeltRow, PulleyResponse or None)
+    found : tuple of list of BeltState
+        One entry per torque.
+    account : Account
+        Where the work is counted.
+
+    Returns
+    -------
+    list of dict or None
+        One entry per torque, as the result shows them; None without torque.
+    """
+    if not any(scene.torques_Nm):
+        return [None] * len(found)
+    strip, (row, known) = assembly.strip, compliances
     halved, elements = coarser(strip, flank_elements(scene, strip))
-    (row, known), coarse = solved, _row(scene, halved, elements, account)
+    coarse = _row(scene, halved, elements, account)
     pulley = None if known is None else solved_pulley(scene, pulley_mesh(scene, elements), account)
     tried: list[tuple[int, list[Coarser]]] = []
-    for p in tried_positions(strip, position_rad):
-        at = partial(response_at, strip, angle_rad=float(position_rad[p]))
+    for p in tried_positions(strip, assembly.position_rad):
+        at = partial(response_at, strip, angle_rad=float(assembly.position_rad[p]))
         if known is None:
             tried.append((p, [("elements", None, at(coarse, None))]))
             continue
-        # what elements and hats of the belt do on a pulley that yields may make up for each other
+        # errors of belt and pulley elements may cancel
         on_both: list[Coarser] = [
             ("elements body 1", None, at(row, pulley)),
             ("elements body 2", None, at(coarse, known)),
             ("elements body 2", at(row, None), at(coarse, None)),
         ]
         tried.append((p, on_both))
-    places = None if pitches is None else phases(strip, position_rad)
+    places = None if assembly.pitches is None else phases(strip, assembly.position_rad)
     estimates: list[dict[str, object] | None] = []
     for torque, states in zip(scene.torques_Nm, found, strict=True):
         if torque == 0.0:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account, totals
 from flankload.mechanisms.belt.states import lands_in_words
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
@@ -16,14 +15,13 @@ from flankload.result.result import Result, make_result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from flankload.mechanisms.belt.belt import Strip
-    from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
-    from flankload.mechanisms.belt.row import StripResponse
+    from flankload.mechanisms.belt.drive import BeltAssembly, BeltStates, Standing
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -32,70 +30,32 @@ if TYPE_CHECKING:
 UM_PER_MM = 1000.0
 
 
-@dataclass(frozen=True)
-class Standing:
-    """How a belt stands on its pulley at a position.
-
-    Attributes
-    ----------
-    first_tooth, first_land : int
-    flanks : Flanks
-    degrees_of_freedom : int
-    """
-
-    first_tooth: int
-    first_land: int
-    flanks: Flanks
-    degrees_of_freedom: int
-
-    @classmethod
-    def of(cls, response: StripResponse) -> Standing:
-        """Of a response, whose matrices are not needed any more."""
-        return cls(
-            response.first_tooth,
-            response.first_land,
-            response.flanks,
-            response.degrees_of_freedom,
-        )
-
-
 def result_of_belt(
     scene: Scene,
-    strip: Strip,
-    row: SpringRow,
-    standings: Sequence[Standing],
-    states: Sequence[BeltState],
-    position_rad: Floats,
-    pitches: int | None,
-    torque_Nm: float,
-    stages: dict[str, Account],
-    predicted: dict[str, dict[str, Any]],
-    estimate: dict[str, object] | None,
+    assembly: BeltAssembly,
+    found: BeltStates,
+    number: int,
+    estimate: Mapping[str, object] | None,
 ) -> Result:
     """All positions under one torque as a result.
 
     Parameters
     ----------
     scene : Scene
-    strip : Strip
-    row : SpringRow
-        That stands for the strip.
-    standings, states : sequences, one entry per position
-    position_rad : (P,) array
-    pitches : int or None
-        That the positions run over; None for single angles.
-    torque_Nm : float
-    stages : dict of str to Account
-        What the run has spent.
-    predicted : dict of str to dict
-        What it was to spend, by stages.
-    estimate : dict or None
+    assembly : BeltAssembly
+    found : BeltStates
+    number : int
+        Of the torque.
+    estimate : mapping or None
         Error estimates, as the result shows them.
 
     Returns
     -------
     Result
+        Its `cost` holds what is the torque's own.
     """
+    strip, position_rad, pitches = assembly.strip, assembly.position_rad, assembly.pitches
+    standings, states = found.standings, found.found[number]
     width = strip.width_mm
     first = min(standing.first_tooth for standing in standings)
     last = max(
@@ -103,21 +63,20 @@ def result_of_belt(
         for standing, state in zip(standings, states, strict=True)
     )
     sites = np.arange(first, last)
-    drive = _drive(scene, strip, row, sites, standings, states)
+    drive = _drive(scene, strip, found.springs, sites, standings, states)
     force = _over_sites(
         sites, standings, [width * state.tooth_N_per_mm for state in states], nothing=0.0
     )
-    passes = [state.contact.info for state in states]
     result = make_result(
         name=scene.name,
-        torque_Nm=torque_Nm,
+        torque_Nm=scene.torques_Nm[number],
         sites=sites,
         position_rad=position_rad,
         rotation_rad=np.array([state.rotation_rad for state in states]),
         reference_radius_mm=strip.pitch_radius_mm,
         site_force_N=force,
         peak_pressure_MPa=np.zeros_like(force),
-        stiffness_tangent_Nm_per_rad=np.array([_stiffness(state, width) for state in states]),
+        stiffness_tangent_Nm_per_rad=tangent_stiffness(states, strip),
         status=np.array([state.contact.status for state in states]),
         pair_tables=PairTables(len(states), partial(_pairs, standings, states, width)),
         corner_contact=np.zeros(force.shape, dtype=bool),
@@ -126,28 +85,46 @@ def result_of_belt(
         closed=pitches is not None and position_rad.size > 1,
         face_width_mm=width,
         estimate=estimate,
-        cost={
-            **totals(stages),
-            "positions": len(states),
-            "of_this_torque": {
-                "states": len(states),
-                "contact_passes": len(states),
-                "influence_columns": sum(state.pair_N_per_mm.size for state in states),
-                "pivots": sum(info.pivots for info in passes),
-            },
-            "degrees_of_freedom": standings[0].degrees_of_freedom,
-            "largest_backward_error": max(info.backward_error for info in passes),
-            "largest_condition": max(info.condition for info in passes),
-            "bytes": sum(account.bytes for account in stages.values()),
-            "stages": {
-                name: account.as_dict() | {"predicted": predicted.get(name, {})}
-                for name, account in stages.items()
-            },
-        },
+        cost=_cost(states, standings[0].degrees_of_freedom),
         warnings=(*question_notes(scene), *_warnings(scene, sites, drive)),
         drawing=_drawing(strip, sites, position_rad),
     )
     return replace(result, drive=drive)
+
+
+def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:
+    """(P,) Tangent stiffness, N m/rad; NaN where nothing turns.
+
+    Parameters
+    ----------
+    states : sequence of BeltState
+    strip : Strip
+
+    Returns
+    -------
+    (P,) array
+    """
+    compliance = np.array([state.compliance_rad_per_N for state in states])
+    stiffness = np.full_like(compliance, np.nan)
+    np.divide(1e-3 * strip.width_mm, compliance, out=stiffness, where=compliance > 0.0)
+    return stiffness
+
+
+def _cost(states: Sequence[BeltState], degrees_of_freedom: int) -> dict[str, object]:
+    """Work of the states of one torque."""
+    passes = [state.contact.info for state in states]
+    return {
+        "positions": len(states),
+        "of_this_torque": {
+            "states": len(states),
+            "contact_passes": len(states),
+            "influence_columns": sum(state.pair_N_per_mm.size for state in states),
+            "pivots": sum(info.pivots for info in passes),
+        },
+        "degrees_of_freedom": degrees_of_freedom,
+        "largest_backward_error": max(info.backward_error for info in passes),
+        "largest_condition": max(info.condition for info in passes),
+    }
 
 
 def _over_sites(
@@ -160,12 +137,6 @@ def _over_sites(
         count = min(own.size, sites.size - first)
         row[first : first + count] = own[:count]
     return found
-
-
-def _stiffness(state: BeltState, width: float) -> float:
-    """N m/rad; none where nothing turns."""
-    compliance = state.compliance_rad_per_N
-    return 1e-3 * width / compliance if compliance > 0.0 else np.nan
 
 
 def _drive(

@@ -18,9 +18,9 @@ from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix, hstack
+from scipy.sparse import csc_array, hstack
 
-from flankload.elasticity.finite_elements import condensed, degrees_of, stiffness
+from flankload.elasticity.finite_elements import assembled, condensed, degrees_of, stiffness
 from flankload.elasticity.sector_closure import RowCell
 from flankload.mechanisms.belt.columns import FlankLine, Flanks, flank_columns, land_columns
 
@@ -106,8 +106,8 @@ def solve_piece(
     basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
     matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
     held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
-    pull = csc_matrix(
-        (np.ones(pulled.size), (pulled, np.arange(pulled.size))), (matrix.shape[0], pulled.size)
+    pull = assembled(
+        np.ones(pulled.size), pulled, np.arange(pulled.size), (matrix.shape[0], pulled.size)
     )
     given = np.concatenate([lands.degrees, held])
     forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
@@ -163,13 +163,13 @@ def solve_piece(
     )
 
 
-def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
+def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
     """Of the elements and of the cord, per mm of width."""
     solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
     return (solid + cord_stiffness(strip, mesh)).tocsc()
 
 
-def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
+def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
     """Stiffness of quadratic bars along the cord, and of the tension that holds them straight.
 
     The tension resists the slope of the radial displacement alone: the slope of the bar's own
@@ -183,7 +183,7 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
 
     Returns
     -------
-    csc_matrix, (2N, 2N)
+    csc_array, (2N, 2N)
         Per mm of width.
     """
     cord = mesh.cord
@@ -204,11 +204,10 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_matrix:
     degrees = (2 * bars[:, :, None] + np.arange(2)).reshape(-1, 6)
     rows = np.repeat(degrees, 6, axis=1).ravel()
     columns = np.tile(degrees, (1, 6)).ravel()
-    size = 2 * len(mesh.nodes)
-    return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
+    return assembled(blocks.ravel(), rows, columns, (2 * len(mesh.nodes), 2 * len(mesh.nodes)))
 
 
-def _frames(turns_rad: Floats) -> csc_matrix:
+def _frames(turns_rad: Floats) -> csc_array:
     """Columns outwards and along the turn at each node, in x and y."""
     cosine, sine = np.cos(turns_rad), np.sin(turns_rad)
     first = 2 * np.arange(turns_rad.size)
@@ -216,4 +215,4 @@ def _frames(turns_rad: Floats) -> csc_matrix:
     columns = np.concatenate([first, first, first + 1, first + 1])
     values = np.concatenate([cosine, sine, -sine, cosine])
     size = 2 * turns_rad.size
-    return coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
+    return assembled(values, rows, columns, (size, size))

@@ -1,30 +1,27 @@
-"""The conductor of a chain on its sprocket: positions, one contact problem or several each.
+"""A chain on its sprocket: assembly and states.
 
-There are no flanks to pair on circles and no elements to solve: pockets are planes, the chain is a
-truss. What is left of the way of all other pairs is the contact loop and the result.
+Pockets are planes and the chain is a truss, so no elements are solved.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account, beside_plan, held_bytes
+from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError, NoContactState, SceneError
 from flankload.mechanisms.chain.chain import Chain
 from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
-from flankload.mechanisms.chain.drive_result import result_of_chain
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
 from flankload.mechanisms.chain.wrap import Wrap, wrap_at
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from numpy.typing import NDArray
 
-    from flankload.result import Result
+    from flankload.mechanisms.stage_clock import StageClock
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -37,73 +34,98 @@ LINEAR_PASSES = 2
 LEAST_TENSION = -1e-6
 
 
-def solve_chain(
-    scene: Scene,
-    progress: Callable[[str, int, int], None] | None = None,
-    guessed: Mapping[str, Mapping[str, Any]] | None = None,
-) -> tuple[Result, ...]:
-    """Forces of a chain on its sprocket at all positions of a scene.
+@dataclass(frozen=True)
+class ChainAssembly:
+    """A chain on its sprocket.
+
+    Attributes
+    ----------
+    sprocket : Sprocket
+    chain : Chain
+    wraps : list of Wrap
+        One entry per position.
+    position_rad : (P,) array
+        Angles of the sprocket.
+    pitches : int or None
+        Pitches that the positions run over; None for single angles.
+    """
+
+    sprocket: Sprocket
+    chain: Chain
+    wraps: list[Wrap]
+    position_rad: Floats
+    pitches: int | None
+
+
+@dataclass(frozen=True)
+class ChainStates:
+    """States of a chain.
+
+    Attributes
+    ----------
+    found : tuple of list of WrapState
+        One entry per torque, of each position.
+    """
+
+    found: tuple[list[WrapState], ...]
+
+
+def assemble(scene: Scene) -> ChainAssembly:
+    """Sprocket, chain and positions of a scene.
 
     Parameters
     ----------
     scene : Scene
-        With a sprocket and a chain.
-    progress : callable, optional
-        As for `solve`.
-    guessed : mapping, optional
-        What a plan of the scene says, by stages.
 
     Returns
     -------
-    tuple of Result, one per torque
+    ChainAssembly
 
     Raises
     ------
     SceneError
         If the rollers do not fit the sprocket.
-    InputError
-        If the plan is one of another scene.
+    """
+    sprocket, chain = build_drive(scene)
+    wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+    position_rad, pitches = _positions(scene, sprocket)
+    wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
+    return ChainAssembly(sprocket, chain, wraps, position_rad, pitches)
+
+
+def states_of(scene: Scene, assembly: ChainAssembly, clock: StageClock) -> ChainStates:
+    """States at all positions under all torques.
+
+    Parameters
+    ----------
+    scene : Scene
+    assembly : ChainAssembly
+    clock : StageClock
+
+    Returns
+    -------
+    ChainStates
+
+    Raises
+    ------
     NoContactState
         If a position has no state; the message names the tension below which chains jump.
     """
-    stages = {"bodies": Account(), "sweep": Account()}
-    with stages["bodies"] as account:
-        sprocket, chain = build_drive(scene)
-        wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-        position_rad, pitches = _positions(scene, sprocket)
-        wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
-        account.bytes = held_bytes(position_rad, wraps)
-    predicted = beside_plan(predicted_work(scene, len(wraps)), guessed)
+    progress = clock.sweep_progress("sweep")
     found: list[list[WrapState]] = []
-    with stages["sweep"] as account:
+    with clock.stage("sweep") as account:
         for torque in scene.torques_Nm:
             states = []
-            for p, wrap in enumerate(wraps):
-                if progress is not None:
-                    done = len(found) * len(wraps) + p
-                    progress("sweep", done, len(wraps) * len(scene.torques_Nm))
-                states.append(_solve_position(scene, wrap, chain, torque, p))
+            for p, wrap in enumerate(assembly.wraps):
+                progress(
+                    len(found) * len(assembly.wraps) + p,
+                    len(assembly.wraps) * len(scene.torques_Nm),
+                )
+                states.append(_solve_position(scene, wrap, assembly.chain, torque, p))
             found.append(states)
             account.count(**work_of(states))
         account.bytes = held_bytes(found)
-    estimates: list[dict[str, object] | None] = [None] * len(found)
-    if scene.accuracy.estimate:
-        stages["estimate"] = Account()
-        with stages["estimate"] as account:
-            estimates = [
-                _estimate(scene, chain, wraps, states, torque, account)
-                for torque, states in zip(scene.torques_Nm, found, strict=True)
-            ]
-    results = tuple(
-        result_of_chain(
-            scene, chain, wraps, states, position_rad, pitches, torque, stages, predicted, estimate
-        )
-        for torque, states, estimate in zip(scene.torques_Nm, found, estimates, strict=True)
-    )
-    if progress is not None:
-        whole = len(wraps) * len(results)
-        progress("done", whole, whole)
-    return results
+    return ChainStates(tuple(found))
 
 
 def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
@@ -127,7 +149,7 @@ def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
     return {"bodies": {}, "sweep": counted, **none}
 
 
-def _estimate(
+def error_estimate(
     scene: Scene,
     chain: Chain,
     wraps: list[Wrap],
@@ -135,9 +157,25 @@ def _estimate(
     torque_Nm: float,
     account: Account,
 ) -> dict[str, object]:
-    """Errors of one solution, at two of the positions, by following the rollers there.
+    """Errors of one linear solution, by following the rollers at two positions.
 
-    What passes leave when they stop is rounding: theirs is the part of a pitch at which they do.
+    Passes stop at a part of a pitch, which is their error.
+
+    Parameters
+    ----------
+    scene : Scene
+    chain : Chain
+    wraps : list of Wrap
+    states : list of WrapState
+        Of each position.
+    torque_Nm : float
+    account : Account
+        Where the work is counted.
+
+    Returns
+    -------
+    dict
+        As the result shows it.
     """
     if scene.effects.large_displacement:
         left = {"transmission_error": STANDS, "load_share": STANDS}
@@ -212,7 +250,7 @@ def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
     count = angle / (2 * sprocket.half_pitch_rad)
     ball = 0.5 * sprocket.roller_diameter_mm
     slack = scene.load.slack_tension_N or 0.0
-    tight = 1000.0 * np.array(scene.torques_Nm) / sprocket.pitch_radius_mm + slack
+    tight = np.array(scene.torques_Nmm) / sprocket.pitch_radius_mm + slack
     limits = ", ".join(f"{limit:.4g} N" for limit in sprocket.jump_tension(tight, angle))
     worn = f", worn {chain.link_mm:.4f} mm" if chain.elongation else ""
     large = scene.effects.large_displacement

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from math import pi, radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account, totals
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.result.drive import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
@@ -17,11 +16,12 @@ from flankload.result.result import Result, make_result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from flankload.mechanisms.chain.chain import Chain
+    from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.chain.sprocket import Sprocket
     from flankload.mechanisms.chain.wrap import Wrap
     from flankload.scene import Scene
@@ -34,38 +34,31 @@ LINEAR_WEAR = 0.01
 
 def result_of_chain(
     scene: Scene,
-    chain: Chain,
-    wraps: Sequence[Wrap],
+    assembly: ChainAssembly,
     states: Sequence[WrapState],
-    position_rad: Floats,
-    pitches: int | None,
-    torque_Nm: float,
-    stages: dict[str, Account],
-    predicted: dict[str, dict[str, Any]],
-    estimate: dict[str, object] | None,
+    number: int,
+    estimate: Mapping[str, object] | None,
 ) -> Result:
     """All positions under one torque as a result.
 
     Parameters
     ----------
     scene : Scene
-    chain : Chain
-    wraps, states : sequences, one entry per position
-    position_rad : (P,) array
-    pitches : int or None
-        That the positions run over; None for single angles.
-    torque_Nm : float
-    stages : dict of str to Account
-        What the run has spent.
-    predicted : dict of str to dict
-        What it was to spend, by stages.
-    estimate : dict or None
+    assembly : ChainAssembly
+    states : sequence of WrapState
+        One entry per position.
+    number : int
+        Of the torque.
+    estimate : mapping or None
         Error estimates, as the result shows them.
 
     Returns
     -------
     Result
+        Its `cost` holds what is the torque's own.
     """
+    chain, wraps = assembly.chain, assembly.wraps
+    position_rad, pitches = assembly.position_rad, assembly.pitches
     sprocket = wraps[0].sprocket
     first = min(wrap.first for wrap in wraps)
     last = max(wrap.first + len(wrap.angles_rad) for wrap in wraps)
@@ -98,15 +91,14 @@ def result_of_chain(
     pitch = 2 * sprocket.half_pitch_rad
     result = make_result(
         name=scene.name,
-        torque_Nm=torque_Nm,
+        torque_Nm=scene.torques_Nm[number],
         sites=sites,
         position_rad=position_rad,
         rotation_rad=np.array([state.rotation_rad for state in states]),
         reference_radius_mm=sprocket.pitch_radius_mm,
         site_force_N=force,
         peak_pressure_MPa=np.zeros_like(force),
-        stiffness_tangent_Nm_per_rad=1e-3
-        / np.array([state.compliance_rad_per_Nmm for state in states]),
+        stiffness_tangent_Nm_per_rad=tangent_stiffness(states),
         status=np.array([state.status for state in states]),
         pair_tables=PairTables(len(wraps), partial(_rollers, wraps, states)),
         corner_contact=np.zeros(force.shape, dtype=bool),
@@ -116,21 +108,29 @@ def result_of_chain(
         face_width_mm=scene.pair.face_width_mm,
         estimate=estimate,
         cost={
-            **totals(stages),
             "positions": len(wraps),
             "of_this_torque": work_of(states),
             "largest_backward_error": max(state.backward_error for state in states),
             "largest_condition": max(state.condition for state in states),
-            "bytes": sum(account.bytes for account in stages.values()),
-            "stages": {
-                name: account.as_dict() | {"predicted": predicted.get(name, {})}
-                for name, account in stages.items()
-            },
         },
         warnings=(*question_notes(scene), *_warnings(chain, sprocket, drive)),
         drawing=_drawing(sprocket, wraps, position_rad),
     )
     return replace(result, drive=drive)
+
+
+def tangent_stiffness(states: Sequence[WrapState]) -> Floats:
+    """(P,) Tangent stiffness, N m/rad.
+
+    Parameters
+    ----------
+    states : sequence of WrapState
+
+    Returns
+    -------
+    (P,) array
+    """
+    return 1e-3 / np.array([state.compliance_rad_per_Nmm for state in states])
 
 
 def _warnings(chain: Chain, sprocket: Sprocket, drive: ChainDrive) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from flankload.bodies.imported.given import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.errors import SceneError
+from flankload.mechanisms.registry import require_flanks
 from flankload.pairing.expansion import Growth, growth_notes, growth_of
 from flankload.pairing.friction import (
     Friction,
@@ -22,7 +23,6 @@ from flankload.pairing.friction import (
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.period import Period, period_of
-from flankload.scene import Belt, Chain
 from flankload.scene.effect_rules import check_coast_kinds
 from flankload.scene.effects import Effects, effects_of
 from flankload.scene.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
@@ -67,6 +67,8 @@ class BodyPair:
         Where stress is asked for.
     growth : two Growth or None
         What makes the bodies grow.
+    standing_note : str or None
+        How far apart flanks stand whose place their files give.
     """
 
     body_1: Body
@@ -82,6 +84,7 @@ class BodyPair:
     friction: Friction | None = None
     fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
     growth: tuple[Growth | None, Growth | None] = (None, None)
+    standing_note: str | None = None
 
     @property
     def period_rad(self) -> float:
@@ -129,7 +132,7 @@ def bodies_of(
     SceneError
         If a body cannot be made; names file, key, expected and found.
     """
-    refuse_drives(scene)
+    require_flanks(scene)
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
@@ -145,29 +148,6 @@ def bodies_of(
         return bodies
     except SceneError as error:
         raise _with_file(error, scene) from None
-
-
-def refuse_drives(scene: Scene) -> None:
-    """Refuse chains and belts, of which a run knows more than two bodies with flanks.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Raises
-    ------
-    SceneError
-    """
-    if isinstance(scene.body_2, Chain | Belt):
-        chain = isinstance(scene.body_2, Chain)
-        raise SceneError(
-            file=scene.file,
-            key="body_2.kind",
-            expected="bodies with flanks and elements for that",
-            found="'chain', whose sprocket has pockets and which is a truss"
-            if chain
-            else "'belt', which lies on its pulley as a strip",
-        )
 
 
 def build_bodies(

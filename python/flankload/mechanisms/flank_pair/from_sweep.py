@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
+from flankload.contact.sweep import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
@@ -45,7 +46,7 @@ def result_of(
     geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
 ) -> Result:
-    """Make the result of one torque; what it costs is added when all is done.
+    """Make the result of one torque; its `cost` holds what is the torque's own.
 
     Parameters
     ----------
@@ -95,8 +96,13 @@ def result_of(
         whole_circle=circle,
         face_width_mm=width,
         estimate=estimate,
-        cost={},
-        warnings=(*pair.notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
+        cost=_cost(found, compliances),
+        warnings=(
+            *pair.notes,
+            *([pair.standing_note] if pair.standing_note else []),
+            *notes,
+            *notes_of_sweep(pair, compliances, found, width),
+        ),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -114,6 +120,18 @@ def result_of(
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _cost(found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]) -> dict[str, object]:
+    """Work of the states of one torque, without those of tangent and estimate."""
+    counters = found.counters.sum(axis=0, dtype=np.int64).tolist()
+    return {
+        "positions": found.status.size,
+        "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
+        "fe_degrees_of_freedom": [c.degrees_of_freedom for c in compliances],
+        "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
+        "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
+    }
 
 
 def _coast(

@@ -1,31 +1,33 @@
-"""What a result rests on: a scene that breaks a premise is refused, or its result says so.
+"""Premises of the model that flank pairs can break.
 
-The model knows small deformations of bodies that touch on their working flanks. Each premise is one
-record here, with the number up to which it holds. What geometry breaks is known before elements are
-solved, what a load breaks after the sweep.
+Geometry breaks them before elements are solved, a load breaks them after the sweep.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.errors import ContactError, NoContactState, PremiseError
+from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.flank_pair.backlash import ROUNDING_UM, coast_overlap_um, key_of_backlash
-from flankload.result.accuracy_lines import OUTSIDE
-from flankload.scene.usual import questions
+from flankload.mechanisms.premises import (
+    Broken,
+    Premise,
+    Torque,
+    broken_by_turn,
+    held,
+    largest_turn,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import NDArray
 
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.pairing.gear_pair import Mesh
-    from flankload.result import Result
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 
@@ -35,24 +37,6 @@ if TYPE_CHECKING:
 PARTS = tuple(0.25**k for k in range(1, 9))
 #: A contact ratio less by that is 1.
 ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class Premise:
-    """What must hold.
-
-    Attributes
-    ----------
-    name : str
-        As `result.outside_limits` lists it.
-    limit : float
-    expected : str
-        What is expected, with the limit.
-    """
-
-    name: str
-    limit: float
-    expected: str
 
 
 #: With less there are positions at which a tip corner alone carries, whose pressure has no limit.
@@ -66,93 +50,10 @@ BACKLASH = Premise(
 #: Finite elements that follow the deformed shape differ by 1.1 % at 0.031 of a pitch, 0.1 of a
 #: module, and by 1.9 % at twice as much.
 DEFLECTION = Premise("deflection", 0.1, "flanks that give way by at most 0.1 of a module")
-#: Where there is no module; of a cam's follower parts of a radian.
-ROTATION = Premise(
-    "rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch, or of a radian"
-)
 #: Far beyond it strains are not small; metals yield at a hundredth, polymers at a tenth.
 PRESSURE = Premise(
     "pressure", 0.5, "pressures of at most 0.5 of Young's modulus, that of the softer body"
 )
-
-
-@dataclass(frozen=True)
-class Broken:
-    """A premise that does not hold.
-
-    Attributes
-    ----------
-    premise : Premise
-    key : str
-        To blame.
-    found : str
-        The number, in words.
-    """
-
-    premise: Premise
-    key: str
-    found: str
-
-    def error(self, scene: Scene) -> PremiseError:
-        """The refusal."""
-        return PremiseError(
-            file=scene.file,
-            key=self.key,
-            expected=f"{self.premise.expected} (or effects.beyond_limits = true)",
-            found=self.found,
-        )
-
-    @property
-    def note(self) -> str:
-        """What the result says."""
-        return f"{OUTSIDE}: {self.key}: expected {self.premise.expected}, found {self.found}"
-
-
-def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
-    """Refuse what is broken, unless the scene wants to go on without.
-
-    Parameters
-    ----------
-    scene : Scene
-    broken : sequence of Broken
-
-    Returns
-    -------
-    tuple of Broken
-
-    Raises
-    ------
-    PremiseError
-        Names the first of them.
-    """
-    if broken and not scene.effects.beyond_limits:
-        raise broken[0].error(scene)
-    return tuple(broken)
-
-
-def marked(result: Result, broken: Sequence[Broken]) -> Result:
-    """A result that says which premises it breaks: first of its warnings, and in its estimate.
-
-    Parameters
-    ----------
-    result : Result
-    broken : sequence of Broken
-
-    Returns
-    -------
-    Result
-    """
-    if not broken:
-        return result
-    names, estimate = tuple(one.premise.name for one in broken), result.estimate
-    if estimate is not None:
-        estimate = {**estimate, "outside_limits": names}
-    return replace(
-        result,
-        outside_limits=names,
-        estimate=estimate,
-        warnings=(*(one.note for one in broken), *result.warnings),
-    )
 
 
 # --- before elements are solved -------------------------------------------------------------------
@@ -213,7 +114,7 @@ def broken_by_load(
     Broken
     """
     torque = Torque(scene, number, part)
-    turned_rad = _finite(found.torque_Nmm * found.tangent_rad_per_Nmm)
+    turned_rad = largest_turn(found.torque_Nmm * found.tangent_rad_per_Nmm)
     deflection_mm = turned_rad * pair.body_1.reference_radius_mm
     involute = pair.body_1.involute
     if involute is not None:
@@ -262,79 +163,15 @@ def blame_load(
     """
     if isinstance(error, NoContactState) and error.proven:
         return
-    torque_Nm = max(scene.torques_Nm)
-    number = scene.torques_Nm.index(torque_Nm)
+    torque_Nmm = max(scene.torques_Nmm)
+    number = scene.torques_Nmm.index(torque_Nmm)
     for part in PARTS:
         try:
-            (found,) = run(1000.0 * part * torque_Nm)
+            (found,) = run(part * torque_Nmm)
         except ContactError:
             continue
         held(scene, tuple(broken_by_load(scene, pair, geometry, found, number, part=part)))
         return
-
-
-def broken_by_drive(scene: Scene, result: Result, number: int) -> Iterator[Broken]:
-    """What a torque breaks on a chain or a belt, whose displacements are small ones.
-
-    Parameters
-    ----------
-    scene : Scene
-    result : Result
-    number : int
-        Of the torque.
-
-    Yields
-    ------
-    Broken
-    """
-    if not scene.effects.large_displacement:
-        stiffness = result.stiffness_tangent_Nm_per_rad
-        with np.errstate(divide="ignore", invalid="ignore"):
-            turned_rad = _finite(result.torque_Nm / stiffness)
-        yield from broken_by_turn(turned_rad, result.pitch_rad, Torque(scene, number))
-
-
-def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
-    """A body 1 that turns too far under load.
-
-    Parameters
-    ----------
-    turned_rad, pitch_rad : float
-    torque : Torque
-
-    Yields
-    ------
-    Broken
-    """
-    unit = min(pitch_rad, 1.0)
-    if turned_rad > ROTATION.limit * unit:
-        of = "a pitch" if unit < 1.0 else "a radian"
-        yield torque.broken(ROTATION, f"{turned_rad / unit:.3g} of {of}")
-
-
-class Torque:
-    """A torque of a scene, as a message names it."""
-
-    def __init__(self, scene: Scene, number: int, part: float = 1.0) -> None:
-        self._scene, self._number = scene, number
-        whole = scene.torques_Nm[number]
-        self.under = f"under {whole:g} N m"
-        if part < 1.0:
-            self.under = f"already under {part * whole:.3g} N m, a part of {whole:g} N m"
-
-    def broken(self, premise: Premise, found: str) -> Broken:
-        """Blame a modulus that is unusual, else the torque."""
-        asked = questions(self._scene)
-        for key in ("body_1.young_modulus_MPa", "body_2.young_modulus_MPa"):
-            if key in asked:
-                return Broken(premise, key, f"{found} {self.under}, with {asked[key]}")
-        listed = f"[{self._number}]" if self._scene.has_torque_list else ""
-        return Broken(premise, f"load.torque_Nm{listed}", f"{found} {self.under}")
-
-
-def _finite(turned_rad: Floats) -> float:
-    """The largest by which a torque turns body 1, at least: contacts get stiffer as it grows."""
-    return float(np.max(turned_rad, where=np.isfinite(turned_rad), initial=0.0))
 
 
 def _peak_off_corners(found: Sweep) -> float:

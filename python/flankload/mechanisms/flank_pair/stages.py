@@ -6,10 +6,13 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.cost import held_bytes
+from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
 from flankload.pairing.expansion import grown
 from flankload.scene.effects import effects_of
 from flankload.scene.resolution import Resolution, choose_resolution
@@ -17,12 +20,12 @@ from flankload.scene.resolution import Resolution, choose_resolution
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from scipy.sparse import csc_matrix
+    from scipy.sparse import csc_array
 
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
@@ -41,7 +44,7 @@ def compliance_of(
     *,
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
-    matrix: csc_matrix | None = None,
+    matrix: csc_array | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one body: from its elements, or as it brings it along.
@@ -58,7 +61,7 @@ def compliance_of(
         Where stress is wanted, too.
     growth : Growth, optional
         By what the body grows.
-    matrix : csc_matrix, optional
+    matrix : csc_array, optional
         Stiffness of its mesh, where it is there already.
     estimate : bool
         What elements miss is estimated, too.
@@ -97,6 +100,81 @@ def compliance_of(
             estimate=estimate,
         )
     return found if scene.effects.tooth_coupling else found.without_coupling()
+
+
+def compliances_of(
+    scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept
+) -> tuple[BodyCompliance, BodyCompliance]:
+    """Solve one finite-element job for each elastic body that brings no compliance along.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    clock : StageClock
+    kept : mapping of 0 and 1 to BodyCompliance and Account
+        Compliances that are known; missing ones are added.
+
+    Returns
+    -------
+    two BodyCompliance
+    """
+    found = []
+    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
+    for z, body in enumerate((pair.body_1, pair.body_2)):
+        growth = pair.growth[z]
+        if not elastic[z] and (growth is None or not growth.needs_elements):
+            found.append(no_compliance(body, growth))
+            continue
+        stage = f"compliance body {z + 1}"
+        if z in kept:
+            compliance, account = kept[z]
+            clock.stages[stage] = replace(account)
+            found.append(compliance)
+            continue
+        with clock.stage(stage) as account:
+            compliance = compliance_of(
+                body,
+                scene,
+                pair.resolution,
+                fillets=pair.fillets[z],
+                growth=growth,
+                estimate=scene.accuracy.estimate and elastic[z],
+            )
+            account.count(**compliance.counters)
+            # the estimate holds what the elements miss
+            account.bytes += held_bytes(replace(compliance, missed=None))
+            account.workspace_bytes += compliance.workspace_bytes
+            found.append(compliance)
+        kept[z] = (compliance, replace(account))
+    return found[0], found[1]
+
+
+def with_compliance_period(
+    scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> BodyPair:
+    """The pair at the positions that teeth of different compliance need.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    compliances : two BodyCompliance
+
+    Returns
+    -------
+    BodyPair
+    """
+    part = ALIKE * scene.accuracy.tolerance
+    bodies = (pair.body_1, pair.body_2)
+    one, two = (
+        teeth_until_alike(compliance, body.teeth, part)
+        for compliance, body in zip(compliances, bodies, strict=True)
+    )
+    if (one, two) == (1, 1):
+        return pair
+    longer = build_bodies(scene, pair.resolution, bodies=bodies, groups=(one, two))
+    return replace(longer, standing_note=pair.standing_note)
 
 
 def grown_pair(

@@ -10,17 +10,17 @@ from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flankload.analysis.runner import solve_with
 from flankload.base.files import write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError, SceneError
+from flankload.mechanisms import run_once
 from flankload.setting import Setting, scene_at
 from flankload.steering import first_scene
 from flankload.studies.accuracy.observed import Observed, from_tree, observed, to_tree
 
 if TYPE_CHECKING:
-    from flankload.analysis.runner import Progress
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms import Progress
     from flankload.scene import Scene
 
     Kept = dict[int, tuple[BodyCompliance, Account]]
@@ -164,7 +164,7 @@ def _with_modes(
 
 
 def _measured(setting: Setting, scene: Scene, kept: Kept, progress: Progress | None) -> Run:
-    results = solve_with(scene, kept, progress)
+    results = run_once(scene, kept, progress)
     several = results if isinstance(results, tuple) else (results,)
     cost = several[0].cost
     stages = {name: stage["cpu_s"] for name, stage in cost["stages"].items()}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.analysis.runner import solve
+from flankload.api import solve
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
 from flankload.plan import choose_effects

@@ -1,0 +1,154 @@
+"""Rows of `flankload check`, and the meshes of `flankload mesh`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies import WholeMesh
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.premises import broken_by_geometry
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.mechanisms.premises import held
+from flankload.mechanisms.protocol import Description, MeshFile
+from flankload.meshes.report import quality_rows
+from flankload.pairing.gear_pair import describe_mesh
+from flankload.pairing.spline_fit import describe_fit
+from flankload.scene.effects import EFFECTS, switches_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.bodies import Body
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.scene import Scene
+    from flankload.scene.effects import Switch
+
+
+def describe(scene: Scene) -> Description:
+    """Describe bodies, pairing and effects of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Description
+
+    Raises
+    ------
+    SceneError
+        If the bodies cannot be made or paired.
+    """
+    pair = build_bodies(scene)
+    for body in (pair.body_1, pair.body_2):
+        if body.given is not None:
+            compliance_of(body, scene)  # finds errors in its file at next to no cost
+    switches = switches_of(scene)
+    has_teeth = pair.pairing.motion is None
+    effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
+    rows = {
+        **{
+            f"{name}: {body.kind}": _rows_of_body(body)
+            for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2))
+        },
+        "pair": _rows_of_pair(scene, pair),
+        "effects": [(row.title, _said(switches[row.name])) for row in effects],
+    }
+    broken = held(scene, tuple(broken_by_geometry(pair)))
+    return Description(rows, (*pair.notes, *(one.note for one in broken)))
+
+
+def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
+    mesh, fit = pair.pairing.mesh, pair.pairing.fit
+    return [
+        ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
+        ("face width", f"{scene.pair.face_width_mm:g} mm"),
+        *(describe_mesh(mesh) if mesh is not None else ()),
+        *(describe_fit(fit) if fit is not None else ()),
+    ]
+
+
+def mesh_files(scene: Scene) -> Iterator[MeshFile]:
+    """Meshes of both bodies as they stand at position zero.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Yields
+    ------
+    MeshFile
+    """
+    pair = build_bodies(scene)
+    for name, body, turn in (
+        ("body_1", pair.body_1, pair.turn_1),
+        ("body_2", pair.body_2, pair.turn_2),
+    ):
+        if body.mesh is None:
+            why = "its compliance comes from a file" if body.given is not None else "rigid"
+            yield MeshFile(name, None, f"{why}, so it has no mesh")
+            continue
+        part = f"one of {body.teeth} sectors"
+        if isinstance(body.mesh, WholeMesh):
+            flanks = len(body.mesh.flanks)
+            part = f"the whole body with {flanks} flank{'s' * (flanks > 1)}"
+        yield MeshFile(name, body.mesh, part, turn)
+
+
+def _said(switch: Switch) -> str:
+    return f"{'yes' if switch.on else 'no'} ({switch.because})"
+
+
+def _rows_of_body(body: Body) -> list[tuple[str, str]]:
+    rows = [] if body.kind in ("cam", "follower") else [("teeth", f"{body.teeth}")]
+    involute = body.involute
+    if involute is not None:
+        for name, radius in (
+            ("root", involute.root_radius_mm),
+            ("form", involute.form_radius_mm),
+            ("base", involute.base_radius_mm),
+            ("tip", involute.tip_radius_mm),
+        ):
+            rows.append((f"{name} diameter", f"{2 * radius:.4f} mm"))
+        tip = involute.tip_radius_mm
+        rows.append(
+            ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
+        )
+    elif body.curve.closed:
+        radii = np.hypot(*body.outline.T)
+        rows += [
+            ("profile", f"{body.curve.length_mm:.4f} mm around"),
+            ("radii of the profile", f"{radii.min():.4f} to {radii.max():.4f} mm"),
+        ]
+    else:
+        rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
+    if body.given is not None:
+        return [*rows, ("compliance", body.given.description)]
+    if body.mesh is None:
+        return [*rows, ("mesh", "none: rigid")]
+    return [*rows, *_rows_of_mesh(body)]
+
+
+def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
+    mesh = body.mesh
+    assert mesh is not None
+    low, high = (float(np.hypot(*body.curve.point([s])[0])) for s in body.mode_range_mm)
+    whole = isinstance(mesh, WholeMesh)
+    kinds = ", ".join(f"{len(data)} {kind}" for kind, data in mesh.cells)
+    rows = [
+        ("mesh of the whole body" if whole else "mesh of a sector",
+         f"{len(mesh.nodes)} nodes, {kinds}"),
+        *quality_rows(mesh.nodes, mesh.cells),
+        ("held", f"{mesh.fixed_nodes.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
+        ("flank", f"{mesh.flank_elements} elements"
+         + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
+    ]  # fmt: skip
+    if isinstance(mesh, WholeMesh) and len(mesh.flanks) > 1:
+        rows.append(("flanks", f"{len(mesh.flanks)}"))
+    if body.flank_nodes is not None:
+        nodes = body.flank_nodes
+        rows.append(("flank nodes", f"{nodes.count}, up to {nodes.spacing_mm:.3g} mm apart"))
+    return rows

@@ -1,0 +1,117 @@
+"""Error estimates of a flank pair."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.period_error import OtherTeeth
+from flankload.analysis.tip_error import tip_error
+from flankload.cost import held_bytes
+from flankload.mechanisms.flank_pair.states import window_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.mechanisms.flank_pair.states import FlankStates
+    from flankload.mechanisms.stage_clock import StageClock
+    from flankload.scene import Scene
+
+
+def error_estimates(
+    scene: Scene,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    states: FlankStates,
+    clock: StageClock,
+) -> list[Mapping[str, object] | None]:
+    """Estimate the errors of the states.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+        At all positions.
+    compliances : two BodyCompliance
+    states : FlankStates
+    clock : StageClock
+
+    Returns
+    -------
+    list of mapping or None
+        One entry per torque, as the result shows them; None without torque, where nothing is
+        approximated.
+    """
+    found = states.found
+    loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
+    estimates: list[Mapping[str, object] | None] = [None] * len(found)
+    with clock.stage("estimate") as account:
+        if loaded:
+
+            def run_again(*, part: int, **other: object) -> tuple[Sweep, ...]:
+                return states.run(
+                    **other,
+                    torques_Nmm=[found[t].torque_Nmm for t in loaded],
+                    keep_pairs=False,
+                    account=account,
+                    progress=clock.sweep_progress("estimate", sweep=part),
+                )
+
+            width = scene.pair.face_width_mm
+            window = None if pair.pitches is None else window_of(pair)
+            estimated = estimate_errors(
+                tuple(found[t] for t in loaded),
+                run_again,
+                compliances,
+                pair.resolution.grid,
+                lumped=pair.effects.lumped_contact,
+                position_rad=pair.position_rad,
+                window=None if pair.adaptive else window,
+                unlike=None if window is None else OtherTeeth.of(pair, compliances, width, window),
+                tip=partial(
+                    tip_error,
+                    bodies=(pair.body_1, pair.body_2),
+                    compliances=compliances,
+                    pairing=pair.pairing,
+                    face_width_mm=width,
+                ),
+            )
+            for t, estimate in zip(loaded, estimated, strict=True):
+                estimates[t] = estimate.as_dict(positions=states.position_errors[t])
+    for z, compliance in enumerate(compliances):
+        account.bytes += held_bytes(compliance.missed)
+        clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
+    return estimates
+
+
+def unseen_notes(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> tuple[str, ...]:
+    """Bodies of whose elements the error estimate knows nothing.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    compliances : two BodyCompliance
+
+    Returns
+    -------
+    tuple of str
+    """
+    bodies = (pair.body_1, pair.body_2)
+    unknown = [
+        f"body_{z + 1}"
+        for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
+        if body.given is not None and compliance.missed is None and compliance.nodes is None
+    ]
+    if not unknown:
+        return ()
+    note = (
+        "the error estimate does not contain what the elements behind the compliance of "
+        f"{' and '.join(unknown)} miss: its file does not tell"
+    )
+    return (note,)

@@ -1,0 +1,128 @@
+"""Flank pairs as a kind of drive: gears, rings, splines, cams and bodies from files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flankload.analysis.estimate import MOST_SWEEPS
+from flankload.mechanisms.flank_pair import premises
+from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.description import describe, mesh_files
+from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
+from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.mechanisms.flank_pair.stages import (
+    compliances_of,
+    grown_pair,
+    with_compliance_period,
+)
+from flankload.mechanisms.flank_pair.standing import with_standing_gap
+from flankload.mechanisms.flank_pair.states import FlankStates, flank_states, position_notes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from flankload.cost import Account
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.premises import Broken
+    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile
+    from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.scene.resolution import Resolution
+
+    Compliances = tuple[BodyCompliance, BodyCompliance]
+
+
+class FlankPair:
+    """Two bodies whose flanks touch."""
+
+    without_flanks: str | None = None
+
+    def build(self, scene: Scene, discretization: Resolution | None, account: Account) -> BodyPair:
+        """Assemble both bodies."""
+        return with_standing_gap(scene, build_bodies(scene, discretization), account)
+
+    def work(self, scene: Scene, assembly: BodyPair) -> Counted:
+        """Counters of a run by stage, as far as they are known before it."""
+        return predicted_work(scene, assembly)
+
+    def sweeps(self, scene: Scene) -> int:
+        """Sweep, tangent and those of the estimate."""
+        return 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
+
+    def compliances(
+        self, scene: Scene, assembly: BodyPair, clock: StageClock, kept: Kept
+    ) -> tuple[BodyPair, Compliances]:
+        """Solve the elements of both bodies; the pair with the period and growth that they add."""
+        found = compliances_of(scene, assembly, clock, kept)
+        return grown_pair(with_compliance_period(scene, assembly, found), found)
+
+    def states(
+        self, scene: Scene, assembly: BodyPair, compliances: Compliances, clock: StageClock
+    ) -> tuple[BodyPair, FlankStates]:
+        """Sweep all positions and torques."""
+        return flank_states(scene, assembly, compliances, clock)
+
+    def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
+        """Premises that the geometry breaks."""
+        return premises.broken_by_geometry(assembly)
+
+    def broken_by_load(
+        self, scene: Scene, assembly: BodyPair, states: FlankStates, number: int
+    ) -> Iterator[Broken]:
+        """Premises that a torque breaks."""
+        return premises.broken_by_load(
+            scene, assembly, states.geometry, states.found[number], number
+        )
+
+    def estimates(
+        self,
+        scene: Scene,
+        assembly: BodyPair,
+        compliances: Compliances,
+        states: FlankStates,
+        clock: StageClock,
+    ) -> Sequence[Mapping[str, object] | None]:
+        """Error estimates, one per torque."""
+        return error_estimates(scene, assembly, compliances, states, clock)
+
+    def results(
+        self,
+        scene: Scene,
+        assembly: BodyPair,
+        compliances: Compliances,
+        states: FlankStates,
+        estimates: Sequence[Mapping[str, object] | None],
+    ) -> tuple[Result, ...]:
+        """Results, one per torque."""
+        unseen = unseen_notes(assembly, compliances) if any(estimates) else ()
+        results = []
+        for found, estimate, doubt in zip(
+            states.found, estimates, states.position_errors, strict=True
+        ):
+            result = result_of(
+                found,
+                assembly,
+                compliances,
+                name=scene.name,
+                face_width_mm=scene.pair.face_width_mm,
+                estimate=estimate,
+                geometry=states.geometry,
+                notes=(*unseen, *position_notes(scene, assembly, doubt)),
+            )
+            cost = {**result.cost, "position_rounds": states.rounds}
+            results.append(replace(result, cost=cost))
+        return tuple(results)
+
+    def describe(self, scene: Scene) -> Description:
+        """Describe bodies, pairing and effects."""
+        return describe(scene)
+
+    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
+        """Meshes of both bodies."""
+        return mesh_files(scene)
+
+
+MECHANISM: Mechanism = FlankPair()

@@ -1,0 +1,182 @@
+"""States of a flank pair at all its positions, with tangents and the state without load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flankload.analysis.adaptive_positions import Window, sweep_adaptively
+from flankload.analysis.tangent import with_tangents, with_unloaded
+from flankload.cost import held_bytes
+from flankload.errors import ContactError
+from flankload.mechanisms.flank_pair.premises import blame_load
+from flankload.mechanisms.flank_pair.stages import sweep_of
+from flankload.result.geometry import pair_geometry
+from flankload.scene.resolution import position_tolerance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flankload.analysis.adaptive_positions import PositionErrors
+    from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.mechanisms.stage_clock import StageClock
+    from flankload.result.geometry import PairGeometry
+    from flankload.scene import Scene
+
+    Run = Callable[..., tuple[Sweep, ...]]
+
+#: A transmission error that varies by less than this part of the flank's length is rounding.
+LEAST_VARIATION = 1e-7
+
+
+@dataclass(frozen=True)
+class FlankStates:
+    """States of a flank pair.
+
+    Attributes
+    ----------
+    found : tuple of Sweep
+        One entry per torque.
+    position_errors : tuple of PositionErrors or None
+        Doubt of adaptive positions, one entry per torque.
+    rounds : int
+        Sweeps in which the positions were found.
+    geometry : PairGeometry
+        At all positions.
+    run : callable
+        Sweeps the same positions again.
+    """
+
+    found: tuple[Sweep, ...]
+    position_errors: tuple[PositionErrors | None, ...]
+    rounds: int
+    geometry: PairGeometry
+    run: Run
+
+
+def flank_states(
+    scene: Scene,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    clock: StageClock,
+) -> tuple[BodyPair, FlankStates]:
+    """Sweep a flank pair under all torques.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    compliances : two BodyCompliance
+    clock : StageClock
+
+    Returns
+    -------
+    pair : BodyPair
+        At all positions.
+    states : FlankStates
+
+    Raises
+    ------
+    ContactError
+        If a position has no state; PremiseError where a part of the torque breaks a premise.
+    """
+    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.resolution.grid)
+    with clock.stage("sweep") as account:
+        swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
+        try:
+            pair, found, errors, rounds = _all_positions(scene, pair, swept, clock)
+        except ContactError as error:
+            at_positions = partial(run, position_rad=pair.position_rad)
+            geometry = pair_geometry(pair, compliances)
+            blame_load(
+                scene, pair, geometry, error, lambda torque: at_positions(torques_Nmm=[torque])
+            )
+            raise
+        account.bytes += held_bytes(found)
+    run = partial(run, position_rad=pair.position_rad)
+    if not pair.effects.lumped_contact:
+        # the equations of a lumped contact hold its tangent
+        with clock.stage("tangent") as account:
+            again = partial(run, keep_pairs=False, account=account)
+            found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
+    with clock.account("result") as account:
+        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+    account.counters.pop("states", None)  # those are positions under a torque
+    return pair, FlankStates(found, errors, rounds, pair_geometry(pair, compliances), run)
+
+
+def _all_positions(
+    scene: Scene, pair: BodyPair, run: Run, clock: StageClock
+) -> tuple[BodyPair, tuple[Sweep, ...], tuple[PositionErrors | None, ...], int]:
+    """The pair at all its positions, the states, the doubt of the positions, and the rounds."""
+    if not pair.adaptive:
+        found = run(position_rad=pair.position_rad, progress=clock.sweep_progress("sweep"))
+        return pair, found, (None,) * len(found), 1
+
+    def run_round(position_rad: NDArray[np.float64], number: int) -> tuple[Sweep, ...]:
+        return run(position_rad=position_rad, progress=clock.sweep_progress("sweep", number=number))
+
+    window = window_of(pair)
+    swept = sweep_adaptively(
+        run_round,
+        pair.position_rad,
+        window,
+        tolerance=position_tolerance(scene),
+        most=scene.positions.most_per_pitch * window.pitches,
+        least_rad=LEAST_VARIATION * pair.body_1.curve.length_mm / pair.body_1.reference_radius_mm,
+    )
+    return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+
+
+def window_of(pair: BodyPair) -> Window:
+    """Tooth pitches that the positions run over.
+
+    Parameters
+    ----------
+    pair : BodyPair
+        Whose positions are no single angles.
+
+    Returns
+    -------
+    Window
+    """
+    assert pair.pitches is not None
+    pairing = pair.pairing
+    return Window(
+        pitch_rad=pairing.pitch_rad,
+        pitches=pair.pitches,
+        closed=pair.closed,
+        sites=pairing.sites,
+        # the one flank of a cam stands beside itself
+        whole_circle=pairing.whole_circle or pairing.motion is not None,
+    )
+
+
+def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
+    """What adaptive positions leave in doubt beyond the tolerance.
+
+    Parameters
+    ----------
+    scene : Scene
+    pair : BodyPair
+    error : PositionErrors or None
+
+    Returns
+    -------
+    tuple of str
+    """
+    tolerance = position_tolerance(scene)
+    if error is None or error.largest <= tolerance:
+        return ()
+    note = (
+        f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
+        f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
+        f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+    )
+    return (note,)

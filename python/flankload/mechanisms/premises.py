@@ -1,0 +1,196 @@
+"""Premises of the model: a scene that breaks one is refused, or its result says so.
+
+The model knows small deformations of bodies that touch on their working flanks. Each premise is one
+record, with the number up to which it holds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import PremiseError
+from flankload.result.accuracy_lines import OUTSIDE
+from flankload.scene.usual import questions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Premise:
+    """What must hold.
+
+    Attributes
+    ----------
+    name : str
+        As `result.outside_limits` lists it.
+    limit : float
+    expected : str
+        What is expected, with the limit.
+    """
+
+    name: str
+    limit: float
+    expected: str
+
+
+#: Where there is no module; of a cam's follower parts of a radian.
+ROTATION = Premise(
+    "rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch, or of a radian"
+)
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A premise that does not hold.
+
+    Attributes
+    ----------
+    premise : Premise
+    key : str
+        To blame.
+    found : str
+        The number, in words.
+    """
+
+    premise: Premise
+    key: str
+    found: str
+
+    def error(self, scene: Scene) -> PremiseError:
+        """The refusal."""
+        return PremiseError(
+            file=scene.file,
+            key=self.key,
+            expected=f"{self.premise.expected} (or effects.beyond_limits = true)",
+            found=self.found,
+        )
+
+    @property
+    def note(self) -> str:
+        """What the result says."""
+        return f"{OUTSIDE}: {self.key}: expected {self.premise.expected}, found {self.found}"
+
+
+def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
+    """Refuse what is broken, unless the scene wants to go on without.
+
+    Parameters
+    ----------
+    scene : Scene
+    broken : sequence of Broken
+
+    Returns
+    -------
+    tuple of Broken
+
+    Raises
+    ------
+    PremiseError
+        Names the first of them.
+    """
+    if broken and not scene.effects.beyond_limits:
+        raise broken[0].error(scene)
+    return tuple(broken)
+
+
+def marked(result: Result, broken: Sequence[Broken]) -> Result:
+    """A result that says which premises it breaks: first of its warnings, and in its estimate.
+
+    Parameters
+    ----------
+    result : Result
+    broken : sequence of Broken
+
+    Returns
+    -------
+    Result
+    """
+    if not broken:
+        return result
+    names, estimate = tuple(one.premise.name for one in broken), result.estimate
+    if estimate is not None:
+        estimate = {**estimate, "outside_limits": names}
+    return replace(
+        result,
+        outside_limits=names,
+        estimate=estimate,
+        warnings=(*(one.note for one in broken), *result.warnings),
+    )
+
+
+def broken_by_drive(
+    scene: Scene, torque_Nm: float, stiffness_Nm_per_rad: Floats, pitch_rad: float, number: int
+) -> Iterator[Broken]:
+    """What a torque breaks on a chain or a belt, whose displacements are small.
+
+    Parameters
+    ----------
+    scene : Scene
+    torque_Nm : float
+    stiffness_Nm_per_rad : (P,) array
+        Tangent stiffness at the positions.
+    pitch_rad : float
+    number : int
+        Of the torque.
+
+    Yields
+    ------
+    Broken
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turned_rad = largest_turn(torque_Nm / stiffness_Nm_per_rad)
+    yield from broken_by_turn(turned_rad, pitch_rad, Torque(scene, number))
+
+
+def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
+    """A body 1 that turns too far under load.
+
+    Parameters
+    ----------
+    turned_rad, pitch_rad : float
+    torque : Torque
+
+    Yields
+    ------
+    Broken
+    """
+    unit = min(pitch_rad, 1.0)
+    if turned_rad > ROTATION.limit * unit:
+        of = "a pitch" if unit < 1.0 else "a radian"
+        yield torque.broken(ROTATION, f"{turned_rad / unit:.3g} of {of}")
+
+
+class Torque:
+    """A torque of a scene, as a message names it."""
+
+    def __init__(self, scene: Scene, number: int, part: float = 1.0) -> None:
+        self._scene, self._number = scene, number
+        whole = scene.torques_Nm[number]
+        self.under = f"under {whole:g} N m"
+        if part < 1.0:
+            self.under = f"already under {part * whole:.3g} N m, a part of {whole:g} N m"
+
+    def broken(self, premise: Premise, found: str) -> Broken:
+        """Blame a modulus that is unusual, else the torque."""
+        asked = questions(self._scene)
+        for key in ("body_1.young_modulus_MPa", "body_2.young_modulus_MPa"):
+            if key in asked:
+                return Broken(premise, key, f"{found} {self.under}, with {asked[key]}")
+        listed = f"[{self._number}]" if self._scene.has_torque_list else ""
+        return Broken(premise, f"load.torque_Nm{listed}", f"{found} {self.under}")
+
+
+def largest_turn(turned_rad: Floats) -> float:
+    """The largest by which a torque turns body 1, at least: contacts get stiffer as it grows."""
+    return float(np.max(turned_rad, where=np.isfinite(turned_rad), initial=0.0))

@@ -1,0 +1,53 @@
+"""Which room solves a scene; a room is imported only where a scene needs it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from flankload.mechanisms.protocol import Mechanism
+    from flankload.scene import Scene
+
+#: Room by the kind of body 2; bodies that are not named here touch on their flanks.
+REGISTRY = {"belt": "belt", "chain": "chain"}
+OTHERS = "flank_pair"
+
+
+def mechanism_of(scene: Scene) -> Mechanism:
+    """Kind of drive of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Mechanism
+    """
+    room = REGISTRY.get(scene.body_2.kind, OTHERS)
+    mechanism: Mechanism = import_module(f"flankload.mechanisms.{room}.mechanism").MECHANISM
+    return mechanism
+
+
+def require_flanks(scene: Scene) -> None:
+    """Refuse drives whose bodies have no flanks with elements.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Raises
+    ------
+    SceneError
+    """
+    why = mechanism_of(scene).without_flanks
+    if why is not None:
+        raise SceneError(
+            file=scene.file,
+            key="body_2.kind",
+            expected="bodies with flanks and elements for that",
+            found=why,
+        )

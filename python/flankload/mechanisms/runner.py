@@ -1,0 +1,119 @@
+"""One run of a scene of any kind of drive, stage by stage, with the clock running."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from flankload.cost import beside_plan, held_bytes, totals
+from flankload.mechanisms.premises import held, marked
+from flankload.mechanisms.registry import mechanism_of
+from flankload.mechanisms.stage_clock import Kept, Progress, StageClock
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from flankload.cost import Account
+    from flankload.mechanisms.premises import Broken
+    from flankload.mechanisms.protocol import Counted
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.scene.resolution import Resolution
+
+
+def run_once(
+    scene: Scene,
+    kept: Kept | None = None,
+    progress: Progress | None = None,
+    *,
+    plan: Counted | None = None,
+    discretization: Resolution | None = None,
+    on_assembly: Callable[[Any], None] | None = None,
+    stages: Mapping[str, Account] | None = None,
+    notes: Sequence[str] = (),
+) -> Result | tuple[Result, ...]:
+    """Solve a scene at the discretization that it names, or by default has.
+
+    Parameters
+    ----------
+    scene : Scene
+    kept : mapping of 0 and 1 to compliance and Account, optional
+        Compliances that another scene of the same bodies and discretization has left; what they
+        took counts as if it were spent here. Missing ones are computed and added.
+    progress : callable, optional
+        Called as progress(stage, done, total); done grows up to total.
+    plan : mapping, optional
+        Predictions by stage, which the result shows beside what is spent.
+    discretization : Resolution, optional
+        In place of that of the scene.
+    on_assembly : callable, optional
+        Called with the assembly before elements are solved.
+    stages : mapping of str to Account, optional
+        Stages that come before this run.
+    notes : sequence of str
+        Further warnings of the results.
+
+    Returns
+    -------
+    Result, or a tuple of Results where the scene has a list of torques
+
+    Raises
+    ------
+    SceneError
+        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
+        model.
+    FlankloadError
+        If a position has no answer, or the plan is one of another scene.
+    """
+    mechanism = mechanism_of(scene)
+    clock = StageClock(progress, mechanism.sweeps(scene), stages or {})
+    with clock.stage("bodies") as account:
+        built = mechanism.build(scene, discretization, account)
+        by_geometry = held(scene, tuple(mechanism.broken_by_geometry(built)))
+        account.bytes += held_bytes(built)
+    predicted = beside_plan(mechanism.work(scene, built), plan)
+    if on_assembly is not None:
+        on_assembly(built)
+    kept = {} if kept is None else kept
+    assembly, compliances = mechanism.compliances(scene, built, clock, kept)
+    if assembly.position_rad.size != built.position_rad.size:
+        # teeth of different compliance need more positions, which no plan knows
+        predicted = beside_plan(mechanism.work(scene, assembly))
+    assembly, states = mechanism.states(scene, assembly, compliances, clock)
+    numbers = range(len(states.found))
+    by_load = [
+        held(scene, tuple(mechanism.broken_by_load(scene, assembly, states, n))) for n in numbers
+    ]
+    estimates: Sequence[Mapping[str, object] | None] = [None] * len(numbers)
+    if scene.accuracy.estimate:
+        estimates = mechanism.estimates(scene, assembly, compliances, states, clock)
+    with clock.stage("result") as account:
+        results = mechanism.results(scene, assembly, compliances, states, estimates)
+        account.bytes += held_bytes(results)
+    finished = tuple(
+        _finished(result, (*by_geometry, *broken), clock.stages, predicted, notes)
+        for result, broken in zip(results, by_load, strict=True)
+    )
+    clock.finish()
+    return finished if scene.has_torque_list else finished[0]
+
+
+def _finished(
+    result: Result,
+    broken: Sequence[Broken],
+    stages: Mapping[str, Account],
+    predicted: Mapping[str, Mapping[str, Any]],
+    notes: Sequence[str],
+) -> Result:
+    """The result with the warnings and the cost of the run."""
+    cost = {
+        **totals(stages),
+        **result.cost,
+        "bytes": sum(account.bytes for account in stages.values()),
+        "stages": {
+            name: account.as_dict() | {"predicted": dict(predicted.get(name, {}))}
+            for name, account in stages.items()
+        },
+    }
+    result = replace(result, warnings=(*notes, *result.warnings), cost=cost)
+    return marked(result, broken)

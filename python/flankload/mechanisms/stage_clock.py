@@ -1,0 +1,105 @@
+"""Accounts of the stages of a run, and the progress that is reported on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, MutableMapping
+from typing import TYPE_CHECKING, Any
+
+from flankload.cost import Account
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Progress = Callable[[str, int, int], None]
+#: Compliance of body 1 (0) and body 2 (1), each with what it took.
+Kept = MutableMapping[int, tuple[Any, Account]]
+
+#: Steps of the progress: bodies, elements of each body, each sweep.
+BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 5, 20
+#: Steps before the first sweep.
+FIXED_STEPS = BODY_STEPS + 2 * COMPLIANCE_STEPS
+#: Steps that are done when a stage begins.
+STEPS_BEFORE = {
+    "plan": 0,
+    "bodies": 0,
+    "compliance body 1": BODY_STEPS,
+    "compliance body 2": BODY_STEPS + COMPLIANCE_STEPS,
+    "sweep": FIXED_STEPS,
+    "tangent": FIXED_STEPS + SWEEP_STEPS,
+    "estimate": FIXED_STEPS + 2 * SWEEP_STEPS,
+}
+
+
+class StageClock:
+    """Accounts by stage, and progress reports.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Called as progress(stage, done, total).
+    sweeps : int
+        Sweeps over the positions at the most.
+    stages : mapping of str to Account
+        Stages that are over already.
+    """
+
+    def __init__(
+        self, progress: Progress | None, sweeps: int, stages: Mapping[str, Account]
+    ) -> None:
+        self.stages: dict[str, Account] = dict(stages)
+        self._progress = progress
+        self._total = FIXED_STEPS + sweeps * SWEEP_STEPS
+        self._last = ("", 0)
+
+    def stage(self, name: str) -> Account:
+        """Report the beginning of a stage and return its account."""
+        self.report(name, STEPS_BEFORE.get(name, self._total))
+        return self.account(name)
+
+    def account(self, name: str) -> Account:
+        """Account of a stage."""
+        return self.stages.setdefault(name, Account())
+
+    def report(self, name: str, done: int) -> None:
+        """Report progress where it is new."""
+        if self._progress is not None and self._last != (name, done):
+            self._last = (name, done)
+            self._progress(name, done, self._total)
+
+    def sweep_progress(
+        self, name: str, *, sweep: int = 0, number: int | None = None
+    ) -> Callable[[int, int], None]:
+        """Progress of the positions in a sweep of a stage.
+
+        Parameters
+        ----------
+        name : str
+        sweep : int
+            Sweeps of the stage before this one.
+        number : int, optional
+            Of a round of positions, whose number is not known: each takes half of what is left.
+
+        Returns
+        -------
+        callable
+            Takes the positions that are done, and all.
+        """
+        before = STEPS_BEFORE[name] + sweep * SWEEP_STEPS
+        left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))
+
+        def report(done: int, total: int) -> None:
+            steps = SWEEP_STEPS * (1.0 - left + part * done / max(1, total))
+            self.report(name, before + int(steps + 1e-9))
+
+        return report
+
+    def move(self, seconds: Mapping[str, float], name: str, step: str) -> None:
+        """Count a step of a stage to the stage that has the step's name."""
+        if step in seconds:
+            for account, sign in ((self.stages[name], -1), (self.stages[step], 1)):
+                account.wall_s += sign * seconds[step]
+                account.cpu_s += sign * seconds[step]
+
+    def finish(self) -> None:
+        """Report the end."""
+        self.report("done", self._total)

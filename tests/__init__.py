@@ -1,0 +1,1 @@
+"""Tests by room (`unit`), of physics, hard cases, the project; `support` is what they share."""

@@ -1,0 +1,294 @@
+"""The flat door: its prototypes, its words, and that it keeps to itself."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import subprocess
+import textwrap
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from flankload import _core
+from tests.support.paths import FORTRAN
+
+FLAT = sorted((FORTRAN / "flat").glob("*.f90"))
+SOURCES = sorted(FORTRAN.rglob("*.f90"))
+
+PROCEDURE = re.compile(
+    r"^subroutine (\w+)\(([^)]*)\)(?: bind\(c, name='\w+'\))?$(.*?)^end subroutine \1$",
+    re.MULTILINE | re.DOTALL,
+)
+DECLARED = re.compile(
+    r"^    (integer(?:\(c_int\))?|double precision|character\([\w=*]+\)), "
+    r"intent\((in|out|inout)\)(, value)? :: (\w+)",
+    re.MULTILINE,
+)
+C_TYPES = {"integer": "int", "double precision": "double"}
+
+
+def joined(text: str) -> str:
+    """Source with its continued lines in one."""
+    return re.sub(r"&\s*\n\s*&\s*", "", text)
+
+
+def procedures() -> dict[str, list[tuple[str, str, str]]]:
+    """Name, intent and type of every argument of every procedure of the door."""
+    found = {}
+    for path in FLAT:
+        for name, arguments, body in PROCEDURE.findall(joined(path.read_text(encoding="utf-8"))):
+            declared = {d[3]: (d[0], d[1]) for d in DECLARED.findall(body)}
+            names = [argument.strip() for argument in arguments.split(",")]
+            found[name] = [
+                (argument, *declared[argument]) for argument in names if argument in declared
+            ]
+            assert len(found[name]) == len(names), f"{name}: an argument without its declaration"
+    return found
+
+
+DOOR = procedures()
+FOR_FORTRAN = sorted(name for name in DOOR if not name.endswith("_c"))
+FOR_C = sorted({*DOOR} - {"flankload_status_text"})
+
+
+def test_every_procedure_was_found() -> None:
+    text = "".join(path.read_text(encoding="utf-8") for path in FLAT)
+    assert len(DOOR) == len(re.findall(r"^subroutine", text, re.MULTILINE)) >= 9
+
+
+@pytest.mark.parametrize("name", FOR_FORTRAN)
+def test_manners(name: str) -> None:
+    """Names of at most 31 letters; info last."""
+    assert len(name) <= 31
+    assert name.startswith("flankload_")
+    if name != "flankload_status_text":
+        assert DOOR[name][-1] == ("info", "integer", "out")
+
+
+def prototype(name: str) -> str:
+    """What stands in flankload.h for a procedure."""
+    arguments = [
+        f"{'const ' if intent == 'in' else ''}{C_TYPES[kind]} *{argument}"
+        for argument, kind, intent in DOOR[name]
+    ]
+    head = f"void\0{name}_("
+    # an argument stays in one line
+    joined_up = ", ".join(argument.replace(" ", "\0") for argument in arguments)
+    lines = textwrap.wrap(head + joined_up + ");", 100, subsequent_indent=" " * len(head))
+    return "\n".join(lines).replace("\0", " ")
+
+
+@pytest.mark.parametrize("name", sorted({*FOR_C} - {"flankload_status_text_c"}))
+def test_prototypes_for_c(name: str) -> None:
+    header = " ".join((FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8").split())
+    wanted = prototype(name)
+    assert " ".join(wanted.split()) in header, f"flankload.h lacks\n{wanted}"
+
+
+def test_the_header_names_nothing_else() -> None:
+    header = (FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"void (flankload_\w+?)_?\(", header)) == FOR_C
+    assert "void flankload_status_text_c(int code, int size, char *text);" in header
+
+
+def test_the_include_file_names_every_procedure() -> None:
+    text = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
+    assert sorted(re.findall(r"external (\w+)", text)) == FOR_FORTRAN
+    # fixed and free source form both read it
+    for line in text.splitlines():
+        assert len(line) <= 72
+        assert line.startswith(("!", "      "))
+        assert "&" not in line
+
+
+def make_interfaces() -> ModuleType:
+    """The script that writes the interfaces."""
+    path = FORTRAN / "flat" / "make_interfaces.py"
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_the_interfaces_are_those_of_the_sources() -> None:
+    text = (FORTRAN / "flat" / "flankload_interfaces.inc").read_text(encoding="ascii")
+    wanted = make_interfaces().interfaces()
+    assert text == wanted, "run python fortran/flat/make_interfaces.py"
+    assert sorted(re.findall(r"^      subroutine (\w+)", text, re.MULTILINE)) == FOR_FORTRAN
+    statements = re.sub(r" *&\n     & *", " ", text)
+    for name in FOR_FORTRAN:
+        block = re.search(
+            rf"subroutine {name}\((.*?)\)$(.*?)end subroutine", statements, re.M | re.S
+        )
+        assert block is not None
+        assert block[1].split(", ") == [argument for argument, *_ in DOOR[name]]
+        assert {
+            found[3] for found in DECLARED.findall(block[2].replace("\n        ", "\n    "))
+        } == {argument for argument, *_ in DOOR[name]}
+
+
+def test_both_source_forms_read_the_interfaces() -> None:
+    """Continued lines have & in column 73, where fixed form ends, and in column 6."""
+    lines = (FORTRAN / "flat" / "flankload_interfaces.inc").read_text(encoding="ascii").splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        assert line.startswith(("!", "      ", "     &"))
+        assert len(line) <= 72 or (len(line) == 73 and line.endswith("&"))
+        assert line.endswith("&") == following.startswith("     &")
+
+
+def test_the_module_shows_the_whole_door() -> None:
+    text = (FORTRAN / "flankload.f90").read_text(encoding="utf-8")
+    shown = [name for line in re.findall(r"public :: (.*)", text) for name in line.split(", ")]
+    include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
+    numbers = re.findall(r"(fl_\w+)=", include)
+    assert len(numbers) == 12
+    door = [name for name in shown if name.startswith(("flankload_", "fl_"))]
+    assert sorted(door) == sorted([*FOR_FORTRAN, *numbers])
+
+
+def test_numbers_of_methods_and_structures_agree() -> None:
+    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, RUNGS, SYMMETRIC
+
+    include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
+    header = (FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8")
+    of_fortran = {k: int(v) for k, v in re.findall(r"fl_(\w+)=(\d)", include)}
+    of_c = {k.lower(): int(v) for k, v in re.findall(r"FLANKLOAD_(\w+) = (\d)", header)}
+    names = {name.replace("single_pivoted", "pivoted"): n for n, name in RUNGS.items()}
+    names |= {
+        "general": GENERAL,
+        "symmetric": SYMMETRIC,
+        "definite": DEFINITE,
+        "definite_part": DEFINITE_PART,
+    }
+    assert of_fortran == of_c == names
+
+
+def test_every_status_has_its_words() -> None:
+    registry = (FORTRAN / "base" / "status.f90").read_text(encoding="utf-8")
+    codes = {int(code) for code in re.findall(r"\b\w+ = (-?\d+)\b", registry)} - {-100}
+    assert codes == {*range(-21, -10), *range(-7, 4)}
+    words = {code: _core.flankload_status_text(code).decode("ascii").strip() for code in codes}
+    assert len(set(words.values())) == len(words)
+    assert not any(text.startswith("no status") for text in words.values())
+    assert max(len(text) for text in words.values()) <= 80
+    assert _core.flankload_status_text(-117) == b"argument 17 is not valid"
+    assert _core.flankload_status_text(99) == b"no status has the number 99"
+
+
+def test_only_the_registry_numbers_statuses() -> None:
+    numbered = re.compile(r"\b(code|status)\w* = -?[1-9]|fatal_error\(error, -?\d")
+    for path in SOURCES:
+        if path.name != "status.f90":
+            assert not numbered.search(path.read_text(encoding="utf-8")), path.name
+
+
+def contact_arguments(**changes: object) -> list[object]:
+    arguments: dict[str, object] = {
+        "compliance": np.eye(2, order="F"),
+        "normal_gaps": np.zeros(2),
+        "motions": np.ones((2, 1), order="F"),
+        "load_rows": np.ones((2, 1), order="F"),
+        "loads": np.ones(1),
+        "structure": 1,
+        "method": 0,
+        "warm_pairs": np.empty(0, dtype=np.int32),
+    }
+    return list((arguments | changes).values())
+
+
+@pytest.mark.parametrize(
+    ("argument", "change"),
+    [
+        (9, {"structure": 4}),
+        (9, {"structure": -1}),
+        (10, {"method": 8}),
+        (11, {"warm_pairs": np.array([3], dtype=np.int32)}),
+        (11, {"warm_pairs": np.array([0], dtype=np.int32)}),
+    ],
+)
+def test_refused_arguments_of_a_contact_problem(argument: int, change: dict[str, object]) -> None:
+    *numbers, info = _core.flankload_solve_contact(*contact_arguments(**change))
+    assert info == -100 - argument
+    assert np.isnan(numbers[0]).all()
+    assert _core.flankload_solve_contact(*contact_arguments())[-1] == 0
+
+
+def test_refused_arguments_of_known_columns() -> None:
+    def info_of(known: list[int], **changes: object) -> int:
+        pairs = np.array(known, dtype=np.int32)
+        columns = np.asfortranarray(np.eye(2)[:, : len(known)]).ravel(order="F")
+        rest = contact_arguments(**changes)[1:]
+        return int(_core.flankload_contact_columns(pairs, columns, np.ones(2), *rest)[-1])
+
+    assert info_of([1, 2]) == 0
+    assert info_of([1, 3]) == -105
+    assert info_of([1, 2], structure=7) == -112
+    assert info_of([1, 2], method=2) == -113
+    assert info_of([1, 2], warm_pairs=np.array([9], dtype=np.int32)) == -114
+
+
+def test_refused_arguments_of_a_sequence() -> None:
+    def info_of(**changes: object) -> np.ndarray:
+        arguments: dict[str, object] = {
+            "n_threads": 1,
+            "sizes": np.array([2], dtype=np.int32),
+            "compliances": np.eye(2).ravel(),
+            "normal_gaps": np.zeros(2),
+            "motions": np.ones(2),
+            "load_rows": np.ones(2),
+            "loads": np.ones((1, 2, 1), order="F"),
+            "keys": np.arange(2, dtype=np.int32),
+            "structures": np.array([1], dtype=np.int32),
+            "method": 0,
+        }
+        *numbers, info = _core.flankload_solve_sequence(*(arguments | changes).values())
+        assert (info == 0).all() or np.isnan(numbers[0]).all()
+        return info.ravel().tolist()
+
+    assert info_of() == [0, 0]
+    assert info_of(n_threads=-1) == [-106, -106]
+    assert info_of(sizes=np.array([1], dtype=np.int32)) == [-107, -107]
+    assert info_of(structures=np.array([9], dtype=np.int32)) == [-114, -114]
+    assert info_of(method=11) == [-115, -115]
+
+
+def test_global_names_are_used_once() -> None:
+    """Modules and external procedures share one space of names (Fortran 2008, 16.2)."""
+    text = "\n".join(path.read_text(encoding="utf-8").lower() for path in SOURCES)
+    modules = re.findall(r"^module (\w+)$", text, re.MULTILINE)
+    names = [*modules, *DOOR]
+    assert len(modules) >= 70
+    assert {name for name in names if names.count(name) > 1} == set()
+    assert "volatile" not in text
+
+
+def test_the_core_prints_opens_and_stops_nothing() -> None:
+    """Nor does it keep anything between calls."""
+    forbidden = re.compile(
+        r"^\s*(print\b|open\s*\(|close\s*\(|read\s*\(|(error )?stop\b|save\b"
+        r"|write\s*\((?!number,)|common\b|.*\bsave\s*::|call (exit|abort)\b)",
+        re.IGNORECASE,
+    )
+    for path in SOURCES:
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            assert not forbidden.match(line), f"{path.name}:{number}: {line}"
+
+
+def test_the_library_shows_its_own_names_alone() -> None:
+    library = FORTRAN.parent / "build" / "fortran" / "libflankload.so"
+    if not library.exists():
+        pytest.skip("the library stands elsewhere")
+    listed = subprocess.run(
+        ["nm", "-D", library], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    defined = [line.split()[-1] for line in listed if " U " not in line and " w " not in line]
+    assert not [name for name in defined if not re.match(r"(__)?flankload_", name)]
+    assert {f"{name}_" for name in FOR_FORTRAN} <= set(defined)
+    wanted = {line.split()[-1].split("@")[0] for line in listed if " U " in line}
+    for call in ("open", "close", "read", "stop", "inquire", "flush"):
+        assert not [name for name in wanted if re.match(rf"_gfortran_(st_|error_)?{call}", name)]
+    assert not wanted & {"exit", "abort", "printf", "puts", "fopen", "system"}

@@ -1,0 +1,51 @@
+"""Timing belts: T10 and HTD 8M as plane strips, their response and shares of the load."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from flankload.bodies.body import Material
+from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
+from flankload.mechanisms.belt.contact import BeltState
+from flankload.mechanisms.belt.row import BeltRow, StripResponse
+
+CORD, FORCE = 25e3, 40.0
+#: Of shares between a row of springs and the elements from which it comes, points.
+ROW = 0.2
+#: The same, where the last tooth touches with a part of its flank and nothing holds the cord
+#: straight: its sharp corner at the land recedes, which a spring does not know. Finer elements, and
+#: such that are finer at the corners, come to 0.28, with lands held at nodes, by hats, and with
+#: free corners alike.
+ROW_AT_THE_EDGE = 0.3
+T10 = Strip(
+    pulley_teeth=24,
+    pitch_mm=10.0,
+    wrapped_teeth=12,
+    width_mm=1.0,
+    tooth=Trapezoid(5.3, 2.5, np.radians(25.0)),
+    groove=None,
+    land_distance_mm=1.0,
+    back_mm=2.0,
+    cord_N_per_mm=CORD,
+    material=Material(100.0, 0.45),
+)
+
+
+def longer(strip: Strip, difference_um: float) -> Strip:
+    return replace(strip, pitch_difference_mm=difference_um / 1000.0)
+
+
+@cache
+def response(strip: Strip = T10, elements: int = 6, *, lands: bool = True) -> StripResponse:
+    return BeltRow(strip, elements, rubbing=lands, lifting=lands).at(0.0)
+
+
+def shares(state: BeltState) -> np.ndarray:
+    return 100.0 * state.tooth_N_per_mm / FORCE
+
+
+TAUT = replace(T10, prestress_N_per_mm=20.0)
+HTD = replace(T10, pitch_mm=8.0, tooth=Round(2.575, 3.38), land_distance_mm=0.686, back_mm=2.2)

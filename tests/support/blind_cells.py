@@ -1,0 +1,178 @@
+"""Seeded random pairs of external gears, and a reference that lays its cells blindly.
+
+The reference has its own pairing (polar angles interpolated over radius) and its own influence
+numbers (numpy), and puts equal cells over all flanks that could touch: it knows nothing of places
+of least gap, of the widths of contacts, or of corners.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import acos, cos, pi, radians, sin, sqrt, tan
+
+import numpy as np
+
+import flankload as fl
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.near_field import mode_values, strip_kernel
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene.resolution import Grid
+from tests.support.random_scenes import ANGLE, STEEL, inv
+
+
+def draw(rng: np.random.Generator) -> dict | None:
+    """One scene; None where the draw makes no pair (pointed, or a contact ratio off the range)."""
+    teeth = [int(rng.integers(8, 30)), int(rng.integers(8, 121))]
+    module, working = rng.uniform(1, 10), radians(rng.uniform(17, 27))
+    pitch_radius = [module * z / 2 * cos(ANGLE) / cos(working) for z in teeth]
+    distance, backlash = sum(pitch_radius), module * rng.uniform(0.005, 0.06)
+    filled = (2 * pi * pitch_radius[0] - teeth[0] * backlash) / (2 * pitch_radius[0])
+    total = (filled - pi - sum(teeth) * (inv(ANGLE) - inv(working))) / (2 * tan(ANGLE))
+    low, high = max(-0.3, total - 0.8), min(0.8, total + 0.3)
+    if low >= high:
+        return None
+    shift = [rng.uniform(low, high)]
+    shift.append(total - shift[0])
+    dedendum = rng.choice([1.25, 1.25, 1.5])
+    root = [module * (z / 2 + x - dedendum) for z, x in zip(teeth, shift, strict=True)]
+    base = [module * z / 2 * cos(ANGLE) for z in teeth]
+    tip = [distance - r - 0.2 * module for r in reversed(root)]
+    bodies, path = {}, -distance * sin(working)
+    for k in (0, 1):
+        half = (pi / 2 + 2 * shift[k] * tan(ANGLE)) / teeth[k] + inv(ANGLE)
+        if tip[k] <= base[k] or 2 * tip[k] * (half - inv(acos(base[k] / tip[k]))) < 0.2 * module:
+            return None
+        path += sqrt(tip[k] ** 2 - base[k] ** 2)
+        body = {"kind": "gear", "teeth": teeth[k], "module_mm": module, "profile_shift": shift[k]}
+        body |= {"tip_diameter_mm": 2 * tip[k], "bore_diameter_mm": root[k] * rng.uniform(0.5, 1.6)}
+        body |= {"dedendum_factor": dedendum, "fillet_radius_factor": 0.25}
+        if rng.random() < 0.4:
+            body["tip_relief_um"] = rng.uniform(2, 30)
+            body["tip_relief_start_diameter_mm"] = 2 * tip[k] - module * rng.uniform(0.4, 1.6)
+            body["tip_relief_shape"] = rng.choice(["linear", "parabolic"])
+        if rng.random() < 0.3:
+            body["profile_crowning_um"] = rng.uniform(1, 12)
+        if rng.random() < 0.5:
+            end = rng.choice(["tip_radius_mm", "tip_chamfer_mm"])
+            body[str(end)] = module * rng.uniform(0.03, 0.12)
+        if rng.random() < 0.2:
+            body["pitch_errors_um"] = rng.uniform(-10, 10, teeth[k]).tolist()
+        bodies[f"body_{k + 1}"] = body
+    if not 1.05 < path / (pi * module * cos(ANGLE)) < 2.3:
+        return None
+    rho = sin(working) * pitch_radius[0] * pitch_radius[1] / distance
+    width, pressure = rng.uniform(5, 60), rng.uniform(500, 1500)
+    torque = pressure**2 * pi**2 * rho * STEEL * width * base[0] / 1000  # Hertz, one pair
+    return {
+        **bodies,
+        "pair": {"center_distance_mm": distance, "face_width_mm": width},
+        "load": {"torque_Nm": torque * rng.choice([1e-3, 0.1, 1.0, 1.0, 3.0, 10.0])},
+        "accuracy": {"estimate": False, "plane": str(rng.choice(["strain", "stress"]))},
+    }
+
+
+@cache
+def scenes(seed: int, wanted: int) -> list[dict]:
+    """So many scenes that make a pair."""
+    found: list[dict] = []
+    rng = np.random.default_rng(seed)
+    while len(found) < wanted:
+        scene = draw(rng)
+        if scene is None:
+            continue
+        try:
+            build_bodies(fl.Scene.from_dict(scene))
+        except SceneError:
+            continue
+        found.append(scene)
+    return found
+
+
+class Job:
+    """A scene with its finite elements solved, to be swept at any positions."""
+
+    def __init__(self, scene: dict, angles_deg: tuple[float, ...] | None = None) -> None:
+        positions = {"count": 8} if angles_deg is None else {"angles_deg": list(angles_deg)}
+        self.scene = fl.Scene.from_dict({**scene, "positions": positions})
+        pair = build_bodies(self.scene)
+        self.bodies, self.pairing = (pair.body_1, pair.body_2), pair.pairing
+        plane = self.scene.accuracy.plane
+        self.fields = tuple(flank_compliance(b, n_modes=5, plane=plane) for b in self.bodies)
+        self.torque = 1000.0 * scene["load"]["torque_Nm"]
+        self.width = scene["pair"]["face_width_mm"]
+        self.period = pair.pairing.pitch_rad
+
+    def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
+        (found,) = sweep(
+            self.bodies,
+            compliances=self.fields,
+            pairing=self.pairing,
+            position_rad=np.asarray(position_rad, dtype=float),
+            torques_Nmm=[self.torque],
+            face_width_mm=self.width,
+            grid=replace(Grid(), **grid),
+        )
+        return found
+
+
+@cache
+def job(seed: int, wanted: int, k: int) -> Job:
+    return Job(scenes(seed, wanted)[k])
+
+
+def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[float, np.ndarray]:
+    """Rotation and force of each site; pairs with a gap well beyond the rotation are left out."""
+    columns: list[np.ndarray] = []
+    turns = [t[0] for t in job.pairing.turns(np.array([position]))]
+    axes = (np.zeros(2), np.array([job.pairing.center_distance_mm, 0.0]))
+    for site in range(job.pairing.sites.size):
+        length = job.bodies[0].curve.length_mm
+        s_1 = np.arange(length - cell / 2, 0.0, -cell)
+        s_2 = np.linspace(0.0, job.bodies[1].curve.length_mm, 20001)
+        places = []
+        for z, s in enumerate((s_1, s_2)):
+            curve = job.bodies[z].curve.rotated(turns[z] + job.pairing.site_angles_rad[z][site])
+            places.append((curve.point(s) + axes[z], curve.tangent(s)))
+        (p_1, t_1), (p_2, t_2) = places
+        r_1, r_2 = np.hypot(*p_1.T), np.hypot(*p_2.T)
+        facing = slice(np.argmax(r_2), np.argmin(r_2) + 1)
+        r, order = r_2[facing], np.argsort(r_2[facing])
+        if r.size < 2 or (np.diff(r) > 0).any():
+            continue  # a flank far round the gear
+        on_both = ((p_1 * t_1).sum(1) > 0.02 * r_1) & (r_1 > r.min()) & (r_1 < r.max())
+        r_1, p_1, t_1, s_1 = (x[on_both] for x in (r_1, p_1, t_1, s_1))
+
+        def at(values: np.ndarray, r: np.ndarray = r, order: np.ndarray = order) -> np.ndarray:
+            return np.interp(r_1, r[order], values[facing][order])  # noqa: B023
+
+        angle_2 = at(np.unwrap(np.arctan2(p_2[:, 1], p_2[:, 0])))
+        gap = np.angle(np.exp(1j * (angle_2 - np.arctan2(p_1[:, 1], p_1[:, 0]))))
+        lever_1 = np.abs((p_1 * t_1).sum(1))
+        lever_2 = at(np.abs((p_2 * t_2).sum(1)))
+        width_2 = cell * lever_1 / lever_2
+        lever = (lever_1 + lever_2) / 2
+        keep = gap < rotation + 0.2 * abs(rotation)
+        rows = (np.full(gap.size, site), s_1, at(s_2), gap, lever_1, lever, 0 * gap + cell, width_2)
+        columns.append(np.stack(rows)[:, keep])
+    site, s_1, s_2, gap, lever_1, lever, width_1, width_2 = np.concatenate(columns, axis=1)
+    same = site[:, None] == site[None, :]
+    matrix = np.zeros(same.shape)
+    for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
+        field = job.fields[z]
+        low, high = field.mode_range_mm
+        modes = mode_values(np.clip(s, low, high), (low, high), field.smooth.shape[1])
+        teeth = job.pairing.site_teeth[z][site.astype(int)]
+        offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
+        for t in np.unique(offset):
+            matrix += np.where(offset == t, modes @ field.smooth[t] @ modes.T, 0.0)
+        near = strip_kernel(s[:, None] - s[None, :], np.sqrt(d[:, None] * d[None, :]), field.kernel)
+        matrix += np.where(same, near, 0.0)
+    matrix /= job.width
+    state = fl.solve_contact(
+        matrix / lever[:, None], lever_1, gap, job.torque, normal_lever_arms=lever
+    )
+    force = np.bincount(site.astype(int), state.normal_forces, job.pairing.sites.size)
+    return state.rotation, force

@@ -1,0 +1,72 @@
+"""Small contact problems, and their states by brute force over all contact sets."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+THREE = np.array([[10, 9.4, 8], [9.4, 10, 9.4], [8, 9.4, 10]])
+FOUR = np.array([[10.0, 7, 5, 4], [7, 10, 7, 5], [5, 7, 10, 8], [4, 5, 8, 10]])
+
+
+def brute_force(
+    compliance: np.ndarray, gaps: np.ndarray, levers: np.ndarray, row: np.ndarray, load: float
+) -> list[tuple[np.ndarray, float]]:
+    """Every state of contact, by trying all contact sets."""
+    n = gaps.size
+    states = []
+    for size in range(1, n + 1):
+        for chosen in itertools.combinations(range(n), size):
+            pairs = list(chosen)
+            matrix = np.zeros((size + 1, size + 1))
+            matrix[:size, :size] = compliance[np.ix_(pairs, pairs)]
+            matrix[:size, size] = -levers[pairs]
+            matrix[size, :size] = row[pairs]
+            try:
+                solution = np.linalg.solve(matrix, np.r_[-gaps[pairs], load])
+            except np.linalg.LinAlgError:
+                continue
+            forces = np.zeros(n)
+            forces[pairs] = solution[:size]
+            final = compliance @ forces + gaps - levers * solution[size]
+            final[pairs] = 0.0
+            if (solution[:size] > 0.0).all() and (final >= 0.0).all():
+                states.append((forces, float(solution[size])))
+    return states
+
+
+def random_problem(
+    rng: np.random.Generator, *, unsymmetric: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+    """A, m, b, gap angles and torque of a small problem of gear kind."""
+    n = int(rng.integers(1, 9))
+    place = np.sort(rng.uniform(0.0, 1.0, n))
+    compliance = np.exp(-3.0 * np.abs(place[:, None] - place)) + 0.05 * np.eye(n)
+    levers = rng.uniform(20.0, 40.0, n)
+    row = levers.copy()
+    if unsymmetric:
+        compliance *= 1.0 + 0.02 * rng.standard_normal((n, n))
+        row *= 1.0 + 0.05 * rng.standard_normal(n)
+    gaps = rng.uniform(0.0, 1.0, n) * rng.choice([0.01, 0.3, 3.0])
+    torque = float(levers.mean() * 10.0 ** rng.uniform(-2, 2))
+    return compliance / levers[:, None], row, levers, gaps / levers, torque
+
+
+def flank_problem(
+    n: int, rng: np.random.Generator, *, friction: float = 0.0, pairs_of_flanks: int = 2
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """A, m, gap angles and torque of a few flanks that press like cylinders on half-planes."""
+    flank = np.arange(n) * pairs_of_flanks // n
+    place = (np.arange(n) * pairs_of_flanks / n) % 1.0
+    step = pairs_of_flanks / n
+    distance = np.abs(place[:, None] - place)
+    upper, lower = distance + step / 2, distance - step / 2
+    kernel = 1.0 - (upper * np.log(upper) - lower * np.log(np.abs(lower)) - step) / step
+    matrix = np.where(flank[:, None] == flank, kernel, 0.0) + 0.5
+    if friction:
+        matrix = matrix * (1.0 + friction * 0.2 * np.sign(0.5 - place))
+    gaps = 3.0 * (place - rng.uniform(0.3, 0.7, pairs_of_flanks)[flank]) ** 2
+    gaps += 0.02 * rng.uniform(0, 1, pairs_of_flanks)[flank]
+    row = 1.0 + friction * np.where(flank % 2, -0.3, 0.3)
+    return matrix, row, gaps, float(10.0 ** rng.uniform(-2, 0.5))

@@ -1,0 +1,92 @@
+"""A pair of gears as a scene, its keys changed one by one, and what a refusal says."""
+
+from __future__ import annotations
+
+import tomllib
+from copy import deepcopy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import BodyPair
+from flankload.scene import Scene
+from tests.support.paths import SCENES
+
+GEAR = {"kind": "gear", "teeth": 16, "module_mm": 4.5, "tip_diameter_mm": 82.46}
+SCENE: dict[str, Any] = {
+    "name": "pair",
+    "body_1": {**GEAR, "bore_diameter_mm": 30},
+    "body_2": {**GEAR, "bore_diameter_mm": 30},
+    "pair": {"center_distance_mm": 72.0, "face_width_mm": 14},
+    "load": {"torque_Nm": 302},
+}
+PROFILE = {"module_mm": 4.5, "tip_diameter_mm": 82.46}
+ROUNDED = {**PROFILE, "tip_radius_mm": 0.3}
+MESH = {"kind": "mesh", "file": "a.msh", "teeth": 16, "profile": PROFILE}
+RING = {
+    **{"kind": "ring", "teeth": 60, "module_mm": 4.5, "tip_diameter_mm": 262},
+    **{"root_diameter_mm": 281, "outer_diameter_mm": 320},
+}
+
+ABSENT = object()
+
+
+def example(name: str) -> dict[str, Any]:
+    """Tables of a scene of the examples."""
+    return tomllib.loads((SCENES / f"{name}.toml").read_text("utf-8"))
+
+
+def changed(**changes: Any) -> dict[str, Any]:
+    """The valid scene with keys (dots written as two underscores) set, or taken away if ABSENT."""
+    scene = deepcopy(SCENE)
+    for path, value in changes.items():
+        *tables, key = path.split("__")
+        table = scene
+        for name in tables:
+            table = table.setdefault(name, {})
+        if value is ABSENT:
+            del table[key]
+        else:
+            table[key] = value
+    return scene
+
+
+def refusal(scene: Any) -> SceneError:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(scene, file="a.toml")
+    return caught.value
+
+
+def one_line(changes: dict[str, Any], key: str, expected: str, found: str) -> None:
+    """Check that a changed scene gets this one line."""
+    error = refusal(changed(**changes))
+    assert str(error) == f"a.toml: {key}: expected {expected}, found {found}"
+    assert (error.key, error.expected, error.found) == (key, expected, found)
+    assert "\n" not in str(error)
+
+
+def usable_contact_ratio(pair: BodyPair) -> float:
+    """Part of the path of contact where both radii lie between form circle and tip rounding.
+
+    Place by place along the path, to 1e-5 of it.
+    """
+    mesh, sense = pair.pairing.mesh, pair.body_2.outward
+    assert mesh is not None
+    x = np.linspace(mesh.path_start_mm, mesh.path_end_mm, 100_001)
+    on_both = np.ones(x.size, dtype=bool)
+    for body, pitch_radius, along in (
+        (pair.body_1, mesh.pitch_radius_1_mm, x),
+        (pair.body_2, mesh.pitch_radius_2_mm, -sense * x),
+    ):
+        curve, involute = body.curve, body.involute
+        assert involute is not None
+        to_pitch_point = pitch_radius * np.sin(mesh.pressure_angle_rad)
+        reach = to_pitch_point + along
+        radius = np.hypot(involute.base_radius_mm, reach)
+        last = max(k for k, label in enumerate(curve.labels) if label in ("flank", "relief"))
+        end = float(np.linalg.norm(curve.point(curve.breaks[last + 1 : last + 2])[0]))
+        low, high = sorted((involute.form_radius_mm, end))
+        on_both &= (reach >= 0) & (radius >= low) & (radius <= high)
+    return float(on_both.mean()) * mesh.contact_ratio

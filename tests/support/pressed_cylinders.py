@@ -1,0 +1,66 @@
+"""Two cylinders pressed together through the whole core."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+
+from flankload.contact.sweep import Level, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.flank import CurvePiece, fit_flank_curve
+from flankload.pairing.pairing import Pairing
+from flankload.pairing.period import Period
+from flankload.scene.resolution import Grid
+from tests.support.paths import REFERENCE_SOLUTIONS
+
+CASE = json.loads((REFERENCE_SOLUTIONS / "closed_form.json").read_text())["hertz_cylinders"]
+RADIUS_1, RADIUS_2 = CASE["R1_mm"], CASE["R2_mm"]
+LEVER, DISTANCE = 36.0, 90.0
+
+
+def arc(centre: tuple[float, float], radius: float, start: float, end: float):
+    """A circular flank; the material lies on the right of growing arc length."""
+
+    def place(u):
+        direction = np.stack([np.cos(u), np.sin(u)], axis=-1)
+        normal = np.stack([-np.sin(u), np.cos(u)], axis=-1)
+        return np.asarray(centre) + radius * direction, radius * normal, -radius * direction
+
+    return fit_flank_curve([CurvePiece("flank", place, start, end, False)])
+
+
+def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
+    """Two half-plane cylinders pressed together at (LEVER, 0) along y."""
+    # body 1 pushes up (+y) at (LEVER, 0); its centre is below. Clockwise on the top: t towards +x.
+    one = arc((LEVER, -RADIUS_1), RADIUS_1, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
+    # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
+    two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
+    kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
+    body = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
+    half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
+    none = np.zeros(1)
+    pairing = Pairing(
+        center_distance_mm=DISTANCE,
+        turns_at_zero_rad=(0.0, 0.0),
+        ratio=1.0,
+        period=Period(1.0),
+        sites=np.zeros(1, int),
+        site_teeth=(np.zeros(1, int), np.zeros(1, int)),
+        site_angles_rad=(none, none),
+        site_deviations_mm=(none, none),
+        mesh=None,
+        warnings=(),
+    )
+    (found,) = sweep(
+        (body[0], body[1]),
+        compliances=(half_plane, half_plane),
+        pairing=pairing,
+        position_rad=np.zeros(1),
+        torques_Nmm=[force_N_per_mm * LEVER],
+        face_width_mm=1.0,
+        grid=grid,
+        level=level,
+    )
+    return found

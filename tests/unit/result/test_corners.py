@@ -1,0 +1,77 @@
+"""Sharp corners that work: the warning names the corner, the body and what takes it away."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import flankload as fl
+from tests.support.gear_pair import ONE, TWO
+from tests.support.gear_scenes import changed
+from tests.support.paths import SCENES
+
+COARSE = {"flank_element_mm": 2.0, "estimate": False}
+ROUND = {"tip_radius_mm": 0.5}
+RELIEF = {"tip_relief_um": 20, "tip_relief_start_diameter_mm": 80.0, **ROUND}
+CHAMFER = {"tip_chamfer_mm": 0.3}
+
+
+def corners(one: dict[str, Any], two: dict[str, Any], **effects: Any) -> list[str]:
+    """Warnings of corners of the FZG type C pair, of which both are without undercut."""
+    found = fl.solve(
+        fl.Scene.from_dict(
+            {
+                "body_1": {**ONE, **one},
+                "body_2": {**TWO, **two},
+                "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
+                "load": {"torque_Nm": 302},
+                "accuracy": COARSE,
+                "effects": effects,
+            }
+        )
+    )
+    assert isinstance(found, fl.Result)
+    said = [line for line in found.warnings if "grows with the resolution" in line]
+    assert bool(said) == bool(found.corner_contact.any())
+    return said
+
+
+@pytest.mark.parametrize("contact", ["pairs", "lumped"])
+def test_with_a_rounded_tip_the_kink_of_the_relief_is_the_corner(contact: str) -> None:
+    """Regression: it was called a sharp tip corner, which a tip radius cures."""
+    (said,) = corners(RELIEF, ROUND, contact=contact)
+    assert "body_1 works on the kink where its tip relief begins" in said
+    assert said.endswith('body_1.tip_relief_shape = "parabolic" begins without one')
+    assert corners({**RELIEF, "tip_relief_shape": "parabolic"}, ROUND, contact=contact) == []
+
+
+def test_each_body_and_kind_of_corner_is_said_once() -> None:
+    one, two = corners({}, CHAMFER)
+    assert "body_1 works on its sharp tip corner" in one
+    assert one.endswith("body_1.tip_radius_mm rounds it")
+    assert "body_2 works on the edge between flank and chamfer" in two
+    assert two.endswith("body_2.tip_radius_mm in place of body_2.tip_chamfer_mm has none")
+    assert corners(ROUND, ROUND) == []
+
+
+def test_undercut_is_named() -> None:
+    """16 teeth without profile shift are undercut."""
+    found = fl.solve(
+        fl.Scene.from_dict(
+            changed(body_1__tip_radius_mm=0.5, body_2__tip_radius_mm=0.5, accuracy=COARSE)
+        )
+    )
+    assert isinstance(found, fl.Result)
+    (one, two) = [line for line in found.warnings if "undercut" in line]
+    assert one.endswith("more body_1.profile_shift leaves none")
+    assert two.endswith("more body_2.profile_shift leaves none")
+
+
+def test_meshes_name_no_key_that_they_do_not_have() -> None:
+    found = fl.solve(fl.read_scene(SCENES / "external_gear_mesh.toml"))
+    assert isinstance(found, fl.Result)
+    said = [line for line in found.warnings if "grows with the resolution" in line]
+    assert len(said) == 2
+    assert all("works on a sharp corner of its flank" in line for line in said)
+    assert all(line.endswith("a rounding there cures it") for line in said)

@@ -1,0 +1,351 @@
+"""Every key by itself: unknown, missing, of a wrong type or out of range, it gets one line."""
+
+import datetime
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from flankload.scene.effect_tables import EffectsAsked
+from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
+
+#: Kinds of body 1, as a message names them.
+KINDS_1 = (
+    "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'pulley' or 'mesh' or 'compliance'"
+)
+
+TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+12"
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        # unknown keys
+        (
+            {"body_1__modul_mm": 4},
+            "body_1.modul_mm",
+            "a known key (did you mean module_mm?)",
+            "the unknown key 'modul_mm'",
+        ),
+        (
+            {"laod": {}},
+            "laod",
+            "a known key (did you mean load?)",
+            "the unknown key 'laod'",
+        ),
+        (
+            {"pair__x": 1},
+            "pair.x",
+            "a known key (center_distance_mm, center_offset_mm, face_width_mm)",
+            "the unknown key 'x'",
+        ),
+        (
+            {"effects__wind": 1},
+            "effects.wind",
+            f"a known key ({', '.join(EffectsAsked.__struct_fields__)})",
+            "the unknown key 'wind'",
+        ),
+        (
+            {"body_1__helix_angle_deg": 10},
+            "body_1.helix_angle_deg",
+            "no such key, since this version does not simulate helical gears",
+            "10",
+        ),
+        # missing keys and tables
+        (
+            {"body_1__teeth": ABSENT},
+            "body_1.teeth",
+            "an integer from 3 to 10000",
+            "nothing",
+        ),
+        (
+            {"body_1__bore_diameter_mm": ABSENT},
+            "body_1.bore_diameter_mm",
+            "a number from 0.001 to 100000",
+            "nothing",
+        ),
+        (
+            {"body_1__kind": ABSENT},
+            "body_1.kind",
+            KINDS_1,
+            "nothing",
+        ),
+        (
+            {"body_2": ABSENT},
+            "body_2",
+            "a table",
+            "nothing",
+        ),
+        (
+            {"pair": ABSENT},
+            "pair",
+            "a table",
+            "nothing",
+        ),
+        (
+            {"load__torque_Nm": ABSENT},
+            "load.torque_Nm",
+            TORQUES,
+            "nothing",
+        ),
+        # wrong types
+        (
+            {"body_1": 3},
+            "body_1",
+            "a table",
+            "3",
+        ),
+        (
+            {"body_1__kind": "ring"},
+            "body_1.kind",
+            KINDS_1,
+            "'ring'",
+        ),
+        (
+            {"body_1__kind": ["gear"]},
+            "body_1.kind",
+            KINDS_1,
+            "['gear']",
+        ),
+        (
+            {"body_1__teeth": "16"},
+            "body_1.teeth",
+            "an integer from 3 to 10000",
+            "'16'",
+        ),
+        (
+            {"body_1__teeth": 16.5},
+            "body_1.teeth",
+            "an integer from 3 to 10000",
+            "16.5",
+        ),
+        (
+            {"body_1__teeth": True},
+            "body_1.teeth",
+            "an integer from 3 to 10000",
+            "true",
+        ),
+        (
+            {"body_1__module_mm": False},
+            "body_1.module_mm",
+            "a number from 0.001 to 100000",
+            "false",
+        ),
+        (
+            {"body_1__rigid": 1},
+            "body_1.rigid",
+            "true or false",
+            "1",
+        ),
+        (
+            {"name": 7},
+            "name",
+            "a non-empty string",
+            "7",
+        ),
+        (
+            {"name": "\ud800"},
+            "name",
+            "a non-empty string",
+            "'\ud800'",
+        ),
+        (
+            {"name": " "},
+            "name",
+            "a non-empty string",
+            "' '",
+        ),
+        (
+            {"positions__angles_deg": 3.0},
+            "positions.angles_deg",
+            "a non-empty list of numbers from -1e+07 to 1e+07",
+            "3.0",
+        ),
+        (
+            {"positions__angles_deg": []},
+            "positions.angles_deg",
+            "a non-empty list of numbers from -1e+07 to 1e+07",
+            "[]",
+        ),
+        (
+            {"positions__angles_deg": [0, "a"]},
+            "positions.angles_deg[1]",
+            "a number from -1e+07 to 1e+07",
+            "'a'",
+        ),
+        (
+            {"load__torque_Nm": "302"},
+            "load.torque_Nm",
+            TORQUES,
+            "'302'",
+        ),
+        # out of range
+        (
+            {"body_1__teeth": 2},
+            "body_1.teeth",
+            "an integer from 3 to 10000",
+            "2",
+        ),
+        (
+            {"body_1__module_mm": 0},
+            "body_1.module_mm",
+            "a number from 0.001 to 100000",
+            "0",
+        ),
+        (
+            {"body_1__poisson_ratio": 0.5},
+            "body_1.poisson_ratio",
+            "a number >= 0 and < 0.5",
+            "0.5",
+        ),
+        (
+            {"body_1__profile_shift": float("nan")},
+            "body_1.profile_shift",
+            "a number from -5 to 5",
+            "nan",
+        ),
+        (
+            {"body_1__young_modulus_MPa": float("inf")},
+            "body_1.young_modulus_MPa",
+            "a number from 0.001 to 1e+09",
+            "inf",
+        ),
+        (
+            {"pair__face_width_mm": -14},
+            "pair.face_width_mm",
+            "a number from 0.001 to 100000",
+            "-14",
+        ),
+        (
+            {"pair__face_width_mm": 10**400},
+            "pair.face_width_mm",
+            "a number from 0.001 to 100000",
+            "1" + 76 * "0" + "...",
+        ),
+        (
+            {"load__torque_Nm": -1},
+            "load.torque_Nm",
+            TORQUES,
+            "-1",
+        ),
+        (
+            {"load__torque_Nm": []},
+            "load.torque_Nm",
+            "a non-empty list of numbers from 0 to 1e+12",
+            "[]",
+        ),
+        (
+            {"load__torque_Nm": datetime.date(2026, 1, 31)},
+            "load.torque_Nm",
+            TORQUES,
+            "2026-01-31",
+        ),
+        (
+            {
+                "body_2": {
+                    "kind": "chain",
+                    "pitch_mm": 12.7,
+                    "roller_diameter_mm": 8.5,
+                    "wrap_angle_deg": 180,
+                    "link_stiffness_N": 5e-324,
+                }
+            },
+            "body_2.link_stiffness_N",
+            "a number from 0.001 to 1e+12",
+            "5e-324",
+        ),
+        (
+            {"load__torque_Nm": b"x"},
+            "load.torque_Nm",
+            TORQUES,
+            "[120]",
+        ),
+        (
+            {"load__torque_Nm": 1e300},
+            "load.torque_Nm",
+            TORQUES,
+            "1e+300",
+        ),
+        (
+            {"body_1__pitch_errors_um": [1e300] * 16},
+            "body_1.pitch_errors_um[0]",
+            "a number from -1e+06 to 1e+06",
+            "1e+300",
+        ),
+        (
+            {"load__torque_Nm": [1, -2]},
+            "load.torque_Nm[1]",
+            "a number from 0 to 1e+12",
+            "-2",
+        ),
+        (
+            {"positions__count": 0},
+            "positions.count",
+            "an integer from 1 to 100000",
+            "0",
+        ),
+        (
+            {"positions__driver": "body_3"},
+            "positions.driver",
+            "'body_1' or 'body_2'",
+            "'body_3'",
+        ),
+        (
+            {"accuracy__tolerance": 0.5},
+            "accuracy.tolerance",
+            "a number from 0.0001 to 0.1",
+            "0.5",
+        ),
+        (
+            {"accuracy__modes": 2},
+            "accuracy.modes",
+            "an integer from 3 to 12",
+            "2",
+        ),
+        (
+            {"accuracy__plane": "shell"},
+            "accuracy.plane",
+            "'strain' or 'stress'",
+            "'shell'",
+        ),
+        (
+            {"positions__pitches": "all"},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "'all'",
+        ),
+        (
+            {"positions__pitches": 0},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "0",
+        ),
+        (
+            {"positions__pitches": [2, 3]},
+            "positions.pitches",
+            "an integer from 1 to 10000 or 'hunting'",
+            "[2, 3]",
+        ),
+        ({"positions__adaptive": 1}, "positions.adaptive", "true or false", "1"),
+        (
+            {"positions": {"adaptive": True, "tolerance": 0}},
+            "positions.tolerance",
+            "a number from 1e-05 to 0.1",
+            "0",
+        ),
+    ],
+    ids=lambda value: next(iter(value), "") if isinstance(value, Mapping) else "",
+)
+def test_bad_key_gets_one_line(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    one_line(changes, key, expected, found)
+
+
+def test_scene_must_be_a_table() -> None:
+    assert str(refusal([1])) == "a.toml: scene: expected a table, found [1]"
+
+
+def test_long_values_are_cut_in_the_message() -> None:
+    error = refusal(changed(body_1__teeth="x" * 500))
+    assert len(error.found) <= 80

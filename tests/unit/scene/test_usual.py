@@ -1,0 +1,156 @@
+"""Values far from the usual: solved, with a question that names what was most likely meant."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec import Struct, inspect
+
+import flankload as fl
+from flankload.cli import main
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene import read_scene, scene_schema
+from flankload.scene.form import fields_of
+from flankload.scene.table import Table
+from flankload.scene.usual import question, question_notes, questions
+from tests.support.gear_scenes import MESH, changed
+from tests.support.paths import SCENES
+
+RELIEF = {"body_1__tip_relief_um": 20.0, "body_1__tip_relief_start_diameter_mm": 80.0}
+
+
+def asked(**changes: Any) -> dict[str, str]:
+    return questions(fl.Scene.from_dict(changed(**changes)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "meant"),
+    [
+        ({**RELIEF, "body_1__tip_relief_um": 0.02}, "body_1.tip_relief_um", "20"),
+        ({"body_2__young_modulus_MPa": 210}, "body_2.young_modulus_MPa", "210000"),
+        ({"body_2__young_modulus_MPa": 2.1e8}, "body_2.young_modulus_MPa", "210000"),
+        ({"body_1__profile_crowning_um": 0.005}, "body_1.profile_crowning_um", "5"),
+        ({"body_1__pitch_errors_um": [0.0, -0.004] * 8}, "body_1.pitch_errors_um", "-4"),
+        ({"pair__face_width_mm": 0.014}, "pair.face_width_mm", "14"),
+        ({"pair__face_width_mm": 14000}, "pair.face_width_mm", "14"),
+        (
+            {"effects": {"speed_rpm": 100, "density_kg_m3": [7.85, 7850]}},
+            "effects.density_kg_m3",
+            "",
+        ),
+        (
+            {"effects": {"temperature_rise_K": 9, "thermal_expansion_per_K": 1.2e-8}},
+            "effects.thermal_expansion_per_K",
+            "1.2e-05",
+        ),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_thousand_times_beyond_the_usual_is_asked_about(
+    changes: dict[str, Any], key: str, meant: str
+) -> None:
+    found = asked(**changes)
+    if not meant:  # of a list the largest amount counts
+        assert found == {}
+        return
+    assert list(found) == [key]
+    assert f"did you mean {meant}? (usual: " in found[key]
+
+
+def test_what_is_usual_or_left_out_is_not_asked_about() -> None:
+    assert asked() == asked(**RELIEF) == {}
+    assert asked(**{**RELIEF, "body_1__tip_relief_um": 0.0}) == {}
+    for path in SCENES.glob("*.toml"):
+        assert questions(read_scene(path)) == {}
+
+
+def test_a_profile_inside_a_body_is_asked_about() -> None:
+    body = {**MESH, "profile": {**MESH["profile"], "profile_crowning_um": 0.004}}
+    assert list(asked(body_1=body)) == ["body_1.profile.profile_crowning_um"]
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (0.4, None),
+        (-0.4, None),
+        (0.0, None),
+        (2e-4, "did you mean 0.2?"),
+        (-2e-4, "did you mean -0.2?"),
+        (3e5, "did you mean 0.3?"),  # um in place of m
+        (1e12, "is that what you mean?"),
+    ],
+)
+def test_a_question_has_the_next_unit_in_which_a_value_is_usual(
+    value: float, words: str | None
+) -> None:
+    found = question(value, (0.1, 1.0))
+    if words is None:
+        assert found is None
+    else:
+        assert found == f"{words} (usual: 0.1 to 1)"
+
+
+def test_usual_ranges_stand_in_the_schema_within_what_is_allowed() -> None:
+    """A default that would be asked about is none."""
+    keys = 0
+    for name, form in scene_schema()["$defs"].items():
+        for key, said in form.get("properties", {}).items():
+            if "usual" not in said:
+                continue
+            keys += 1
+            low, high = said["usual"]
+            assert said.get("minimum", 0.0) <= low < high <= said.get("maximum", high), (name, key)
+            default = said.get("default")
+            assert default in (None, 0.0, []) or low <= default <= high, (name, key)
+    assert keys > 40
+
+
+def test_every_length_of_a_gear_has_a_usual_range() -> None:
+    form = fl.scene.Gear
+    assert issubclass(form, Table)
+    assert issubclass(form, Struct)
+    for key, field in fields_of(form).items():
+        if key.endswith(("_mm", "_um", "_MPa")):
+            assert isinstance(field.type, inspect.Metadata)
+            assert "usual" in (field.type.extra_json_schema or {}), key
+
+
+def test_questions_stand_in_notes_of_bodies() -> None:
+    scene = fl.Scene.from_dict(changed(**{**RELIEF, "body_1__tip_relief_um": 0.02}))
+    (note,) = question_notes(scene)
+    assert note == "body_1.tip_relief_um = 0.02, did you mean 20? (usual: 0.3 to 2000)"
+    assert build_bodies(scene).notes[0] == note
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value", "meant"),
+    [
+        ("external_gear", "face_width_mm", "14000", "14"),
+        ("belt", "young_modulus_MPa", "0.05", "50"),
+    ],
+)
+def test_check_prints_questions(
+    name: str, key: str, value: str, meant: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"{name}.toml"
+    text = (SCENES / path.name).read_text("utf-8")
+    path.write_text(re.sub(rf"{key} = [\d.]+", f"{key} = {value}", text), "utf-8")
+    assert main(["check", str(path)]) == 0
+    (said,) = [line for line in capsys.readouterr().out.splitlines() if "did you mean" in line]
+    assert said.startswith("warning: ")
+    assert f"{key} = {float(value)}, did you mean {meant}? (usual: " in said
+
+
+@pytest.mark.parametrize("key", ["lead_crowning_um", "lead_slope_um", "helix_slope_um"])
+def test_lead_modifications_suggest_no_profile_crowning(key: str) -> None:
+    with pytest.raises(fl.SceneError) as caught:
+        fl.Scene.from_dict(changed(**{f"body_1__{key}": 5}))
+    assert caught.value.key == f"body_1.{key}"
+    assert caught.value.expected == (
+        "no such key, since this version does not simulate lead modifications, which are "
+        "three-dimensional"
+    )
