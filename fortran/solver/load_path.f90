@@ -7,7 +7,7 @@
 module flankload_load_path
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_path_factor, only: path_problem, path_factor, change_sides
+    use flankload_path_factor, only: path_factor, change_sides
     use flankload_path_line, only: path_line, find_line
     use flankload_path_start, only: begin_path, begin_elsewhere
     implicit none
@@ -59,26 +59,26 @@ contains
         !> Its end
         type(path_end), intent(out) :: path
 
-        type(path_problem) :: way
         type(path_factor) :: factor
         type(path_line) :: line
-        integer :: i, driver, limit, blocking
+        integer :: i, limit, blocking
         logical :: solved
         real(wp) :: step, part
 
         allocate (path%pairs(0))
         if (start == 0) then
-            call begin_path(problem, compliance, way, factor%active, driver)
+            call begin_path(problem, compliance, factor%way, factor%active, factor%driver)
         else
-            call begin_elsewhere(problem, compliance, start, way, factor%active, driver)
+            call begin_elsewhere(problem, compliance, start, factor%way, factor%active, &
+                & factor%driver)
         end if
-        if (driver < 0) return
+        if (factor%driver < 0) return
         limit = pivots_per_pair*problem%n + pivots_at_least
         if (problem%n <= few_pairs .and. start == 0) limit = limit + 2**(problem%n + 2)
         do while (path%pivots < limit)
-            call find_line(problem, compliance, way, driver, factor, line, solved)
+            call find_line(problem, compliance, factor, line, solved)
             if (.not. solved) exit
-            call first_block(line, driver, blocking, step)
+            call first_block(line, factor%driver, blocking, step)
             part = line%part
             if (blocking > 0) part = line%part + step*line%part_change
             if (line%part_change > 0.0_wp .and. line%part <= 1.0_wp &
@@ -87,15 +87,17 @@ contains
                 path%largest_part = 1.0_wp
                 exit
             end if
-            if (.not. any(abs(way%cover) > 0.0_wp)) path%largest_part = max(path%largest_part, part)
+            if (.not. any(abs(factor%way%cover) > 0.0_wp)) then
+                path%largest_part = max(path%largest_part, part)
+            end if
             if (blocking == 0) then
                 path%outcome = path_ray
                 path%motion = line%motion_change
                 exit
             end if
             path%pivots = path%pivots + 1
-            driver = blocking
-            call change_sides(problem, compliance, way, blocking, factor)
+            factor%driver = blocking
+            call change_sides(problem, compliance, blocking, factor)
         end do
         if (path%largest_part < least_part) path%largest_part = 0.0_wp
         path%pairs = pack([(i, i=1, problem%n)], factor%active)

@@ -31,6 +31,11 @@ module flankload_path_factor
 
     !> The factored equations of an earlier set, and what has changed since.
     type :: path_factor
+        !> What is followed
+        type(path_problem) :: way
+        !> The variable that drives, zero at the start of a line and one at a unit from it: 0 for λ,
+        !> else force (pair active) or gap of that pair
+        integer :: driver = 0
         !> Pairs that are active now, shape (n)
         logical, allocatable :: active(:)
         !> The kept set, its factor and its solutions for both right-hand sides; the second is also
@@ -59,12 +64,10 @@ module flankload_path_factor
 contains
 
     !> Let a pair join the active ones or leave them.
-    pure subroutine change_sides(problem, compliance, way, pair, factor)
+    pure subroutine change_sides(problem, compliance, pair, factor)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
         !> The pair
         integer, intent(in) :: pair
         !> The factor
@@ -97,7 +100,7 @@ contains
             column(:k, 1) = problem%row_scale(factor%pairs)*problem%row_scale(pair) &
                 & *compliance(factor%pairs, pair)
             column(k + 1:m - 1, 1) = problem%load_rows(pair, :)
-            factor%rows(:, j) = gap_row(problem, compliance, way, pair, factor%pairs)
+            factor%rows(:, j) = gap_row(problem, compliance, factor%way, pair, factor%pairs)
         else
             place = findloc(factor%pairs, pair, dim=1)
             column(place, 1) = -1.0_wp
@@ -109,14 +112,10 @@ contains
     end subroutine change_sides
 
     !> Factor the equations of the present set and driver.
-    pure subroutine factor_line(problem, compliance, way, driver, factor, solved)
+    pure subroutine factor_line(problem, compliance, factor, solved)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
-        !> The variable that drives
-        integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(inout) :: factor
         !> False if the equations are singular
@@ -131,7 +130,8 @@ contains
         m = k + q + 1
         if (allocated(factor%matrix)) deallocate (factor%matrix, factor%swaps)
         allocate (factor%matrix(m, m), factor%swaps(m), right(m, 2))
-        associate (matrix => factor%matrix, pairs => factor%pairs)
+        associate (matrix => factor%matrix, pairs => factor%pairs, way => factor%way, &
+            & driver => factor%driver)
             matrix = 0.0_wp
             right = 0.0_wp
             scales = problem%row_scale(pairs)
@@ -200,14 +200,10 @@ contains
     !> The line from the kept factor: z = z0 - C y for the kept unknowns z, where y holds the kept
     !> driver, now free, and for each change the force of the pair that joined or the gap of the one
     !> that left. Their conditions D z + E y = s and the present driver give (E - D C) y = s - D z0.
-    pure subroutine border_line(problem, compliance, way, driver, factor, unknowns, solved)
+    pure subroutine border_line(problem, compliance, factor, unknowns, solved)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
-        !> The variable that drives
-        integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(in) :: factor
         !> The line
@@ -224,7 +220,7 @@ contains
         k = size(factor%pairs)
         ! The kept driver takes what a unit of it brings.
         columns = reshape([factor%columns(:, :s), -factor%solution(:, 2)], [m, s + 1])
-        call border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+        call border_rows(problem, compliance, factor, rows, matrix, right)
         matrix = matrix - matmul(rows, columns)
         right(:, 1) = right(:, 1) - matmul(rows, factor%solution(:, 1))
         allocate (swaps(s + 1))
@@ -250,14 +246,10 @@ contains
     end subroutine border_line
 
     !> D, E and s: the conditions of the changes and of the driver.
-    pure subroutine border_rows(problem, compliance, way, driver, factor, rows, matrix, right)
+    pure subroutine border_rows(problem, compliance, factor, rows, matrix, right)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
-        !> The variable that drives
-        integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(in) :: factor
         !> D on the kept unknowns, E on those of the changes, s
@@ -275,23 +267,25 @@ contains
         do j = 1, s
             associate (pair => factor%changed(j))
                 if (.not. factor%active(pair)) cycle
-                right(j, 1) = -way%gaps(pair)
+                right(j, 1) = -factor%way%gaps(pair)
                 call add_joined(problem, compliance, factor, pair, matrix(j, :s))
             end associate
         end do
         place = 0
-        if (driver > 0) place = findloc(factor%changed(:s), driver, dim=1)
-        if (driver == 0) then
-            rows(m, s + 1) = 1.0_wp
-        else if (place > 0) then
-            matrix(s + 1, place) = 1.0_wp
-        else if (factor%active(driver)) then
-            rows(findloc(factor%pairs, driver, dim=1), s + 1) = 1.0_wp
-        else
-            rows(:, s + 1) = gap_row(problem, compliance, way, driver, factor%pairs)
-            right(s + 1, 1) = -way%gaps(driver)
-            call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
-        end if
+        associate (driver => factor%driver)
+            if (driver > 0) place = findloc(factor%changed(:s), driver, dim=1)
+            if (driver == 0) then
+                rows(m, s + 1) = 1.0_wp
+            else if (place > 0) then
+                matrix(s + 1, place) = 1.0_wp
+            else if (factor%active(driver)) then
+                rows(findloc(factor%pairs, driver, dim=1), s + 1) = 1.0_wp
+            else
+                rows(:, s + 1) = gap_row(problem, compliance, factor%way, driver, factor%pairs)
+                right(s + 1, 1) = -factor%way%gaps(driver)
+                call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
+            end if
+        end associate
         rows = transpose(rows)
     end subroutine border_rows
 

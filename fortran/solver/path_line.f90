@@ -6,7 +6,7 @@
 module flankload_path_line
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, find_recession
-    use flankload_path_factor, only: path_problem, path_factor, path_unknowns, factor_line, &
+    use flankload_path_factor, only: path_factor, path_unknowns, factor_line, &
         & border_line
     implicit none
     private
@@ -28,15 +28,10 @@ module flankload_path_line
 contains
 
     !> The line on which just the active pairs touch.
-    pure subroutine find_line(problem, compliance, way, driver, factor, line, solved)
+    pure subroutine find_line(problem, compliance, factor, line, solved)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
-        !> The variable that drives, zero at the start of the line and one at a unit from it: 0 for
-        !> λ, else force (pair active) or gap of that pair
-        integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(inout) :: factor
         !> The line
@@ -50,13 +45,13 @@ contains
 
         solved = .false.
         if (factor%n_changed >= 0) then
-            call border_line(problem, compliance, way, driver, factor, unknowns, solved)
+            call border_line(problem, compliance, factor, unknowns, solved)
         end if
         if (solved) then
-            call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
+            call complete_line(problem, compliance, factor, unknowns, line, accurate)
             if (accurate) return
         end if
-        call factor_line(problem, compliance, way, driver, factor, solved)
+        call factor_line(problem, compliance, factor, solved)
         if (.not. solved) return
         if (allocated(unknowns%forces)) deallocate (unknowns%forces)
         allocate (unknowns%forces(problem%n, 2), source=0.0_wp)
@@ -64,19 +59,14 @@ contains
         unknowns%forces(factor%pairs, :) = factor%solution(:k, :)
         unknowns%motion = factor%solution(k + 1:k + problem%n_motions, :)
         unknowns%part = factor%solution(k + problem%n_motions + 1, :)
-        call complete_line(problem, compliance, way, driver, factor, unknowns, line, accurate)
+        call complete_line(problem, compliance, factor, unknowns, line, accurate)
     end subroutine find_line
 
     !> Gaps of the line, and whether its equations are met to rounding.
-    pure subroutine complete_line(problem, compliance, way, driver, factor, unknowns, line, &
-        & accurate)
+    pure subroutine complete_line(problem, compliance, factor, unknowns, line, accurate)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
-        type(path_problem), intent(in) :: way
-        !> The variable that drives
-        integer, intent(in) :: driver
         !> The factor
         type(path_factor), intent(in) :: factor
         !> Its forces, motion and λ
@@ -94,7 +84,8 @@ contains
         allocate (gaps(problem%n, 2))
         closed = factor%active
         accurate = .true.
-        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part)
+        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part, &
+            & way => factor%way)
             do c = 1, 2
                 call find_recession(problem, compliance, forces(:, c), gaps(:, c))
                 gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
@@ -117,9 +108,9 @@ contains
             line%part = part(1)
             line%part_change = part(2)
         end associate
-        if (driver > 0) accurate = accurate &
-            & .and. abs(line%value(driver)) <= line_tolerance*terms &
-            & .and. abs(line%change(driver) - 1.0_wp) <= line_tolerance*terms
+        if (factor%driver > 0) accurate = accurate &
+            & .and. abs(line%value(factor%driver)) <= line_tolerance*terms &
+            & .and. abs(line%change(factor%driver) - 1.0_wp) <= line_tolerance*terms
     end subroutine complete_line
 
 end module flankload_path_line
