@@ -29,10 +29,10 @@ from flankload.result.from_sweep import result_of
 from flankload.result.geometry import pair_geometry
 from flankload.scene import MeshBody
 from flankload.stages import compliance_of, grown_pair, sweep_of
-from flankload.steering import solve_to_tolerance
 from flankload.sweep import sweep
 from flankload.tangent import with_tangents, with_unloaded
 from flankload.tip_error import tip_error
+from flankload.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping

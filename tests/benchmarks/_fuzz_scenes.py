@@ -15,7 +15,7 @@ from flankload.assembly import build_bodies
 from flankload.belt_drive import describe_belt
 from flankload.chain_drive import describe_drive
 from flankload.errors import FlankloadError, SceneError
-from flankload.steering import first_scene
+from flankload.tolerance import first_scene
 
 #: A scene may ask for more than is worth waiting for: then it is no trial.
 MOST_CPU_S = 10.0

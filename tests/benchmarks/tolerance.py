@@ -1,4 +1,4 @@
-"""What a named tolerance is worth: met or not, and CPU time over that of the cheapest setting.
+"""What a named tolerance is worth: met or not, and CPU time over that of the cheapest run.
 
 FLANKLOAD_TOLERANCE=… sets another number of scenes than 42 (a sixth of them, splines, is left out:
 their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; what is
@@ -26,12 +26,12 @@ from tests.benchmarks.estimate import true_errors
 import flankload as fl
 from flankload.accuracy.observed import observed
 from flankload.accuracy.runs import Runs
+from flankload.discretization import Discretization
+from flankload.parameters import ELEMENTS, parameters_of
 from flankload.resolution import Grid, Resolution, choose_resolution
 from flankload.scene.pair_tables import Positions
-from flankload.setting import Setting
 from flankload.solve import solve_with
-from flankload.steering.knobs import knobs_of
-from flankload.steering.laws import BOUND
+from flankload.tolerance_report import BOUND
 
 STORE = "out/bench_tolerance_{}.json"
 TOLERANCES = (1e-2, 1e-3)
@@ -172,13 +172,12 @@ def cheapest(
     scene: fl.Scene, result: fl.Result, tolerance: float, true: fl.Result
 ) -> tuple[float | None, dict[str, Any] | None]:
     """CPU seconds and knobs of the cheapest step of the ladder that meets a tolerance."""
-    length = knobs_of(scene).element_mm
-    assert length is not None
+    length = parameters_of(scene).values[ELEMENTS]
     runs, truth = Runs(replace(scene, positions=_same(result))), observed(true)
     best: tuple[float | None, dict[str, Any] | None] = (None, None)
     for part, bearable in LADDER.items():
         for modes, strips in product(bearable, STRIPS):
-            setting = Setting(
+            setting = Discretization(
                 flank_element_mm=float(f"{part * length:.3g}"),
                 modes=modes,
                 strips_per_half_width=strips,

@@ -24,8 +24,8 @@ from flankload.accuracy.study import Row
 from flankload.assembly import build_bodies
 from flankload.cli import main
 from flankload.compliance import no_compliance
+from flankload.discretization import Discretization
 from flankload.result.geometry import pair_geometry
-from flankload.setting import Setting
 from flankload.sweep import sweep
 
 COARSE = {"flank_element_mm": 2.0, "estimate": False}
@@ -251,7 +251,7 @@ def test_functions_refuse_what_a_load_breaks(solved: Any) -> None:
 
 
 def test_a_study_beyond_limits_says_so() -> None:
-    run = Runs(gears(load__torque_Nm=[302, 10000], effects=ALLOWED)).at(Setting())
+    run = Runs(gears(load__torque_Nm=[302, 10000], effects=ALLOWED)).at(Discretization())
     assert run.outside == ("deflection",)
     assert limit_notes([Row("default", run, {}, {})]) == (
         "errors outside the model's limits (deflection)",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flankload.accuracy.knobs import Knobs
     from flankload.accuracy.runs import Run
     from flankload.accuracy.truth import Truth
-    from flankload.setting import Setting
+    from flankload.discretization import Discretization
 
 #: Part of a tolerance that each knob may use up in the first guess.
 FIRST_PART = 0.5
@@ -35,7 +35,7 @@ def search(
     knobs: Knobs,
     truth: Truth,
     measures: Sequence[str],
-    run: Callable[[Setting], Run],
+    run: Callable[[Discretization], Run],
 ) -> None:
     """Run combinations around the cheapest that meets a tolerance.
 
@@ -52,7 +52,7 @@ def search(
     if truth.doubt(measures) > tolerance:  # of no run could be said that it meets it
         return
 
-    def meets(setting: Setting) -> bool:
+    def meets(setting: Discretization) -> bool:
         error = truth.within(run(setting), measures)
         return error is not None and error <= tolerance
 
@@ -68,7 +68,7 @@ def search(
         setting = next((other for other in fresh if meets(other)), None)
 
 
-def coarser(setting: Setting, names: tuple[str, ...], knobs: Knobs) -> Setting | None:
+def coarser(setting: Discretization, names: tuple[str, ...], knobs: Knobs) -> Discretization | None:
     """The setting with knobs a step coarser; None where one has none."""
     if names == ("count",) and setting.adaptive is not None:
         looser = [tolerance for tolerance in ADAPTIVE if tolerance > setting.adaptive]
@@ -76,7 +76,9 @@ def coarser(setting: Setting, names: tuple[str, ...], knobs: Knobs) -> Setting |
     return knobs.coarser(setting, *names)
 
 
-def guess(part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]) -> Setting | None:
+def guess(
+    part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]
+) -> Discretization | None:
     """Each knob as cheap as its own ladder allows; None where one does not go so far.
 
     Parameters
@@ -88,7 +90,7 @@ def guess(part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]) -> S
 
     Returns
     -------
-    Setting or None
+    Discretization or None
     """
     setting = knobs.finest
     for knob in knobs.ladders:

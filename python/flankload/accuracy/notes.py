@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flankload.accuracy.study import Row
+    from flankload.discretization import Discretization
     from flankload.scene import Scene
-    from flankload.setting import Setting
 
 #: What kinds of bodies bring along.
 FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}
@@ -63,5 +63,5 @@ def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     )
 
 
-def _short(setting: Setting) -> str:
+def _short(setting: Discretization) -> str:
     return ", ".join(f"{key} {value}" for key, value in setting.as_dict().items())

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flankload.accuracy.knobs import Knobs
     from flankload.accuracy.ladder import Limit
     from flankload.accuracy.runs import Run
-    from flankload.setting import Setting
+    from flankload.discretization import Discretization
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Row:
     alone: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def setting(self) -> Setting:
+    def setting(self) -> Discretization:
         """Knobs of the run."""
         return self.run.setting
 

@@ -36,9 +36,9 @@ def _check_scene(path: Path) -> None:
     from flankload.premises import broken_by_geometry, held
     from flankload.spline_fit import describe_fit
     from flankload.stages import compliance_of
-    from flankload.steering import first_pick, first_scene
+    from flankload.tolerance import first_discretization, first_scene
 
-    picked = first_pick(scene).setting.tables() if scene.steers else {}
+    picked = first_discretization(scene).tables()
     scene = first_scene(scene)
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):

@@ -194,7 +194,7 @@ def mesh(arguments: Namespace) -> None:
     from flankload.assembly import build_bodies
     from flankload.bodies import WholeMesh
     from flankload.bodies.body_file import write_body
-    from flankload.steering import first_scene
+    from flankload.tolerance import first_scene
 
     pair = build_bodies(first_scene(scene))
     folder.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from flankload.errors import OtherProgramError, SceneError
 from flankload.files import write_atomically
 from flankload.plan import choose_effects
 from flankload.solve import solve
-from flankload.steering import first_scene
+from flankload.tolerance import first_scene
 from flankload.verify.calculix import JOB, Answer, find_program, run_deck
 from flankload.verify.deck import deck_text
 from flankload.verify.model import check_bodies, model_of

@@ -9,15 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_cli import SCENE
-from tolerances import ROUND_OFF
-
-import flankload as fl
-from flankload.assembly import build_bodies
-from flankload.cli import main
-from flankload.resolution import elements_for_modes
-from flankload.result.accuracy_lines import accuracy_lines, percent
-from flankload.result.notes import FEWER_DO
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.bought import bought
@@ -34,6 +25,15 @@ from flankload.steering.laws import (
 from flankload.steering.making import is_worth
 from flankload.steering.pick import PARTS, STRIPS, cheapest, finest_part
 from flankload.steering.told import told_by_source
+from test_cli import SCENE
+from tolerances import ROUND_OFF
+
+import flankload as fl
+from flankload.assembly import build_bodies
+from flankload.cli import main
+from flankload.resolution import elements_for_modes
+from flankload.result.accuracy_lines import accuracy_lines, percent
+from flankload.result.notes import FEWER_DO
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Seconds of a setting may be beaten by this part: two orders of the same sums.
