@@ -35,8 +35,8 @@ LEAST_MODES, MOST_MODES = 3, 12
 #: takes four times the work, so that the last halving is left to tolerances below FINE.
 STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.25, 0.125, 1e-3
 STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
-#: Elements of the default length on a flank of usual height, 2.2 modules of a gear.
-FLANK_ELEMENTS = 10.0
+#: Elements of the default length on a flank of usual height, two modules of a gear.
+FLANK_ELEMENTS = 9.0
 #: As many modes are better than fewer on any elements.
 ANYWHERE = 4
 #: Errors by powers of the parameters. Elements: second order in displacements; polynomials of
@@ -74,6 +74,8 @@ class Parameters:
         Finer values of the others, one after the other.
     powers : mapping of str to mapping
         By source of errors: the powers of the parameters that it goes with.
+    explicit : tuple of str
+        Those that a run names even where they are as they began: else it may take others.
     flank_mm : float
         Length of a flank, whose elements bear the modes; infinite where modes ask for nothing.
     ends : mapping of str to str
@@ -89,6 +91,7 @@ class Parameters:
     fixed: dict[str, str]
     steps: Mapping[str, tuple[float, ...]]
     powers: Mapping[str, Powers]
+    explicit: tuple[str, ...] = ()
     flank_mm: float = inf
     ends: Mapping[str, str] = field(default_factory=dict)
     slow: str = CORNERS
@@ -190,8 +193,15 @@ def _of_flanks(scene: Scene) -> Parameters:
     cam = scene.body_2.kind == "cam"
     if cam or scene.positions.count == 1:
         fixed.setdefault("positions", "even ones do")
+    modes = accuracy.modes or DEFAULT.modes
+    flank_mm = inf if length is None or cam else FLANK_ELEMENTS * length
+    named_mm = accuracy.flank_element_mm
+    while named_mm is not None and MODES not in fixed and modes > ANYWHERE:
+        if elements_for_modes(modes) * named_mm <= flank_mm:
+            break
+        modes -= 1  # named elements bear no more
     values: Values = {
-        MODES: min(most, accuracy.modes or DEFAULT.modes),
+        MODES: min(most, modes),
         STRIPS: accuracy.strips_per_half_width or DEFAULT.grid.strips_per_half_width,
     }
     steps: dict[str, tuple[float, ...]] = {
@@ -199,14 +209,15 @@ def _of_flanks(scene: Scene) -> Parameters:
         STRIPS: STRIPS_STEPS,
     }
     if length is not None:
-        values[ELEMENTS] = accuracy.flank_element_mm or length
+        values[ELEMENTS] = named_mm or length
         steps[ELEMENTS] = _lengths(scene, length)
     return Parameters(
         values,
         fixed,
         {name: finer for name, finer in steps.items() if name not in fixed},
         FLANK_POWERS,
-        flank_mm=inf if length is None or cam else FLANK_ELEMENTS * length,
+        explicit=() if MODES in fixed else (MODES,),
+        flank_mm=flank_mm,
         ends={} if most >= MOST_MODES else {MODES: FEW_MODES},
     )
 

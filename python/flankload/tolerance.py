@@ -70,7 +70,7 @@ def first_choice(scene: Scene, parameters: Parameters) -> Choice:
 
 
 def first_discretization(scene: Scene) -> Discretization:
-    """The keys that a tolerance begins with; nothing where the scene names none.
+    """What a tolerance begins with, open parameters that are at their default included.
 
     Parameters
     ----------
@@ -79,10 +79,17 @@ def first_discretization(scene: Scene) -> Discretization:
     Returns
     -------
     Discretization
+        Nothing where the scene names no tolerance.
     """
     if not scene.steers:
         return Discretization()
-    return first_choice(scene, parameters_of(scene)).positions
+    parameters = parameters_of(scene)
+    default: dict[str, Any] = {
+        name: x if isinstance(x, int) else float(f"{x:.3g}")
+        for name, x in parameters.values.items()
+        if name in parameters.steps
+    }
+    return replace(first_choice(scene, parameters).positions, **default)
 
 
 def first_scene(scene: Scene) -> Scene:
@@ -96,7 +103,10 @@ def first_scene(scene: Scene) -> Scene:
     -------
     Scene
     """
-    return _at(scene, first_discretization(scene)) if scene.steers else scene
+    if not scene.steers:
+        return scene
+    parameters = parameters_of(scene)
+    return _at(scene, first_choice(scene, parameters).discretization(parameters))
 
 
 def _at(scene: Scene, discretization: Discretization) -> Scene:
@@ -130,7 +140,7 @@ def solve_to_tolerance(
     tell, kept, spent = _Parts(progress), {}, Account()  # type: tuple[_Parts, Kept, Account]
     attempts: list[Attempt] = []
     while True:
-        at = _at(scene, choice.discretization(parameters.values))
+        at = _at(scene, choice.discretization(parameters))
         found = run(at, kept, tell.part(len(attempts)))
         attempts.append(Attempt.of(choice, found if isinstance(found, tuple) else (found,)))
         with control:

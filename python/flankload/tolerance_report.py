@@ -60,10 +60,14 @@ class Choice:
     positions: Discretization
     foreseen: Errors = field(default_factory=dict)
 
-    def discretization(self, default: Values) -> Discretization:
-        """What departs from the default."""
-        changed: dict[str, Any] = {name: x for name, x in self.values.items() if x != default[name]}
-        return replace(self.positions, **changed)
+    def discretization(self, parameters: Parameters) -> Discretization:
+        """The keys that make a run of it."""
+        named: dict[str, Any] = {
+            name: x
+            for name, x in self.values.items()
+            if name in parameters.explicit or x != parameters.values[name]
+        }
+        return replace(self.positions, **named)
 
     def has_elements_of(self, other: Choice) -> bool:
         """Whether compliances of the other one hold."""
@@ -185,7 +189,7 @@ def tolerance_report(
             }
             for name, value in values.items()
         },
-        "keys": last.choice.discretization(parameters.values).tables(),
+        "keys": last.choice.discretization(parameters).tables(),
         "tightened": _tightened(first.choice, last.choice),
         "errors_before": dict(first.errors) if len(attempts) > 1 else None,
         "missed": [

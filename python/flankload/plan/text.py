@@ -64,9 +64,8 @@ def plan_text(plan: Plan) -> str:
 
 def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
     keys = [f"{key} = {value}" for table in picked["keys"].values() for key, value in table.items()]
-    begins = "the default of what is not named" + "".join(f", {key}" for key in keys)
     return [
-        f"accuracy.tolerance = {tolerance:g} begins with {begins}",
+        f"accuracy.tolerance = {tolerance:g} begins with {', '.join(keys) or 'the knobs named'}",
         "where the estimate of that run exceeds the tolerance, finer ones follow it, two at most",
     ]
 
