@@ -33,7 +33,7 @@ SOURCES = {ELEMENTS: "elements", MODES: "modes", STRIPS: "strips", "positions": 
 LEAST_MODES, MOST_MODES = 3, 12
 #: Steps to half the length of elements, and the shortest ones over the default: half the length
 #: takes four times the work, so that the last halving is left to tolerances below FINE.
-STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.25, 0.125, 1e-3
+STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
 STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
 #: Elements of the default length on a flank of usual height, two modules of a gear.
 FLANK_ELEMENTS = 9.0

@@ -41,9 +41,11 @@ if TYPE_CHECKING:
 MOST_RUNS = 3
 #: Part of the tolerance that a refinement aims at: orders of convergence are asymptotic.
 AIM = 0.9
-#: What cannot be met is refined to so many times the work of all else, as long as what is refined
-#: makes so much of the error; a run for that alone must leave no more than so much of it.
-PATIENCE, LARGE_PART, MUCH_NEARER = 3.0, 0.4, 0.7
+#: A source that leaves so little of what is aimed at is not refined.
+SMALL_PART = 0.4
+#: What cannot be met is refined to so many times the work of all else; a run for that alone must
+#: leave no more than so much of it.
+PATIENCE, MUCH_NEARER = 4.0, 0.7
 #: Adaptive positions begin with so many on a pitch. They may leave DOUBT tolerances in doubt of
 #: harmonics and peak to peak, as parts of these, since the tolerance binds parts of the whole;
 #: within limits. Refined ones are aimed at POSITIONS_AIM tolerances: the rest costs more.
@@ -252,7 +254,7 @@ class _Refining:
             sources = self.sources(values, worst)
             finer = None
             for source in sorted(sources, key=lambda name: -sources[name]):
-                if sources[source] < LARGE_PART * errors[worst]:
+                if sources[source] < SMALL_PART * self._wanted:
                     break
                 finer = self._parameters.finer(values, source)
                 if finer is not None:
