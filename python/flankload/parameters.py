@@ -98,6 +98,14 @@ class Parameters:
     always_slow: bool = False
     has_pressures: bool = True
 
+    @property
+    def open_sources(self) -> set[str]:
+        """Sources of errors that can be reduced."""
+        return {of for name, of in SOURCES.items() if name in self.steps or self._adapts(name)}
+
+    def _adapts(self, name: str) -> bool:
+        return name == "positions" and name not in self.fixed
+
     def finer(self, values: Values, source: str) -> Values | None:
         """The next step of the parameter that answers for a source.
 

@@ -44,7 +44,7 @@ AIM = 0.9
 #: A source that leaves so little of what is aimed at is not refined.
 SMALL_PART = 0.4
 #: What cannot be met is refined to so many times the work of all else; a run for that alone must
-#: leave no more than so much of it.
+#: leave no more than so much of what parameters answer for.
 PATIENCE, MUCH_NEARER = 4.0, 0.7
 #: Adaptive positions begin with so many on a pitch. They may leave DOUBT tolerances in doubt of
 #: harmonics and peak to peak, as parts of these, since the tolerance binds parts of the whole;
@@ -196,10 +196,16 @@ def choose_discretization(
     refining = _Refining(parameters, last, by_source, AIM * tolerance)
     values = refining.values()
     choice = Choice(values, positions, refining.foreseen(values))
-    near = [choice.foreseen[quantity] / last.errors[quantity] for quantity in missed]
     meets = any(choice.foreseen[quantity] <= tolerance for quantity in missed)
-    same = replace(choice, foreseen=last.choice.foreseen) == last.choice
-    return choice if not same and (meets or max(near) <= MUCH_NEARER) else None
+    before = max(_norm(last.by_source, quantity, parameters) for quantity in missed)
+    after = max(_norm(refining.left(values), quantity, parameters) for quantity in missed)
+    return choice if meets or (before > tolerance and after <= MUCH_NEARER * before) else None
+
+
+def _norm(table: Table, quantity: str, only_open: Parameters | None = None) -> float:
+    """Errors of a quantity by all sources, or by those whose parameters are open, together."""
+    among = table if only_open is None else only_open.open_sources
+    return float(np.linalg.norm([table[source][quantity] for source in table if source in among]))
 
 
 class _Refining:
@@ -214,21 +220,19 @@ class _Refining:
         self._elements_s = sum(s for name, s in stages.items() if name.startswith("compliance"))
         self._states_s = sum(stages.get(name, 0.0) for name in ("sweep", "tangent", "estimate"))
 
-    def sources(self, values: Values, quantity: str) -> Errors:
-        """What each source is likely to leave of a quantity."""
+    def left(self, values: Values) -> Table:
+        """What each source is likely to leave of each quantity."""
         powers = self._parameters.powers
-        return {
-            source: errors.get(quantity, 0.0)
-            * relative(powers.get(source, {}), values, self._start)
-            for source, errors in self._by_source.items()
-        }
+        found: Table = {}
+        for source, errors in self._by_source.items():
+            factor = relative(powers.get(source, {}), values, self._start)
+            found[source] = {quantity: factor * error for quantity, error in errors.items()}
+        return found
 
     def foreseen(self, values: Values) -> Errors:
         """The same of all sources: doubts are independent."""
-        return {
-            quantity: float(np.linalg.norm(list(self.sources(values, quantity).values())))
-            for quantity in BOUND
-        }
+        left = self.left(values)
+        return {quantity: _norm(left, quantity) for quantity in BOUND}
 
     def _work(self, values: Values) -> float:
         """CPU seconds of a run, as far as they depend on the parameters."""
@@ -251,7 +255,7 @@ class _Refining:
             worst = max(left, key=lambda quantity: errors[quantity])
             if errors[worst] <= self._wanted:
                 break
-            sources = self.sources(values, worst)
+            sources = {source: one[worst] for source, one in self.left(values).items()}
             finer = None
             for source in sorted(sources, key=lambda name: -sources[name]):
                 if sources[source] < SMALL_PART * self._wanted:
