@@ -16,7 +16,7 @@ import flankload as fl
 from flankload.base.files import write_atomically
 from flankload.plot.style import png_of
 from flankload.plot.work_precision import plot_work_precision
-from flankload.setting import Setting
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.knobs import FINEST_MODES
 from flankload.studies.accuracy.observed import CORNER, HEADS
 from flankload.studies.accuracy.runs import Runs
@@ -39,7 +39,7 @@ PAIRS = {
 #: peak pressure, CPU seconds, and the setting that is to do it.
 WANTED = {"transmission_error": 1e-3, "peak_pressure": 5e-3}
 WANTED_S = 1.0
-WANTED_SETTING = Setting("pairs", 0.4, 8, 10.0, 2.5, 32)
+WANTED_SETTING = NamedDiscretization("pairs", 0.4, 8, 10.0, 2.5, 32)
 #: Strips on the half-width on which corners are looked at, and the tip radius that cures them.
 CORNER_LADDER, TIP_RADIUS_MM = (5.0, 10.0, 20.0, 40.0), 0.5
 
@@ -196,7 +196,7 @@ def _corners() -> Iterator[str]:
         runs = Runs(scene)
         cells, errors = [], []
         for strips in CORNER_LADDER:
-            setting = Setting(strips_per_half_width=strips, modes=FINEST_MODES)
+            setting = NamedDiscretization(strips_per_half_width=strips, modes=FINEST_MODES)
             values = runs.at(replace(setting, flank_element_mm=0.5)).values
             assert values is not None
             corner, smooth = (float(np.max(values[key])) for key in (CORNER, "largest_pressure"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.cost import Account
 from flankload.mechanisms.runner import run_once
-from flankload.steering import solve_to_tolerance
+from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -12,7 +12,7 @@ from flankload.errors import FlankloadError, SceneError
 from flankload.mechanisms.belt.drive import describe_belt
 from flankload.mechanisms.chain.drive import describe_drive
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.steering import first_scene
+from flankload.studies.tolerance import first_scene
 from tests.support.finer_solutions import TooLongError, at_most
 from tests.support.spoiled_scenes import Tree, spoiled
 from tests.support.tally import Tally

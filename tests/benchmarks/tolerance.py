@@ -1,4 +1,4 @@
-"""What a named tolerance is worth: met or not, and CPU time over that of the cheapest setting.
+"""What a named tolerance is worth: met or not, and CPU time over that of the cheapest run.
 
 FLANKLOAD_TOLERANCE=… sets another number of scenes than 42 (a sixth of them, splines, is left out:
 their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; what is
@@ -23,13 +23,13 @@ import numpy as np
 
 import flankload as fl
 from flankload.mechanisms import run_once
-from flankload.scene.discretization import Discretization, Grid, choose_discretization
+from flankload.scene.discretization import Grid, choose_discretization
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.pair import Positions
-from flankload.setting import Setting
-from flankload.steering.knobs import knobs_of
-from flankload.steering.laws import BOUND
 from flankload.studies.accuracy.observed import observed
 from flankload.studies.accuracy.runs import Runs
+from flankload.studies.parameters import ELEMENTS, parameters_of
+from flankload.studies.tolerance_report import BOUND
 from tests.support.finer_solutions import true_errors
 from tests.support.random_scenes import SEED, scenes
 
@@ -136,7 +136,7 @@ class _Truth:
 
     def _solved(self, positions: Positions, strips: float) -> fl.Result:
         default = choose_discretization(self._scene)
-        fine = Discretization(
+        fine = NamedDiscretization(
             TRUE_PART * default.flank_element_parts, TRUE_MODES, Grid(strips, 3.0 * strips)
         )
         scene = replace(self._scene, positions=positions)
@@ -172,13 +172,12 @@ def cheapest(
     scene: fl.Scene, result: fl.Result, tolerance: float, true: fl.Result
 ) -> tuple[float | None, dict[str, Any] | None]:
     """CPU seconds and knobs of the cheapest step of the ladder that meets a tolerance."""
-    length = knobs_of(scene).element_mm
-    assert length is not None
+    length = parameters_of(scene).values[ELEMENTS]
     runs, truth = Runs(replace(scene, positions=_same(result))), observed(true)
     best: tuple[float | None, dict[str, Any] | None] = (None, None)
     for part, bearable in LADDER.items():
         for modes, strips in product(bearable, STRIPS):
-            setting = Setting(
+            setting = NamedDiscretization(
                 flank_element_mm=float(f"{part * length:.3g}"),
                 modes=modes,
                 strips_per_half_width=strips,

@@ -20,10 +20,10 @@ def check(arguments: Namespace) -> None:
 def _check_scene(path: Path) -> None:
     from flankload.mechanisms.registry import mechanism_of
     from flankload.scene import read_scene
-    from flankload.steering import first_pick, first_scene
+    from flankload.studies.tolerance import first_discretization, first_scene
 
     scene = read_scene(path)
-    picked = first_pick(scene).setting.tables() if scene.steers else {}
+    picked = first_discretization(scene).tables()
     description = mechanism_of(scene).describe(first_scene(scene))
     print(f"{scene.name}: a valid scene")
     for title, rows in description.rows.items():

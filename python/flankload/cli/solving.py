@@ -190,7 +190,7 @@ def mesh(arguments: Namespace) -> None:
     check_apart((("-o", path) for path in bodies), scene)
     from flankload.bodies.imported.body_file import write_body
     from flankload.mechanisms.registry import mechanism_of
-    from flankload.steering import first_scene
+    from flankload.studies.tolerance import first_scene
 
     scene = first_scene(scene)
     meshes = list(mechanism_of(scene).meshes(scene))

@@ -17,7 +17,7 @@ from flankload.plan.quarter import QUARTER
 from flankload.plan.remarks import remarked
 from flankload.scene import Belt, Chain
 from flankload.scene.effects import switches_of
-from flankload.steering import first_pick, first_scene
+from flankload.studies.tolerance import first_discretization, first_scene
 
 if TYPE_CHECKING:
     from flankload.cost import Account
@@ -52,7 +52,7 @@ def plan(scene: Scene) -> Plan:
 
         return plan_chain(scene)
     start = process_time()
-    picked = first_pick(scene).as_dict() if scene.steers else None
+    picked = {"keys": first_discretization(scene).tables()} if scene.steers else None
     scene = first_scene(scene)
     if isinstance(scene.body_2, Belt):
         from flankload.plan.belt import plan_belt

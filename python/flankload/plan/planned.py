@@ -118,9 +118,8 @@ class Plan:
     left_out : Size or None
         What all that is changed by the choice together makes.
     picked : mapping or None
-        What a tolerance that the scene names begins with: "keys" of the knobs by table, "errors"
-        that are expected, "dominant_source" of the largest. The price is that of this run; a finer
-        one may follow it.
+        What a tolerance that the scene names begins with: "keys" by table.
+        The price is that of this run; finer ones may follow it.
     cpu_s : float
         What the plan itself took.
     """

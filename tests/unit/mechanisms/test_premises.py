@@ -21,7 +21,7 @@ from flankload.elasticity.compliance import no_compliance
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.geometry import pair_geometry
-from flankload.setting import Setting
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.notes import limit_notes
 from flankload.studies.accuracy.runs import Runs
 from flankload.studies.accuracy.study import Row
@@ -252,7 +252,7 @@ def test_functions_refuse_what_a_load_breaks(solved: Any) -> None:
 
 
 def test_a_study_beyond_limits_says_so() -> None:
-    run = Runs(gears(load__torque_Nm=[302, 10000], effects=ALLOWED)).at(Setting())
+    run = Runs(gears(load__torque_Nm=[302, 10000], effects=ALLOWED)).at(NamedDiscretization())
     assert run.outside == ("deflection",)
     assert limit_notes([Row("default", run, {}, {})]) == (
         "errors outside the model's limits (deflection)",

@@ -15,7 +15,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
-from flankload.setting import Setting, scene_at
+from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.studies.accuracy import Study, accuracy, combinations, knobs, making, runs, truth
 from flankload.studies.accuracy.knobs import can_be_nodal, knobs_of
 from flankload.studies.accuracy.ladder import limit_of
@@ -180,21 +180,21 @@ def test_runs_read_as_they_are_written() -> None:
 @pytest.mark.parametrize(
     "setting",
     [
-        Setting("pairs", 0.5, 6, 12.0, 2.5, 64),
-        Setting("pairs", 0.25, 8, 100.0, 3.0, 8, 0.001),
-        Setting("lumped", 1.0, 5, count=32),
-        Setting("nodes", 0.5, count=32),
-        Setting("nodes", count=32),
+        NamedDiscretization("pairs", 0.5, 6, 12.0, 2.5, 64),
+        NamedDiscretization("pairs", 0.25, 8, 100.0, 3.0, 8, 0.001),
+        NamedDiscretization("lumped", 1.0, 5, count=32),
+        NamedDiscretization("nodes", 0.5, count=32),
+        NamedDiscretization("nodes", count=32),
     ],
 )
-def test_lines_of_a_setting_make_the_scene_of_its_run(setting: Setting) -> None:
+def test_lines_of_a_setting_make_the_scene_of_its_run(setting: NamedDiscretization) -> None:
     tree = tomllib.loads(SCENE)
     del tree["accuracy"]
     del tree["positions"]
     plain = fl.Scene.from_dict(tree)
     written = fl.Scene.from_dict(tree | tomllib.loads(setting.lines()))
-    assert scene_at(written, Setting()) == scene_at(plain, setting)
-    assert Setting.from_dict(json.loads(json.dumps(setting.as_dict()))) == setting
+    assert scene_at(written, NamedDiscretization()) == scene_at(plain, setting)
+    assert NamedDiscretization.from_dict(json.loads(json.dumps(setting.as_dict()))) == setting
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,7 @@ def test_modes_go_as_far_as_a_file_holds() -> None:
 
 # --- runs -----------------------------------------------------------------------------------------
 def test_shared_elements_change_nothing_and_cost_as_if_alone() -> None:
-    scene, base = small(), Setting("pairs", 2.0, 5, 5.0, 2.5, 8)
+    scene, base = small(), NamedDiscretization("pairs", 2.0, 5, 5.0, 2.5, 8)
     together, alone = Runs(scene), Runs(scene)
     first = together.at(base)
     second = together.at(replace(base, strips_per_half_width=10.0))
@@ -245,7 +245,7 @@ def test_shared_elements_change_nothing_and_cost_as_if_alone() -> None:
 
 
 def test_fewer_modes_from_more_are_those_solved_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene, many = small(), Setting("pairs", 2.0, 8, 5.0, 2.5, 8)
+    scene, many = small(), NamedDiscretization("pairs", 2.0, 8, 5.0, 2.5, 8)
     monkeypatch.setattr(runs, "SHARED_ABOVE_S", 0.0)
     shared = Runs(scene)
     shared.at(many)
@@ -258,7 +258,7 @@ def test_fewer_modes_from_more_are_those_solved_alone(monkeypatch: pytest.Monkey
 
 
 def test_run_without_answer_says_why(study: Study) -> None:
-    found = Runs(example("spline")).at(Setting("lumped"))
+    found = Runs(example("spline")).at(NamedDiscretization("lumped"))
     assert found.values is None
     assert "conform" in (found.failure or "")
     assert "no answer" not in str(study)
@@ -318,7 +318,7 @@ def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
     tree = tomllib.loads(SCENE)
     tree["body_2"]["rigid"] = True
     written = fl.Scene.from_dict(tree | tomllib.loads(row.setting.lines()))
-    found = fl.solve(scene_at(written, Setting()))
+    found = fl.solve(scene_at(written, NamedDiscretization()))
     assert row.run.values is not None
     for name, values in observed(found).items():
         np.testing.assert_array_equal(row.run.values[name], values)
@@ -356,12 +356,12 @@ def steps_of(values: list[float]) -> tuple[Truth, knobs.Knobs]:
     sizes = (0.5, 1.0, 2.0)
     ladder = tuple(sizes[::-1][-len(values) :])
     base, finest = (
-        Setting(flank_element_mm=ladder[0], modes=5),
-        Setting(flank_element_mm=sizes[0], modes=5),
+        NamedDiscretization(flank_element_mm=ladder[0], modes=5),
+        NamedDiscretization(flank_element_mm=sizes[0], modes=5),
     )
     done = {}
     for size, value in zip(sizes, values, strict=False):
-        setting = Setting(flank_element_mm=size, modes=5)
+        setting = NamedDiscretization(flank_element_mm=size, modes=5)
         found = curves([0.0, 1.0], [0], [value, 0.5 * value], [1.0])
         done[setting] = Run(setting, 1.0 / size, 0, found)
     found = knobs.Knobs({"flank_element_mm": ladder}, base, finest, can_adapt=False)
@@ -469,7 +469,10 @@ def test_sharp_corner_is_named_with_its_pressure() -> None:
     few, many = (curves([0.0], [0], [10.0], [1.0]) for _ in range(2))
     few["corner_pressure"], many["corner_pressure"] = np.array([5e3]), np.array([2e4])
     rows = [
-        Row("strips_per_half_width", Run(Setting(strips_per_half_width=n), 1.0, 0, values))
+        Row(
+            "strips_per_half_width",
+            Run(NamedDiscretization(strips_per_half_width=n), 1.0, 0, values),
+        )
         for n, values in ((5.0, few), (20.0, many))
     ]
     (note,) = corner_notes(rows)

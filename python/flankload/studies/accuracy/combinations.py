@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flankload.studies.accuracy.knobs import ADAPTIVE, ADAPTIVE_START
 
 if TYPE_CHECKING:
-    from flankload.setting import Setting
+    from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.knobs import Knobs
     from flankload.studies.accuracy.runs import Run
     from flankload.studies.accuracy.truth import Truth
@@ -35,7 +35,7 @@ def search(
     knobs: Knobs,
     truth: Truth,
     measures: Sequence[str],
-    run: Callable[[Setting], Run],
+    run: Callable[[NamedDiscretization], Run],
 ) -> None:
     """Run combinations around the cheapest that meets a tolerance.
 
@@ -52,7 +52,7 @@ def search(
     if truth.doubt(measures) > tolerance:  # of no run could be said that it meets it
         return
 
-    def meets(setting: Setting) -> bool:
+    def meets(setting: NamedDiscretization) -> bool:
         error = truth.within(run(setting), measures)
         return error is not None and error <= tolerance
 
@@ -68,7 +68,9 @@ def search(
         setting = next((other for other in fresh if meets(other)), None)
 
 
-def coarser(setting: Setting, names: tuple[str, ...], knobs: Knobs) -> Setting | None:
+def coarser(
+    setting: NamedDiscretization, names: tuple[str, ...], knobs: Knobs
+) -> NamedDiscretization | None:
     """The setting with knobs a step coarser; None where one has none."""
     if names == ("count",) and setting.adaptive is not None:
         looser = [tolerance for tolerance in ADAPTIVE if tolerance > setting.adaptive]
@@ -76,7 +78,9 @@ def coarser(setting: Setting, names: tuple[str, ...], knobs: Knobs) -> Setting |
     return knobs.coarser(setting, *names)
 
 
-def guess(part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]) -> Setting | None:
+def guess(
+    part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]
+) -> NamedDiscretization | None:
     """Each knob as cheap as its own ladder allows; None where one does not go so far.
 
     Parameters
@@ -88,7 +92,7 @@ def guess(part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]) -> S
 
     Returns
     -------
-    Setting or None
+    NamedDiscretization or None
     """
     setting = knobs.finest
     for knob in knobs.ladders:

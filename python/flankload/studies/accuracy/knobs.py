@@ -9,16 +9,16 @@ from flankload.mechanisms.belt.drive import default_element_mm
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import ComplianceBody, MeshBody, SplineShaft
 from flankload.scene.discretization import DEFAULT
-from flankload.setting import Setting
-from flankload.steering.knobs import default_length, most_modes
+from flankload.scene.named_discretization import NamedDiscretization
+from flankload.studies.parameters import default_length, most_modes
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Kinds that have neither pairs of flanks on circles nor pressure modes.
 DRIVES = ("chain", "belt")
-#: Knobs by the names of `Setting`, coarse steps first: parts of the default length of elements,
-#: modes, strips and half-widths as they are, parts of the scene's number of positions.
+#: Knobs by the names of `NamedDiscretization`, coarse steps first: parts of the default length of
+#: elements, modes, strips and half-widths as they are, parts of the scene's number of positions.
 ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
 #: The whole tooth of a belt has elements of this length: an eighth would take gigabytes.
 BELT_ELEMENTS = ELEMENTS[:-1]
@@ -48,28 +48,28 @@ LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS = 0.6, 20.0, 1.5
 
 @dataclass(frozen=True)
 class Knobs:
-    """Ladders of a scene, coarse steps first, by the names of `Setting`; without absent knobs.
+    """Ladders of a scene by the names of `NamedDiscretization`, coarse steps first.
 
     Attributes
     ----------
     ladders : dict of str to tuple
-    base : Setting
+    base : NamedDiscretization
         The default knobs, named.
-    finest : Setting
+    finest : NamedDiscretization
     can_adapt : bool
         There are adaptive positions, too.
     """
 
     ladders: dict[str, tuple[float, ...]]
-    base: Setting
-    finest: Setting
+    base: NamedDiscretization
+    finest: NamedDiscretization
     can_adapt: bool = True
 
-    def step(self, setting: Setting, knob: str) -> int:
+    def step(self, setting: NamedDiscretization, knob: str) -> int:
         """Which step of its ladder a knob stands on."""
         return self.ladders[knob].index(getattr(setting, knob))
 
-    def coarser(self, setting: Setting, *names: str) -> Setting | None:
+    def coarser(self, setting: NamedDiscretization, *names: str) -> NamedDiscretization | None:
         """The setting with knobs a step coarser; None where one has none."""
         changed = {}
         for knob in names:
@@ -111,7 +111,7 @@ def knobs_of(scene: Scene) -> Knobs:
     ladders["zone_half_widths"] = ZONES
     if scene.positions.angles_deg is None and pair.position_rad.size > 1:
         ladders["count"] = _counts(scene)
-    base = Setting(
+    base = NamedDiscretization(
         flank_element_mm=ladders["flank_element_mm"][1] if meshed else None,
         modes=max((m for m in modes if m <= DEFAULT.modes), default=None),
         strips_per_half_width=10.0,
@@ -129,7 +129,7 @@ def _of_drives(scene: Scene) -> Knobs:
         ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in BELT_ELEMENTS)
     if scene.positions.angles_deg is None:
         ladders["count"] = _counts(scene)
-    base = Setting(
+    base = NamedDiscretization(
         flank_element_mm=None if length is None else ladders["flank_element_mm"][1],
         count=scene.positions.count if "count" in ladders else None,
     )
@@ -156,7 +156,7 @@ def finest_within(knobs: Knobs, fineness: tuple[float, float, float]) -> Knobs:
     if base.count is not None:
         kept["count"] = tuple(n for n in kept["count"] if n <= base.count * positions)
     modes = kept.get("modes", ())
-    finest = Setting(
+    finest = NamedDiscretization(
         flank_element_mm=kept["flank_element_mm"][-1] if "flank_element_mm" in kept else None,
         modes=max((int(m) for m in modes if m <= FINEST_MODES), default=None),
         strips_per_half_width=kept.get("strips_per_half_width", (None,))[-1],

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
 from flankload.plan import choose_effects
-from flankload.setting import Setting
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
@@ -125,7 +125,7 @@ class _Making:
         self.measures = [name for quantity in quantities for name in MEASURES[quantity]]
         self.knobs = knobs_of(scene)
         self.runs = Runs(scene, resume)
-        self.groups: dict[Setting, str] = {}
+        self.groups: dict[NamedDiscretization, str] = {}
         self._budget_s, self._began, self._progress = budget_s, process_time(), progress
 
     def all_runs(self) -> None:
@@ -133,7 +133,7 @@ class _Making:
         self._warm_up()
         base = self.run("default", self.knobs.base)
         self.knobs = affordable(self.knobs, base.stages, self._budget_s)
-        self.run("as it stands", Setting())
+        self.run("as it stands", NamedDiscretization())
         self.run("finest", self.knobs.finest)
         for knob in sorted(self.knobs.ladders, key="count".__eq__):
             for setting in ladder(self.knobs, knob):
@@ -151,10 +151,10 @@ class _Making:
         if can_be_nodal(self.scene):  # last, since it is the dearest of all
             self.run("nodes", self._nodes(None))
 
-    def _combination(self, setting: Setting) -> Run:
+    def _combination(self, setting: NamedDiscretization) -> Run:
         return self.run("combination", setting)
 
-    def run(self, group: str, setting: Setting) -> Run:
+    def run(self, group: str, setting: NamedDiscretization) -> Run:
         """A run; it belongs to the first group that asks for it."""
         if setting not in self.runs.done:
             if self._spent() >= self._budget_s:
@@ -178,7 +178,7 @@ class _Making:
             done = int(TOLD * min(1.0, self._spent() / self._budget_s))
             self._progress(group.replace("_", " "), done, TOLD)
 
-    def _levels(self) -> Iterator[Setting]:
+    def _levels(self) -> Iterator[NamedDiscretization]:
         """Other levels at the default, with finer elements, and at more positions."""
         base, ladders = self.knobs.base, self.knobs.ladders
         if can_lump(self.scene):
@@ -191,16 +191,16 @@ class _Making:
         if can_be_nodal(self.scene) and base.flank_element_mm is not None:
             yield self._nodes(self.knobs.finest.flank_element_mm)
 
-    def _nodes(self, apart_mm: float | None) -> Setting:
+    def _nodes(self, apart_mm: float | None) -> NamedDiscretization:
         """Forces at plain nodes, which know neither modes nor strips; by themselves if None."""
-        return Setting("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
+        return NamedDiscretization("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
 
     def study(self, stopped: str | None, *, interrupted: bool) -> Study:
         """What has been found so far."""
         truth = Truth(self.runs.done, self.knobs)
         done = self.runs.done
 
-        def row(setting: Setting, *knobs: str) -> Row:
+        def row(setting: NamedDiscretization, *knobs: str) -> Row:
             alone = truth.errors(done[setting], *knobs) if knobs else {}
             return Row(self.groups[setting], done[setting], truth.errors(done[setting]), alone)
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flankload.scene import Scene
-    from flankload.setting import Setting
+    from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.study import Row
 
 #: What kinds of bodies bring along.
@@ -63,5 +63,5 @@ def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     )
 
 
-def _short(setting: Setting) -> str:
+def _short(setting: NamedDiscretization) -> str:
     return ", ".join(f"{key} {value}" for key, value in setting.as_dict().items())

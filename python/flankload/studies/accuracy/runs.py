@@ -14,9 +14,9 @@ from flankload.base.files import write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError, SceneError
 from flankload.mechanisms import run_once
-from flankload.setting import Setting, scene_at
-from flankload.steering import first_scene
+from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.studies.accuracy.observed import Observed, from_tree, observed, to_tree
+from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
@@ -38,7 +38,7 @@ class Run:
 
     Attributes
     ----------
-    setting : Setting
+    setting : NamedDiscretization
     cpu_s : float
         CPU seconds of all its stages, elements included.
     memory_bytes : int
@@ -53,7 +53,7 @@ class Run:
         Premises of the model that it breaks.
     """
 
-    setting: Setting
+    setting: NamedDiscretization
     cpu_s: float
     memory_bytes: int
     values: Observed | None
@@ -88,7 +88,7 @@ class Runs:
         self._head = {"runs_of_flankload": version("flankload"), "scene": fingerprint(scene)}
         self._lines: list[str] = []
         self._kept: dict[object, Kept] = {}
-        self.done: dict[Setting, Run] = {}
+        self.done: dict[NamedDiscretization, Run] = {}
         if file is not None and file.exists():
             self._read(file)
 
@@ -109,7 +109,7 @@ class Runs:
         self._lines = lines[1:]
         self.done = {run.setting: run for run in runs}
 
-    def at(self, setting: Setting, progress: Progress | None = None) -> Run:
+    def at(self, setting: NamedDiscretization, progress: Progress | None = None) -> Run:
         """The run at a setting, solved where it is not there yet."""
         if setting not in self.done:
             run = self._solved(setting, progress)
@@ -120,7 +120,7 @@ class Runs:
                 write_atomically(self._file, text)
         return self.done[setting]
 
-    def _solved(self, setting: Setting, progress: Progress | None) -> Run:
+    def _solved(self, setting: NamedDiscretization, progress: Progress | None) -> Run:
         as_it_is = first_scene(self.scene) if setting.as_it_stands else self.scene
         scene = scene_at(as_it_is, setting)
         try:
@@ -135,7 +135,7 @@ class Runs:
             return Run(setting, 0.0, 0, None, failure=str(error))
         return run
 
-    def _compliances(self, setting: Setting) -> Kept:
+    def _compliances(self, setting: NamedDiscretization) -> Kept:
         """Of the same elements and modes; or of more modes, where that is worth it."""
         if setting.as_it_stands:
             return {}
@@ -163,7 +163,9 @@ def _with_modes(
     return compliance, account
 
 
-def _measured(setting: Setting, scene: Scene, kept: Kept, progress: Progress | None) -> Run:
+def _measured(
+    setting: NamedDiscretization, scene: Scene, kept: Kept, progress: Progress | None
+) -> Run:
     results = run_once(scene, kept, progress)
     several = results if isinstance(results, tuple) else (results,)
     cost = several[0].cost
@@ -193,7 +195,7 @@ def _to_tree(run: Run) -> dict[str, Any]:
 
 def _from_tree(tree: dict[str, Any]) -> Run:
     return Run(
-        setting=Setting.from_dict(tree["setting"]),
+        setting=NamedDiscretization.from_dict(tree["setting"]),
         cpu_s=float(tree["cpu_s"]),
         memory_bytes=int(tree["memory_bytes"]),
         values=None if tree["values"] is None else from_tree(tree["values"]),

@@ -18,7 +18,7 @@ from flankload.studies.accuracy.truth import twin
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flankload.setting import Setting
+    from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.knobs import Knobs
     from flankload.studies.accuracy.ladder import Limit
     from flankload.studies.accuracy.runs import Run
@@ -46,7 +46,7 @@ class Row:
     alone: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def setting(self) -> Setting:
+    def setting(self) -> NamedDiscretization:
         """Knobs of the run."""
         return self.run.setting
 

@@ -14,14 +14,14 @@ from flankload.studies.accuracy.observed import errors_of, limits_of, moved, off
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.setting import Setting
+    from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.knobs import Knobs
     from flankload.studies.accuracy.ladder import Limit
     from flankload.studies.accuracy.observed import Observed
     from flankload.studies.accuracy.runs import Run
 
 
-def ladder(knobs: Knobs, knob: str) -> Iterator[Setting]:
+def ladder(knobs: Knobs, knob: str) -> Iterator[NamedDiscretization]:
     """Steps of a knob, the others at their finest, the finest step first.
 
     Even positions are followed by adaptive ones.
@@ -34,19 +34,19 @@ def ladder(knobs: Knobs, knob: str) -> Iterator[Setting]:
         yield from every_kink(knobs)
 
 
-def at_default(knobs: Knobs, knob: str) -> Iterator[Setting]:
+def at_default(knobs: Knobs, knob: str) -> Iterator[NamedDiscretization]:
     """The same steps, the others at their default: what a step costs where all else is cheap."""
     for setting in ladder(knobs, knob):
         yield twin(knobs, knob, setting)
 
 
-def twin(knobs: Knobs, knob: str, setting: Setting) -> Setting:
+def twin(knobs: Knobs, knob: str, setting: NamedDiscretization) -> NamedDiscretization:
     """A step of a ladder with the other knobs at their default."""
     changed = replace(knobs.base, **{knob: getattr(setting, knob)})
     return replace(changed, adaptive=setting.adaptive)
 
 
-def every_kink(knobs: Knobs) -> Iterator[Setting]:
+def every_kink(knobs: Knobs) -> Iterator[NamedDiscretization]:
     """The finest positions and more of them where the curve bends.
 
     Ladders of even positions are erratic where it has kinks: this is their limit.
@@ -66,12 +66,12 @@ class Truth:
 
     Parameters
     ----------
-    done : mapping of Setting to Run
+    done : mapping of NamedDiscretization to Run
         Finished runs.
     knobs : Knobs
     """
 
-    def __init__(self, done: Mapping[Setting, Run], knobs: Knobs) -> None:
+    def __init__(self, done: Mapping[NamedDiscretization, Run], knobs: Knobs) -> None:
         self._done, self._knobs = done, knobs
         run = done.get(knobs.finest)
         self.finest: Observed | None = None if run is None else run.values
@@ -138,7 +138,7 @@ class Truth:
         return [steps for knob, steps in self._knobs.ladders.items() if knob not in self.limits]
 
     @staticmethod
-    def _size(setting: Setting, knob: str) -> float:
+    def _size(setting: NamedDiscretization, knob: str) -> float:
         """What goes to zero along a ladder."""
         value = float(getattr(setting, knob))
         return value if knob == "flank_element_mm" else 1.0 / value

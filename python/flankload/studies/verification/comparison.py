@@ -14,7 +14,7 @@ from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms import run_once
 from flankload.plan import choose_effects
-from flankload.steering import first_scene
+from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
 from flankload.studies.verification.deck import deck_text
 from flankload.studies.verification.model import check_bodies, model_of

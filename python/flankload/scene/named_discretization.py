@@ -1,4 +1,4 @@
-"""Settings: the knobs of accuracy as one thing, and how a scene looks at them."""
+"""How finely a run is discretized, as keys of a scene."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ CORNER_STRIPS = 3.0
 MOST_STRIPS = 200.0
 #: Adaptive positions may grow to so many times those they begin with.
 ADAPTIVE_GROWTH = 64
-#: Keys of [effects] that a setting decides on, and what no error is asked of.
+#: Keys of [effects] that a discretization decides on, and what no error is asked of.
 LEVELS_AND_EXTRAS = ("contact", "near_field", "root_stress")
 
 
 @dataclass(frozen=True)
-class Setting:
-    """Knobs of a run; None is left as the scene has it.
+class NamedDiscretization:
+    """What a run is discretized with; None is left as the scene has it.
 
     Attributes
     ----------
@@ -51,15 +51,15 @@ class Setting:
     @property
     def as_it_stands(self) -> bool:
         """Whether nothing of the scene is changed."""
-        return self == Setting()
+        return self == NamedDiscretization()
 
     def as_dict(self) -> dict[str, Any]:
-        """Knobs by name, without those that are left."""
+        """What is named, by name."""
         return {key: value for key, value in asdict(self).items() if value is not None}
 
     @classmethod
-    def from_dict(cls, tree: dict[str, Any]) -> Setting:
-        """The setting that `as_dict` shows."""
+    def from_dict(cls, tree: dict[str, Any]) -> NamedDiscretization:
+        """The discretization that `as_dict` shows."""
         return cls(**{field.name: tree[field.name] for field in fields(cls) if field.name in tree})
 
     @property
@@ -119,13 +119,13 @@ def _toml(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def scene_at(scene: Scene, setting: Setting) -> Scene:
+def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
     """The scene with other knobs, without error estimate and stress in the roots.
 
     Parameters
     ----------
     scene : Scene
-    setting : Setting
+    discretization : NamedDiscretization
 
     Returns
     -------
@@ -133,46 +133,46 @@ def scene_at(scene: Scene, setting: Setting) -> Scene:
     """
     plain = EffectsAsked()
     reset = {key: getattr(plain, key) for key in LEVELS_AND_EXTRAS if hasattr(plain, key)}
-    quiet = {} if setting.as_it_stands else reset
-    return with_setting(
+    quiet = {} if discretization.as_it_stands else reset
+    return with_discretization(
         replace(
             scene,
             accuracy=structs.replace(scene.accuracy, estimate=False),
             effects=structs.replace(scene.effects, **quiet),
         ),
-        setting,
+        discretization,
     )
 
 
-def with_setting(scene: Scene, setting: Setting) -> Scene:
-    """The scene with the knobs of a setting named, all else as it stands.
+def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Scene:
+    """The scene with the knobs of a discretization named, all else as it stands.
 
     Parameters
     ----------
     scene : Scene
-    setting : Setting
+    discretization : NamedDiscretization
 
     Returns
     -------
     Scene
     """
-    accuracy = structs.replace(scene.accuracy, **setting.accuracy_keys)
-    if setting.level == "lumped":
+    accuracy = structs.replace(scene.accuracy, **discretization.accuracy_keys)
+    if discretization.level == "lumped":
         accuracy = structs.replace(
             accuracy,
             strips_per_half_width=None,
             corner_strips_per_half_width=None,
             zone_half_widths=None,
         )
-    even = {"adaptive": False, "tolerance": None, "max_count": None} if setting.count else {}
+    even = {"adaptive": False, "tolerance": None, "max_count": None} if discretization.count else {}
     return replace(
         scene,
         accuracy=accuracy,
-        positions=structs.replace(scene.positions, **(even | setting.position_keys)),
-        effects=structs.replace(scene.effects, **setting.effect_keys),
-        named_effects=scene.named_effects.union(setting.effect_keys),
+        positions=structs.replace(scene.positions, **(even | discretization.position_keys)),
+        effects=structs.replace(scene.effects, **discretization.effect_keys),
+        named_effects=scene.named_effects.union(discretization.effect_keys),
         named_knobs=scene.named_knobs.union(
-            {f"accuracy.{key}" for key in setting.accuracy_keys},
-            {f"positions.{key}" for key in setting.position_keys},
+            {f"accuracy.{key}" for key in discretization.accuracy_keys},
+            {f"positions.{key}" for key in discretization.position_keys},
         ),
     )

@@ -1,0 +1,317 @@
+"""Discretization parameters of a scene: which there are, how errors fall with them, which stay.
+
+Each kind of drive supplies one `Parameters`; the control of the tolerance knows no kind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import inf
+from typing import TYPE_CHECKING
+
+from flankload.bodies import SPLINE_PART
+from flankload.bodies.imported.given import ModalCompliance
+from flankload.mechanisms.flank_pair.assembly import bodies_of
+from flankload.scene import ComplianceBody, MeshBody
+from flankload.scene.discretization import DEFAULT, elements_for_modes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.bodies import Body
+    from flankload.scene import BodySpec, Scene
+
+    Values = dict[str, float]
+    Powers = Mapping[str, float]
+
+ELEMENTS, MODES, STRIPS = "flank_element_mm", "modes", "strips_per_half_width"
+#: Those that compliances depend on.
+OF_ELEMENTS = (ELEMENTS, MODES)
+#: Parameters by the names of `Discretization`, and the source of errors that each answers for.
+SOURCES = {ELEMENTS: "elements", MODES: "modes", STRIPS: "strips", "positions": "positions"}
+#: Pressure modes that a scene may name.
+LEAST_MODES, MOST_MODES = 3, 12
+#: Steps to half the length of elements, and the shortest ones over the default: half the length
+#: takes four times the work, so that the last halving is left to tolerances below FINE.
+STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
+STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
+#: Elements of the default length on a flank of usual height, two modules of a gear.
+FLANK_ELEMENTS = 9.0
+#: As many modes are better than fewer on any elements.
+ANYWHERE = 4
+#: Errors by powers of the parameters. Elements: second order in displacements; polynomials of
+#: degree n change within 1/n² of the ends of a flank. Modes: energy of loads beside a tip, where
+#: the compliance grows like a logarithm. Strips: pressure is linear on each.
+FLANK_POWERS: Mapping[str, Powers] = {
+    "elements": {ELEMENTS: 2.0, MODES: 4.0},
+    "modes": {MODES: -3.0},
+    "strips": {STRIPS: -2.0},
+}
+#: Beside the re-entrant corners of a belt's teeth errors fall to 0.6 when lengths are halved.
+BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
+#: Work by powers of the parameters: elements, and states.
+ELEMENTS_WORK: Powers = {ELEMENTS: -2.0}
+STATES_WORK: Powers = {STRIPS: 1.0}
+#: Keys of [positions] that say where a drive is looked at.
+PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
+FEW_MODES = "meshes and compliances from files bear no more of them"
+#: Why finer steps help little: what is added to a reason.
+CORNERS = "; pairs work on sharp corners, beside which all converges slowly (a warning names them)"
+BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Discretization parameters of a scene.
+
+    Attributes
+    ----------
+    values : dict of str to float
+        By default or as the scene names them.
+    fixed : dict of str to str
+        Those that stay, and why.
+    steps : mapping of str to tuple of float
+        Finer values of the others, one after the other.
+    powers : mapping of str to mapping
+        By source of errors: the powers of the parameters that it goes with.
+    explicit : tuple of str
+        Those that a run names even where they are as they began: else it may take others.
+    flank_mm : float
+        Length of a flank, whose elements bear the modes; infinite where modes ask for nothing.
+    ends : mapping of str to str
+        Why there are no finer steps, where that has a reason of its own.
+    slow : str
+        What slows convergence down: added to a reason where pairs work on sharp corners.
+    always_slow : bool
+        Added in any case.
+    has_pressures : bool
+    """
+
+    values: Values
+    fixed: dict[str, str]
+    steps: Mapping[str, tuple[float, ...]]
+    powers: Mapping[str, Powers]
+    explicit: tuple[str, ...] = ()
+    flank_mm: float = inf
+    ends: Mapping[str, str] = field(default_factory=dict)
+    slow: str = CORNERS
+    always_slow: bool = False
+    has_pressures: bool = True
+
+    @property
+    def open_sources(self) -> set[str]:
+        """Sources of errors that can be reduced."""
+        return {of for name, of in SOURCES.items() if name in self.steps or self._adapts(name)}
+
+    def _adapts(self, name: str) -> bool:
+        return name == "positions" and name not in self.fixed
+
+    def finer(self, values: Values, source: str) -> Values | None:
+        """The next step of the parameter that answers for a source.
+
+        Parameters
+        ----------
+        values : dict of str to float
+        source : str
+
+        Returns
+        -------
+        dict or None
+            None at the end of its steps, and where it stays. More modes come with elements that
+            bear them.
+        """
+        name = next((name for name, of in SOURCES.items() if of == source), "")
+        towards = -1.0 if name == ELEMENTS else 1.0
+        ahead = [x for x in self.steps.get(name, ()) if towards * (x - values[name]) > 0]
+        if not ahead:
+            return None
+        changed = {**values, name: ahead[0]}
+        return self._bearing(changed) if name == MODES else changed
+
+    def _bearing(self, values: Values) -> Values | None:
+        """Elements short enough for the modes; None where they cannot be."""
+        if ELEMENTS not in values or values[MODES] <= ANYWHERE:
+            return values
+        longest = float(f"{self.flank_mm / elements_for_modes(int(values[MODES])):.3g}")
+        if values[ELEMENTS] <= longest:
+            return values
+        can = self.steps.get(ELEMENTS, (inf,))[-1] <= longest
+        return {**values, ELEMENTS: longest} if can else None
+
+
+def relative(powers: Powers, values: Values, others: Values) -> float:
+    """What goes with powers of the parameters: at some values over that at other ones."""
+    found = 1.0
+    for name, power in powers.items():
+        if name in values:
+            found *= (values[name] / others[name]) ** power
+    return found
+
+
+def parameters_of(scene: Scene) -> Parameters:
+    """Discretization parameters of a scene; bodies are built only where their files decide.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Parameters
+    """
+    return KINDS.get(scene.body_2.kind, _of_flanks)(scene)
+
+
+def _of_chain(scene: Scene) -> Parameters:
+    fixed = _named(scene)
+    fixed.setdefault("positions", "even ones do")
+    return Parameters({}, fixed, {}, {}, has_pressures=False)
+
+
+def _of_belt(scene: Scene) -> Parameters:
+    from flankload.mechanisms.belt.drive import default_element_mm
+
+    fixed, length = _named(scene), default_element_mm(scene)
+    fixed.setdefault("positions", "a belt has as many even ones as positions.count says")
+    if length is None:
+        fixed.setdefault(ELEMENTS, "flanks that are bare have no elements")
+    return Parameters(
+        {} if length is None else {ELEMENTS: scene.accuracy.flank_element_mm or length},
+        fixed,
+        {} if ELEMENTS in fixed or length is None else {ELEMENTS: _lengths(scene, length)},
+        BELT_POWERS,
+        slow=BELT_CORNERS,
+        always_slow=True,
+        has_pressures=False,
+    )
+
+
+def _of_flanks(scene: Scene) -> Parameters:
+    fixed, accuracy = _named(scene), scene.accuracy
+    length, most = _elements(scene)
+    if length is None:
+        fixed.setdefault(ELEMENTS, "meshes and compliances from files are what they are")
+    if scene.effects.near_field == "nodes":
+        nodes = "effects.near_field = 'nodes' goes by the nodes of the flank"
+        fixed |= {MODES: nodes, ELEMENTS: nodes}
+    if most <= LEAST_MODES:
+        fixed.setdefault(MODES, "the files hold no more of them")
+    if scene.effects.contact == "lumped":
+        fixed[STRIPS] = "lumped contact lays no strips"
+    cam = scene.body_2.kind == "cam"
+    if cam or scene.positions.count == 1:
+        fixed.setdefault("positions", "even ones do")
+    modes = accuracy.modes or DEFAULT.modes
+    flank_mm = inf if length is None or cam else FLANK_ELEMENTS * length
+    named_mm = accuracy.flank_element_mm
+    while named_mm is not None and MODES not in fixed and modes > ANYWHERE:
+        if elements_for_modes(modes) * named_mm <= flank_mm:
+            break
+        modes -= 1  # named elements bear no more
+    values: Values = {
+        MODES: min(most, modes),
+        STRIPS: accuracy.strips_per_half_width or DEFAULT.grid.strips_per_half_width,
+    }
+    steps: dict[str, tuple[float, ...]] = {
+        MODES: tuple(range(LEAST_MODES, most + 1)),
+        STRIPS: STRIPS_STEPS,
+    }
+    if length is not None:
+        values[ELEMENTS] = named_mm or length
+        steps[ELEMENTS] = _lengths(scene, length)
+    return Parameters(
+        values,
+        fixed,
+        {name: finer for name, finer in steps.items() if name not in fixed},
+        FLANK_POWERS,
+        explicit=() if MODES in fixed else (MODES,),
+        flank_mm=flank_mm,
+        ends={} if most >= MOST_MODES else {MODES: FEW_MODES},
+    )
+
+
+#: By kind of body 2; pairs of flanks else.
+KINDS = {"chain": _of_chain, "belt": _of_belt}
+
+
+def _named(scene: Scene) -> dict[str, str]:
+    """Parameters that the scene names."""
+    fixed = {
+        name: f"accuracy.{name} is named"
+        for name in (ELEMENTS, MODES, STRIPS)
+        if getattr(scene.accuracy, name) is not None
+    }
+    places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]
+    if places:
+        fixed["positions"] = f"positions.{places[0]} is named"
+    return fixed
+
+
+def _lengths(scene: Scene, default_mm: float) -> tuple[float, ...]:
+    """Lengths of elements, each four of them half as long."""
+    least = FINEST_PART if scene.accuracy.tolerance < FINE else LEAST_PART
+    parts = [2.0 ** (-step / STEPS) for step in range(1, 4 * STEPS)]
+    return tuple(float(f"{part * default_mm:.3g}") for part in parts if part >= least)
+
+
+def _elements(scene: Scene) -> tuple[float | None, int]:
+    """Length of elements by default, mm, and the most modes."""
+    lengths, modes = [], [MOST_MODES]
+    for z, spec in enumerate((scene.body_1, scene.body_2)):
+        if spec.rigid:
+            continue
+        from_file = isinstance(spec, MeshBody | ComplianceBody)
+        body = None
+        if from_file or not hasattr(spec, "module_mm"):
+            body = bodies_of(scene, DEFAULT, (z,))[0]
+        if not from_file:
+            lengths.append(default_length(spec, body))
+        modes.append(most_modes(spec, body if from_file else None))
+    return min(lengths, default=None), min(modes)
+
+
+def default_length(spec: BodySpec, body: Body | None = None) -> float:
+    """Length of elements along the flank by default, mm.
+
+    Parameters
+    ----------
+    spec : table of a body
+    body : Body, optional
+        The same, built; needed where the table names no module.
+
+    Returns
+    -------
+    float
+    """
+    module = getattr(spec, "module_mm", None)
+    if module is not None:
+        part = SPLINE_PART if getattr(spec, "kind", "").startswith("spline") else 1.0
+        return float(DEFAULT.flank_element_parts * module * part)
+    assert body is not None
+    assert body.mesh is not None
+    low, high = body.mode_range_mm
+    return float((high - low) / body.mesh.flank_elements)
+
+
+def most_modes(spec: BodySpec, body: Body | None) -> int:
+    """Modes that a body's file allows: as many as it holds, or as its elements bear.
+
+    Parameters
+    ----------
+    spec : table of a body
+    body : Body or None
+        The same, built; needed where it comes from a file.
+
+    Returns
+    -------
+    int
+    """
+    if body is None:
+        return MOST_MODES
+    if isinstance(body.given, ModalCompliance):
+        return int(body.given.smooth.shape[1])
+    nodes = body.given or (body.mesh if isinstance(spec, MeshBody) else None)
+    if nodes is None:
+        return MOST_MODES
+    asked = range(3, MOST_MODES + 1)
+    return max((m for m in asked if elements_for_modes(m) <= nodes.flank_elements), default=2)

@@ -1,0 +1,318 @@
+"""Tolerance control: a scene that names `accuracy.tolerance` is discretized so that it is met.
+
+The first run is one at the default. Its error estimate says what each source leaves of each
+quantity; where that exceeds the tolerance the parameters are refined by the known orders of
+convergence (`parameters`) and the scene is run again. The verdict is that of the last run's own
+estimate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from flankload.cost import COUNTERS, Account
+from flankload.scene.named_discretization import NamedDiscretization, with_discretization
+from flankload.studies.parameters import (
+    ELEMENTS_WORK,
+    OF_ELEMENTS,
+    STATES_WORK,
+    parameters_of,
+    relative,
+)
+from flankload.studies.tolerance_report import BOUND, Attempt, Choice, tolerance_report
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, MutableMapping, Sequence
+
+    from flankload.elasticity.compliance.body_compliance import BodyCompliance
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.parameters import Parameters, Values
+
+    Progress = Callable[[str, int, int], None]
+    Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
+    Errors = dict[str, float]
+    Table = dict[str, Errors]
+
+#: Runs at the most.
+MOST_RUNS = 3
+#: Part of the tolerance that a refinement aims at: orders of convergence are asymptotic.
+AIM = 0.9
+#: A source that leaves so little of what is aimed at is not refined.
+SMALL_PART = 0.4
+#: What cannot be met is refined to so many times the work of all else; a run for that alone must
+#: leave no more than so much of what parameters answer for.
+PATIENCE, MUCH_NEARER = 4.0, 0.7
+#: Adaptive positions begin with so many on a pitch. They may leave DOUBT tolerances in doubt of
+#: harmonics and peak to peak, as parts of these, since the tolerance binds parts of the whole;
+#: within limits. Refined ones are aimed at POSITIONS_AIM tolerances: the rest costs more.
+POSITIONS, DOUBT, LEAST_DOUBT, MOST_DOUBT = 16, 3.0, 3e-4, 0.03
+POSITIONS_AIM, FINEST_DOUBT = 0.4, 1e-5
+
+
+class Run(Protocol):
+    """A run of a scene, `run_once`."""
+
+    def __call__(
+        self, scene: Scene, kept: Kept, progress: Progress | None
+    ) -> Result | tuple[Result, ...]:
+        """Results of a scene; compliances that it has solved are put into kept."""
+
+
+def first_choice(scene: Scene, parameters: Parameters) -> Choice:
+    """What a scene begins with: the default, and adaptive positions where none are named."""
+    positions = NamedDiscretization()
+    if "positions" not in parameters.fixed:
+        doubt = float(np.clip(DOUBT * scene.accuracy.tolerance, LEAST_DOUBT, MOST_DOUBT))
+        positions = NamedDiscretization(count=POSITIONS, adaptive=doubt)
+    return Choice(parameters.values, positions)
+
+
+def first_discretization(scene: Scene) -> NamedDiscretization:
+    """What a tolerance begins with, open parameters that are at their default included.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    NamedDiscretization
+        Nothing where the scene names no tolerance.
+    """
+    if not scene.steers:
+        return NamedDiscretization()
+    parameters = parameters_of(scene)
+    default: dict[str, Any] = {
+        name: x if isinstance(x, int) else float(f"{x:.3g}")
+        for name, x in parameters.values.items()
+        if name in parameters.steps
+    }
+    return replace(first_choice(scene, parameters).positions, **default)
+
+
+def first_scene(scene: Scene) -> Scene:
+    """A scene as its tolerance begins with it; itself where it names none.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Scene
+    """
+    if not scene.steers:
+        return scene
+    parameters = parameters_of(scene)
+    return _at(scene, first_choice(scene, parameters).discretization(parameters))
+
+
+def _at(scene: Scene, discretization: NamedDiscretization) -> Scene:
+    """The scene with its discretization named: its tolerance decides on nothing any more."""
+    scene = with_discretization(scene, discretization)
+    return replace(scene, named_knobs=scene.named_knobs - {"accuracy.tolerance"})
+
+
+def solve_to_tolerance(
+    scene: Scene, run: Run, progress: Progress | None = None
+) -> Result | tuple[Result, ...]:
+    """Results of a scene whose discretization meets its tolerance, as far as it can be met.
+
+    Parameters
+    ----------
+    scene : Scene
+        That names a tolerance.
+    run : callable
+        Solves a scene.
+    progress : callable, optional
+        As of `solve`.
+
+    Returns
+    -------
+    Result, or a tuple of Results
+        With `accuracy`.
+    """
+    with Account() as control:
+        parameters = parameters_of(scene)
+        choice = first_choice(scene, parameters)
+    tell, kept, spent = _Parts(progress), {}, Account()  # type: tuple[_Parts, Kept, Account]
+    attempts: list[Attempt] = []
+    while True:
+        at = _at(scene, choice.discretization(parameters))
+        found = run(at, kept, tell.part(len(attempts)))
+        attempts.append(Attempt.of(choice, found if isinstance(found, tuple) else (found,)))
+        with control:
+            finer = choose_discretization(parameters, attempts, scene.accuracy.tolerance)
+        if finer is None:
+            break
+        same = finer.has_elements_of(choice)
+        _add_spent(spent, attempts[-1].results, without=set(kept) if same else set())
+        choice, kept = finer, kept if same else {}
+    extra = {"steering": control} | ({"first run": spent} if len(attempts) > 1 else {})
+    report = tolerance_report(scene, parameters, attempts)
+    results = tuple(
+        replace(result, accuracy=report, cost=_with_extra(result.cost, extra))
+        for result in attempts[-1].results
+    )
+    tell.finish()
+    return results if scene.has_torque_list else results[0]
+
+
+def choose_discretization(
+    parameters: Parameters, attempts: Sequence[Attempt], tolerance: float
+) -> Choice | None:
+    """What is likely to meet the tolerance, by what the last run says of itself.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    attempts : sequence of Attempt
+        Runs so far.
+    tolerance : float
+
+    Returns
+    -------
+    Choice or None
+        None where the tolerance is met, and where no further run is worth it.
+    """
+    last = attempts[-1]
+    missed = [quantity for quantity, error in last.errors.items() if error > tolerance]
+    if not missed or len(attempts) == MOST_RUNS:
+        return None
+    by_source, positions = dict(last.by_source), last.choice.positions
+    left = max(by_source.get("positions", {}).values(), default=0.0)
+    if positions.adaptive is not None and left > POSITIONS_AIM * tolerance:
+        part = POSITIONS_AIM * tolerance / left
+        doubt = float(f"{max(FINEST_DOUBT, part * positions.adaptive):.2g}")
+        positions = replace(positions, adaptive=doubt)
+        by_source["positions"] = {q: part * e for q, e in by_source["positions"].items()}
+    if len(attempts) > 1:  # elements are not solved a third time
+        steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
+        parameters = replace(parameters, steps=steps)
+    refining = _Refining(parameters, last, by_source, AIM * tolerance)
+    values = refining.values()
+    choice = Choice(values, positions, refining.foreseen(values))
+    meets = any(choice.foreseen[quantity] <= tolerance for quantity in missed)
+    before = max(_norm(last.by_source, quantity, parameters) for quantity in missed)
+    after = max(_norm(refining.left(values), quantity, parameters) for quantity in missed)
+    return choice if meets or (before > tolerance and after <= MUCH_NEARER * before) else None
+
+
+def _norm(table: Table, quantity: str, only_open: Parameters | None = None) -> float:
+    """Errors of a quantity by all sources, or by those whose parameters are open, together."""
+    among = table if only_open is None else only_open.open_sources
+    return float(np.linalg.norm([table[source][quantity] for source in table if source in among]))
+
+
+class _Refining:
+    """Refinement of the parameters from a run, each source by its order of convergence."""
+
+    def __init__(
+        self, parameters: Parameters, done: Attempt, by_source: Table, wanted: float
+    ) -> None:
+        self._parameters, self._start, self._wanted = parameters, done.choice.values, wanted
+        self._by_source = by_source
+        stages = {name: one["cpu_s"] for name, one in done.results[0].cost["stages"].items()}
+        self._elements_s = sum(s for name, s in stages.items() if name.startswith("compliance"))
+        self._states_s = sum(stages.get(name, 0.0) for name in ("sweep", "tangent", "estimate"))
+
+    def left(self, values: Values) -> Table:
+        """What each source is likely to leave of each quantity."""
+        powers = self._parameters.powers
+        found: Table = {}
+        for source, errors in self._by_source.items():
+            factor = relative(powers.get(source, {}), values, self._start)
+            found[source] = {quantity: factor * error for quantity, error in errors.items()}
+        return found
+
+    def foreseen(self, values: Values) -> Errors:
+        """The same of all sources: doubts are independent."""
+        left = self.left(values)
+        return {quantity: _norm(left, quantity) for quantity in BOUND}
+
+    def _work(self, values: Values) -> float:
+        """CPU seconds of a run, as far as they depend on the parameters."""
+        elements = self._elements_s * relative(ELEMENTS_WORK, values, self._start)
+        return elements + self._states_s * relative(STATES_WORK, values, self._start)
+
+    def values(self) -> Values:
+        """Parameters that meet what can be met and come near to the rest while that is cheap."""
+        finest = self._refined(self._start, set(BOUND), np.inf)
+        can = {q for q, error in self.foreseen(finest).items() if error <= self._wanted}
+        values = self._refined(self._start, can, np.inf)
+        most = PATIENCE * max(self._work(self._start), self._work(values))
+        return self._refined(values, set(BOUND) - can, most)
+
+    def _refined(self, values: Values, quantities: set[str], most_work: float) -> Values:
+        """Step by step what adds most to the largest error."""
+        left = set(quantities)
+        while left:
+            errors = self.foreseen(values)
+            worst = max(left, key=lambda quantity: errors[quantity])
+            if errors[worst] <= self._wanted:
+                break
+            sources = {source: one[worst] for source, one in self.left(values).items()}
+            finer = None
+            for source in sorted(sources, key=lambda name: -sources[name]):
+                if sources[source] < SMALL_PART * self._wanted:
+                    break
+                finer = self._parameters.finer(values, source)
+                if finer is not None:
+                    break
+            if finer is None or self._work(finer) > most_work:
+                left.remove(worst)
+            else:
+                values = finer
+        return values
+
+
+def _add_spent(spent: Account, results: Sequence[Result], *, without: set[int]) -> None:
+    """Count what a run has spent that the next one does not take over from these bodies."""
+    kept = {f"compliance body {z + 1}" for z in without}
+    for name, stage in results[0].cost["stages"].items():
+        if name not in kept:
+            spent.wall_s += stage["wall_s"]
+            spent.cpu_s += stage["cpu_s"]
+            spent.count(**stage["counters"])
+
+
+def _with_extra(cost: Mapping[str, Any], extra: Mapping[str, Account]) -> dict[str, Any]:
+    """The cost of a run with what was spent beside it."""
+    stages = {name: account.as_dict() | {"predicted": {}} for name, account in extra.items()}
+    more = {
+        name: cost.get(name, 0) + sum(account.counters.get(name, 0) for account in extra.values())
+        for name in COUNTERS
+        if name in cost
+    }
+    return {**cost, **more, "stages": {**stages, **cost["stages"]}}
+
+
+class _Parts:
+    """Progress of several runs as that of one: the later ones may not come."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self._total = 1
+
+    def part(self, number: int) -> Progress | None:
+        """Progress of a run; each may take half of what the ones before have left."""
+        if self._progress is None:
+            return None
+
+        def tell(stage: str, done: int, total: int) -> None:
+            assert self._progress is not None
+            self._total = max(total, self._total)
+            if done < total:
+                at = number * self._total + done * self._total // total
+                self._progress(stage, at, MOST_RUNS * self._total)
+
+        return tell
+
+    def finish(self) -> None:
+        """All are done."""
+        if self._progress is not None:
+            self._progress("done", MOST_RUNS * self._total, MOST_RUNS * self._total)

@@ -1,0 +1,257 @@
+"""What a tolerance binds, what the estimates of its runs say of that, and the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.analysis.error_rules import LARGEST_SMOOTH_CHANGE
+from flankload.scene.named_discretization import NamedDiscretization
+from flankload.studies.parameters import OF_ELEMENTS, SOURCES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.parameters import Parameters, Values
+
+    Errors = dict[str, float]
+    Table = dict[str, Errors]
+
+#: It is bound as part of the largest transmission error, not of itself: a curve that hardly varies
+#: need not be known to a part of nothing.
+OF_LARGEST = "transmission_error_peak_to_peak"
+#: Quantities that a tolerance binds.
+BOUND = (
+    "transmission_error",
+    "transmission_error_mean",
+    OF_LARGEST,
+    "load_share",
+    "peak_pressure",
+    "stiffness_secant",
+)
+#: Sources that no parameter answers for, and what does.
+LEFT_BY = {
+    "tip": "forces on tips turn from the normal of the flank, along which its modes push",
+    "lumped": "effects.contact = 'lumped' leaves it",
+    "period": "positions.pitches leaves out teeth that yield differently",
+    "one solution": "effects.large_displacement = false leaves it",
+}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a run is made with.
+
+    Attributes
+    ----------
+    values : dict of str to float
+        Of all parameters.
+    positions : NamedDiscretization
+        With the keys of the positions alone.
+    foreseen : dict of str to float
+        Errors of bound quantities by the orders of convergence; empty for the first run.
+    """
+
+    values: Values
+    positions: NamedDiscretization
+    foreseen: Errors = field(default_factory=dict)
+
+    def discretization(self, parameters: Parameters) -> NamedDiscretization:
+        """The keys that make a run of it."""
+        named: dict[str, Any] = {
+            name: x
+            for name, x in self.values.items()
+            if name in parameters.explicit or x != parameters.values[name]
+        }
+        return replace(self.positions, **named)
+
+    def has_elements_of(self, other: Choice) -> bool:
+        """Whether compliances of the other one hold."""
+        return all(self.values.get(name) == other.values.get(name) for name in OF_ELEMENTS)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A run, and what its estimate says of the bound quantities."""
+
+    choice: Choice
+    results: tuple[Result, ...]
+    errors: Errors
+    by_source: Table
+
+    @classmethod
+    def of(cls, choice: Choice, results: tuple[Result, ...]) -> Attempt:
+        """From its results."""
+        return cls(choice, results, estimated_errors(results), errors_by_source(results))
+
+
+def estimated_errors(results: Sequence[Result]) -> Errors:
+    """Errors of the bound quantities, the largest over the torques.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        Of one scene.
+
+    Returns
+    -------
+    dict of str to float
+        Those that are estimated.
+    """
+    found: Errors = {}
+    for result in results:
+        for quantity, error in _bound(result.estimate or {}, result).items():
+            found[quantity] = max(found.get(quantity, 0.0), error)
+    return found
+
+
+def errors_by_source(results: Sequence[Result]) -> Table:
+    """The same by source: what each alone would leave.
+
+    Sources may cancel: they do not add up to `estimated_errors`. Elements of several bodies have
+    one parameter, so they are one source.
+
+    Parameters
+    ----------
+    results : sequence of Result
+
+    Returns
+    -------
+    dict of str to dict of str to float
+    """
+    found: Table = {}
+    for result in results:
+        table: Table = {}
+        for source, errors in (result.estimate or {}).get("by_source", {}).items():
+            name = "elements" if source.startswith("elements") else source
+            row = table.setdefault(name, dict.fromkeys(BOUND, 0.0))
+            for quantity, error in _bound(errors, result).items():
+                row[quantity] = float(np.hypot(row[quantity], error))
+        for source, errors in table.items():
+            row = found.setdefault(source, dict.fromkeys(BOUND, 0.0))
+            for quantity, error in errors.items():
+                row[quantity] = max(row[quantity], error)
+    return found
+
+
+def _bound(errors: Any, result: Result) -> Errors:
+    """Bound quantities of a table of the estimate."""
+    found = {quantity: float(errors[quantity]) for quantity in BOUND if quantity in errors}
+    if OF_LARGEST in found:
+        curve = result.transmission_error_um
+        largest = float(np.abs(curve).max())
+        found[OF_LARGEST] *= float(np.ptp(curve)) / largest if largest > 0 else 0.0
+    return found
+
+
+def tolerance_report(
+    scene: Scene, parameters: Parameters, attempts: Sequence[Attempt]
+) -> dict[str, Any]:
+    """What was chosen for which error, and what is missed, as `result.accuracy` has it.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it was given.
+    parameters : Parameters
+    attempts : sequence of Attempt
+        What was run, one after the other.
+
+    Returns
+    -------
+    dict
+    """
+    tolerance, first, last = scene.accuracy.tolerance, attempts[0], attempts[-1]
+    errors, by_source = last.errors, last.by_source
+    values: dict[str, Any] = {
+        name: last.choice.values[name] for name in SOURCES if name in last.choice.values
+    }
+    values["positions"] = int(last.results[0].position_rad.size)
+    itself = [(result.estimate or {}).get(OF_LARGEST) for result in last.results]
+    without = () if parameters.has_pressures else ("peak_pressure",)
+    report: dict[str, Any] = {
+        "tolerance": tolerance,
+        "met": max(errors.values()) <= tolerance if errors else None,
+        "largest_error": max(errors.values(), default=None),
+        "errors": dict(errors),
+        "peak_to_peak_of_itself": max((e for e in itself if e is not None), default=None),
+        "not_estimated": [q for q in BOUND if q not in (*errors, *without)] if errors else [],
+        "knobs": {
+            name: {
+                "value": value,
+                "source": SOURCES[name],
+                "error": max(by_source.get(SOURCES[name], {}).values(), default=None),
+                "left_as_it_is": parameters.fixed.get(name),
+            }
+            for name, value in values.items()
+        },
+        "keys": last.choice.discretization(parameters).tables(),
+        "tightened": _tightened(first.choice, last.choice),
+        "errors_before": dict(first.errors) if len(attempts) > 1 else None,
+        "missed": [
+            _missed(quantity, tolerance, parameters, attempts)
+            for quantity, error in errors.items()
+            if error > tolerance
+        ],
+    }
+    if not errors:
+        loaded = any(result.torque_Nm > 0 for result in last.results)
+        default = "the default, not checked (accuracy.estimate = false)"
+        report["unchecked"] = default if loaded else "without torque nothing is approximated"
+    return report
+
+
+def _tightened(first: Choice, last: Choice) -> dict[str, list[float | None]]:
+    steps: dict[str, list[float | None]] = {
+        name: [first.values[name], last.values[name]] for name in SOURCES if name in first.values
+    }
+    steps["positions.tolerance"] = [first.positions.adaptive, last.positions.adaptive]
+    return {name: both for name, both in steps.items() if both[0] != both[1]}
+
+
+def _missed(
+    quantity: str, tolerance: float, parameters: Parameters, attempts: Sequence[Attempt]
+) -> dict[str, Any]:
+    by_source = attempts[-1].by_source
+    source = max(by_source, key=lambda name: by_source[name].get(quantity, 0.0))
+    return {
+        "quantity": quantity,
+        "error": attempts[-1].errors[quantity],
+        "source": source,
+        "beside": sorted(
+            name
+            for name, errors in by_source.items()
+            if name != source and errors.get(quantity, 0.0) > tolerance
+        ),
+        "why": _why(source, quantity, tolerance, parameters, attempts),
+    }
+
+
+def _why(
+    source: str,
+    quantity: str,
+    tolerance: float,
+    parameters: Parameters,
+    attempts: Sequence[Attempt],
+) -> str:
+    """Why a source is as large as it is."""
+    last = attempts[-1]
+    name = next((name for name, of in SOURCES.items() if of == source), None)
+    if name is None:
+        return LEFT_BY.get(source, "no parameter answers for it")
+    if name in parameters.fixed:
+        return parameters.fixed[name]
+    if source == "strips" and last.by_source[source][quantity] > LARGEST_SMOOTH_CHANGE:
+        return "a rounding, a chamfer or a kink that so many strips do not resolve"
+    if source != "positions" and parameters.finer(last.choice.values, source) is None:
+        why = parameters.ends.get(name, "the finest step of its ladder")
+    elif last.choice.foreseen.get(quantity, np.inf) > tolerance:
+        why = "no step of its ladder is likely to bring this below the tolerance"
+    else:
+        why = "more than could be foreseen"
+    corners = any(result.corner_contact.any() for result in last.results)
+    return why + parameters.slow * (parameters.always_slow or corners)
