@@ -1,6 +1,12 @@
 """One body's compliance at its flanks, from one finite-element job or from none."""
 
 from flankload.compliance.body_compliance import BodyCompliance, RootResponse, no_compliance
-from flankload.compliance.job import flank_compliance
+from flankload.compliance.job import flank_compliance, flank_compliances
 
-__all__ = ["BodyCompliance", "RootResponse", "flank_compliance", "no_compliance"]
+__all__ = [
+    "BodyCompliance",
+    "RootResponse",
+    "flank_compliance",
+    "flank_compliances",
+    "no_compliance",
+]
