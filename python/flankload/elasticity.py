@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, kron
 from scipy.sparse.linalg import SuperLU, splu
 
 from flankload.cost import Account
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 INTEGRATION_DEGREE = 4
 #: The same for loads that are linear in the place.
 LOAD_DEGREE = 6
+#: Where a cell's middles of edges begin, and its centre.
+CORNERS = {"quad9": (4, 8), "triangle6": (3, 6)}
 #: Right-hand sides solved at once: half the time of all together (cache).
 BLOCK = 16
 #: From so many kept unknowns on a second factorisation costs less than their solutions.
@@ -109,6 +111,40 @@ def _block_stiffness(
     columns = np.tile(degrees, 2 * shapes).ravel()
     size = 2 * len(nodes)
     return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
+
+
+def linear_edges(
+    nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
+) -> csc_matrix:
+    """Displacements of all nodes from those of the corners, where elements are linear.
+
+    A quarter of the unknowns is left: T'KT, K being the stiffness of the quadratic elements, is
+    that of linear ones in their shape.
+
+    Parameters
+    ----------
+    nodes, cells
+        As in `stiffness`.
+
+    Returns
+    -------
+    csc_matrix, (2N, 2N)
+        T; columns of nodes that are no corners are empty.
+    """
+    weights = coo_matrix((len(nodes), len(nodes)))
+    for kind, connectivity in cells:
+        corners, middles, *center = np.split(connectivity, CORNERS[kind], axis=1)
+        for own, ends in (
+            (corners, corners[:, :, None]),
+            (middles, np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)),
+            *((own, corners[:, None]) for own in center if own.size),
+        ):
+            places, first = np.unique(own, return_index=True)
+            of = ends.reshape(own.size, -1)[first]
+            rows = np.repeat(places, of.shape[1])
+            shares = np.full(of.size, 1.0 / of.shape[1])
+            weights = weights.maximum(coo_matrix((shares, (rows, of.ravel())), weights.shape))
+    return kron(weights, np.eye(2), format="csc")
 
 
 def place_load(

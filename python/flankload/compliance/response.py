@@ -52,6 +52,8 @@ class Job:
         Told the name of a step that ends.
     look : callable or None
         Shown displacements under unit loads.
+    onto : (2N, 2N) csc_matrix or None
+        Displacements of all nodes from those that are unknown, where these are fewer.
     """
 
     body: Body
@@ -63,6 +65,11 @@ class Job:
     account: Account
     laps: Callable[[str], None]
     look: Callable[[Floats], None] | None
+    onto: csc_matrix | None = None
+
+    def carried(self, columns: Floats) -> Floats:
+        """Loads as the unknown nodes carry them."""
+        return columns if self.onto is None else self.onto.T @ columns
 
     @property
     def without_growth(self) -> Floats:
@@ -119,10 +126,11 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
         friction=job.friction,
         closed=job.body.curve.closed,
         readings=job.stress,
-        forces=job.forces,
+        forces=None if job.forces is None else job.carried(job.forces),
         account=job.account,
         nodes=job.loads.nodes,
         look=job.look,
+        carried=job.carried,
     )
     f = len(mesh.flanks)
     return Response(
@@ -159,7 +167,8 @@ def of_sector(
         mesh, job.body.mode_range_mm, n, friction=job.friction, nodes=job.loads.nodes
     )
     coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
-    columns = None if coast is None else coast.columns
+    columns = None if coast is None else job.carried(coast.columns)
+    loads = job.carried(loads)
     job.laps("assembly")
     stress = job.stress(0) if job.stress else None
     count_loads(job.account, loads.shape[1], friction=job.friction)
@@ -182,7 +191,7 @@ def of_sector(
             job.laps,
             coast=columns,
             readings=stress,
-            forces=job.forces,
+            forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,
         )
