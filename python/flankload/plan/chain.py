@@ -1,172 +1,162 @@
-"""The plan of a chain on its sprocket: no flanks, no elements; its own solutions at some positions.
-
-A chain has two effects of its own: whether its rollers are followed to where they stand, and
-several torques. Positions cost the same each, so that a few of them tell what all will.
-"""
+"""The screening of a chain on its sprocket: two positions, rollers followed and not."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from math import radians
 from time import process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import structs
 
-from flankload.chain_drive import build_drive, solve_chain
-from flankload.cost import Account
-from flankload.errors import FlankloadError
-from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
-from flankload.plan.measuring import Measured
-from flankload.plan.sizes import Size, States, size_of
-from flankload.premises import broken_by_drive, held
-from flankload.scene.pair_tables import Positions
+from flankload.chain_contact import solve_wrap, work_of
+from flankload.chain_drive import (
+    LINEAR_PASSES,
+    build_drive,
+    positions_of,
+    predicted_work,
+    solve_position,
+)
+from flankload.chain_wrap import wrap_at
+from flankload.cost import Account, held_bytes
+from flankload.plan.effect_size import Size, States, size_of
+from flankload.plan.toggles import Toggle, toggles
+from flankload.premises import Torque, broken_by_turn, held
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable
 
-    from flankload.plan.planned import Plan
-    from flankload.result import Result
+    from flankload.chain_contact import WrapState
     from flankload.scene import Scene
 
-#: Positions of the estimate of a run.
-ESTIMATED = 2
-#: CPU seconds of a wrap: where its rollers stand.
-BODIES_S = 5e-5
+#: Positions of the screening, and those at which a run estimates its errors.
+POSITIONS = 2
 
 
-def plan_chain(scene: Scene) -> Plan:
-    """What a run of a chain will simulate, cost and leave out; as `plan` of all other scenes.
+class ChainScreening:
+    """The effects of a chain at two positions, and what its run will cost.
 
     Parameters
     ----------
     scene : Scene
         With a sprocket and a chain.
 
-    Returns
-    -------
-    Plan
-
     Raises
     ------
-    SceneError
-        If the rollers do not fit the sprocket.
     FlankloadError
-        If a position has no state.
+        If the rollers do not fit, a position has no state or a torque breaks a premise.
     """
-    start = process_time()
-    sprocket, _ = build_drive(scene)
-    few = _at_few_positions(scene, 2 * np.pi / sprocket.teeth)
-    large = scene.effects.large_displacement
-    mine, tried = _tried(few)
-    for result in mine:
-        number = scene.torques_Nm.index(result.torque_Nm)
-        held(scene, tuple(broken_by_drive(scene, result, number)))
-    found, other_tried = Measured(), tried
-    try:
-        other, other_tried = _tried(_large(few, large=not large))
-        unloaded, _ = _tried(replace(few, load=structs.replace(few.load, torque_Nm=0.0)))
-        found = Measured(_size(*((mine, other) if large else (other, mine)), mine, unloaded))
-    except FlankloadError as error:
-        found = Measured(unknown=" ".join(str(error).split()))
-    torques, positions = len(scene.torques_Nm), _count(scene)
-    states = torques * positions
-    stages = {
-        "bodies": Account(cpu_s=BODIES_S * positions, bytes=round(tried.wrap_bytes * positions)),
-        "sweep": Account(
-            cpu_s=tried.state_s * states,
-            bytes=round(tried.state_bytes * states),
-            counters={name: round(number * states) for name, number in tried.counters.items()},
-        ),
-    }
-    if scene.accuracy.estimate:
-        again = 0 if large else torques * min(ESTIMATED, positions)
-        stages["estimate"] = Account(
-            cpu_s=other_tried.state_s * again,
-            counters={
-                name: round(number * again)
-                for name, number in other_tried.counters.items()
-                if again
-            },
+
+    rows = ("several_torques", "large_displacement")
+
+    def __init__(self, scene: Scene) -> None:
+        self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
+        self._large, self._torque_Nm = scene.effects.large_displacement, max(scene.torques_Nm)
+        slack = scene.load.slack_tension_N or 0.0
+        with Account() as bodies:
+            sprocket, chain = build_drive(scene)
+            positions, _ = positions_of(scene, sprocket)
+            every = max(1, -(-positions.size // POSITIONS))
+            angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+            wraps = [wrap_at(sprocket, angle, float(each)) for each in positions[::every]]
+        self._radius_mm, self._positions = sprocket.pitch_radius_mm, positions.size
+        part = positions.size / len(wraps)
+        self._bodies = Account(cpu_s=part * bodies.cpu_s, bytes=round(part * held_bytes(wraps)))
+        spent: dict[bool, float] = {}
+
+        def timed(large: bool, solve: Callable[[int], WrapState]) -> list[WrapState]:
+            found, shortest = [], np.inf
+            for p in range(len(wraps)):
+                start = process_time()
+                found.append(solve(p))
+                shortest = min(shortest, (process_time() - start) / found[-1].passes)
+            spent[large] = shortest
+            return found
+
+        mine = timed(
+            self._large,
+            lambda p: solve_position(scene, wraps[p], chain, self._torque_Nm, every * p),
         )
-    more = torques - 1 if torques > 1 else 1
-    extra = {
-        "several_torques": (
-            more * tried.state_s * positions,
-            round(more * tried.state_bytes * positions),
-        ),
-        "large_displacement": (
-            (tried.state_s - other_tried.state_s) * (1 if large else -1) * states,
-            round((tried.state_bytes - other_tried.state_bytes) * (1 if large else -1) * states),
-        ),
-    }
-    measured = {"several_torques": Measured(), "large_displacement": found}
-    return plan_of(scene, measured, extra, stages, process_time() - start)
+        if not self._large:
+            turned = max(state.compliance_rad_per_Nmm for state in mine) * 1000.0 * self._torque_Nm
+            torque = Torque(scene, scene.torques_Nm.index(self._torque_Nm))
+            held(scene, tuple(broken_by_turn(turned, 2.0 * sprocket.half_pitch_rad, torque)))
+
+        def solved(p: int, torque_Nm: float, *, large: bool) -> WrapState:
+            torque = 1000.0 * torque_Nm
+            return solve_wrap(
+                wraps[p], chain, torque, slack, large_displacement=large, growth=False
+            )
+
+        unloaded = [solved(p, 0.0, large=self._large) for p in range(len(wraps))]
+        self._unloaded_rad = np.array([state.rotation_rad for state in unloaded])
+        other = not self._large
+        followed = timed(other, lambda p: solved(p, self._torque_Nm, large=other))
+        self._found, self._pass_s = {self._large: mine, other: followed}, spent
+        self._first = [wrap.first for wrap in wraps]
+
+    def size(self, name: str, *, on: bool) -> Size | None:
+        """What rollers that are followed change, at the largest torque."""
+        if name != "large_displacement":
+            return None
+        with_it, without, base = (
+            [self._states(self._found[large])] for large in (True, False, on)
+        )
+        return size_of(
+            with_it,
+            without,
+            base=base,
+            unloaded_rad=self._unloaded_rad,
+            reference_radius_mm=self._radius_mm,
+        )
+
+    def change(self, scene: Scene) -> Size:
+        """What another scene changes: nothing is chosen for a chain."""
+        base = [self._states(self._found[self._large])]
+        other = [self._states(self._found[scene.effects.large_displacement])]
+        radius = self._radius_mm
+        return size_of(
+            other, base, base=base, unloaded_rad=self._unloaded_rad, reference_radius_mm=radius
+        )
+
+    def _states(self, found: list[WrapState]) -> States:
+        first = min(self._first)
+        last = max(at + len(state.force_N) for at, state in zip(self._first, found, strict=True))
+        force = np.zeros((len(found), last - first))
+        for row, at, state in zip(force, self._first, found, strict=True):
+            row[at - first : at - first + len(state.force_N)] = np.hypot(*state.force_N.T)
+        rotation = np.array([state.rotation_rad for state in found])
+        return States.of(self._torque_Nm, np.arange(first, last), rotation, force)
+
+    def price(self, scene: Scene) -> dict[str, Account]:
+        """Contact problems times what one takes."""
+        large, torques = scene.effects.large_displacement, len(scene.torques_Nm)
+        counted = predicted_work(scene, self._positions)
+        found, states = self._found[large], counted["sweep"]["states"]
+        growth = large != self._large and large  # which the screening has not solved for
+        each = LINEAR_PASSES if not large else (1 + growth) * _passes(found)
+        stages = {
+            "bodies": Account(cpu_s=self._bodies.cpu_s, bytes=self._bodies.bytes),
+            "sweep": Account(
+                cpu_s=states * each * self._pass_s[large],
+                bytes=round(states * held_bytes(found) / len(found)),
+                counters={
+                    name: round(states * number / len(found))
+                    for name, number in work_of(found).items()
+                },
+            ),
+        }
+        if "estimate" in counted:
+            stages["estimate"] = Account()
+            if not large:  # by following the rollers at some positions
+                states = torques * min(POSITIONS, self._positions)
+                followed = self._found[True]
+                seconds = states * _passes(followed) * self._pass_s[True]
+                stages["estimate"].cpu_s = seconds
+        for name, account in stages.items():
+            account.counters |= counted[name]
+        return stages
 
 
-def _count(scene: Scene) -> int:
-    wanted = scene.positions
-    if wanted.angles_deg is not None:
-        return len(wanted.angles_deg)
-    return wanted.count * (1 if wanted.pitches == "hunting" else int(wanted.pitches))
-
-
-def _at_few_positions(scene: Scene, pitch_rad: float) -> Scene:
-    """The scene at few of its positions, least and largest torque, without estimate."""
-    angles = scene.positions.angles_deg
-    if angles is None:
-        angles = tuple(float(angle) for angle in np.degrees(pitch_rad) * np.arange(TRIED) / TRIED)
-    return replace(
-        scene,
-        positions=Positions(angles_deg=angles[few_of(len(angles))]),
-        load=structs.replace(scene.load, torque_Nm=few_torques(scene)),
-        accuracy=structs.replace(scene.accuracy, estimate=False),
-    )
-
-
-def _large(scene: Scene, *, large: bool) -> Scene:
-    return replace(scene, effects=structs.replace(scene.effects, large_displacement=large))
-
-
-@dataclass(frozen=True)
-class _Tried:
-    """What a state took: CPU seconds, bytes, counters; bytes of a wrap at a position."""
-
-    state_s: float
-    state_bytes: float
-    wrap_bytes: float
-    counters: dict[str, float]
-
-
-def _tried(scene: Scene) -> tuple[tuple[Result, ...], _Tried]:
-    """Results of few positions, and what a state took there."""
-    start = process_time()
-    results = solve_chain(scene)
-    spent = process_time() - start
-    positions = len(results[0].position_rad)
-    states = len(results) * positions
-    bodies, sweep = (results[0].cost["stages"][name] for name in ("bodies", "sweep"))
-    return results, _Tried(
-        spent / states,
-        sweep["bytes"] / states,
-        bodies["bytes"] / positions,
-        {name: count / states for name, count in sweep["counters"].items()},
-    )
-
-
-def _size(
-    with_it: Sequence[Result],
-    without: Sequence[Result],
-    base: Sequence[Result],
-    unloaded: Sequence[Result],
-) -> Size:
-    return size_of(
-        *([_states(result) for result in results] for results in (with_it, without)),
-        base=[_states(result) for result in base],
-        unloaded_rad=unloaded[0].rotation_rad,
-        reference_radius_mm=base[0].reference_radius_mm,
-    )
-
-
-def _states(result: Result) -> States:
-    return States.of(result.torque_Nm, result.sites, result.rotation_rad, result.site_force_N)
+def _passes(found: list[WrapState]) -> float:
+    """Contact problems of a state."""
+    return sum(state.passes for state in found) / len(found)

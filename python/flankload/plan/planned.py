@@ -11,10 +11,13 @@ from flankload.plan.text import plan_text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.plan.sizes import Size
+    from flankload.plan.effect_size import Size
 
 #: How the reason begins why an effect has no size, where a scene cannot have it.
 IMPOSSIBLE = "not with this scene"
+#: The seconds of a run are within this factor of those predicted, on all examples; how many
+#: positions adaptive ones become is known to a factor of 2 in addition.
+WITHIN, ADAPTIVE_WITHIN = 1.5, 2.0
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ class PlannedEffect:
     unknown : str or None
         Why there is no size.
     matters : bool
-        It changes more than a quarter of the tolerance.
+        It is significant: it changes more than a quarter of the tolerance.
     remark : str or None
         Where that is left out of the run, or is an error of it: a sentence.
     """
@@ -121,6 +124,8 @@ class Plan:
         What a tolerance that the scene names begins with: "keys" of the knobs by table, "errors"
         that are expected, "dominant_source" of the largest. The price is that of this run; a finer
         one may follow it.
+    within : float
+        Factor to which the seconds are known.
     cpu_s : float
         What the plan itself took.
     """
@@ -132,6 +137,7 @@ class Plan:
     choice: tuple[Chosen, ...] = ()
     left_out: Size | None = None
     picked: Mapping[str, Any] | None = None
+    within: float = WITHIN
     cpu_s: float = 0.0
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flankload.plan.quarter import quarter_text
+from flankload.plan.significance import threshold_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from flankload.plan.planned import Plan, PlannedEffect
 
 MEGABYTE = 1e6
+#: Less of the load share is not worth a word.
+LEAST_SHARE = 1e-4
 #: Counters that tell a reader most.
 SHOWN = (
     "fe_factorisations",
@@ -36,8 +38,8 @@ def plan_text(plan: Plan) -> str:
     -------
     str
     """
-    quarter = quarter_text(plan.tolerance)
-    title = f"{plan.name}: what exceeds {quarter}, a quarter of the tolerance, matters"
+    threshold = threshold_text(plan.tolerance)
+    title = f"{plan.name}: what exceeds {threshold}, a quarter of the tolerance, matters"
     parts = [[title], _effects(plan), _stages(plan)]
     if plan.picked is not None:
         parts.append(_picked(plan.tolerance, plan.picked))
@@ -119,7 +121,42 @@ def _stages(plan: Plan) -> list[str]:
         for name in SHOWN
         if counters.get(name)
     ]
-    return [*lines, ", ".join(words)]
+    known = f"seconds are known to a factor of {plan.within:g}"
+    return [*lines, *filter(None, [", ".join(words)]), known]
+
+
+def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
+    """A sentence on an effect that is left out and significant, or that is an error of the run.
+
+    Parameters
+    ----------
+    row : PlannedEffect
+    coarser : bool
+        With it less is computed than without.
+
+    Returns
+    -------
+    str or None
+    """
+    size = row.size
+    if size is None or not row.matters or row.on != coarser:
+        return None
+    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position"
+    if size.rotation_largest is None:
+        change = f"{size.rotation_um:.2g} um of the transmission error"
+    if size.load_share > LEAST_SHARE:
+        change += f" and {_hundredths(size.load_share)} points of the load share"
+    if coarser:
+        return f"{row.title} is on ({row.because}): that changes {change}"
+    off = f"{row.title} is off ({row.because})"
+    if row.assumed is not None:
+        return f"{off}: with {row.assumed} it would change {change}"
+    return f"{off} and likely to matter: it changes {change}"
+
+
+def _hundredths(part: float | None) -> str:
+    """Two digits, no exponent."""
+    return f"{float(f'{100 * (part or 0.0):.2g}'):g}"
 
 
 def _percent(part: float | None) -> str:
