@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix, kron
+from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from flankload.cost import Account
@@ -131,7 +131,7 @@ def linear_edges(
     csc_matrix, (2N, 2N)
         T; columns of nodes that are no corners are empty.
     """
-    weights = coo_matrix((len(nodes), len(nodes)))
+    rows, columns, parts = [], [], []
     for kind, connectivity in cells:
         corners, middles, *center = np.split(connectivity, CORNERS[kind], axis=1)
         for own, ends in (
@@ -139,16 +139,22 @@ def linear_edges(
             (middles, np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)),
             *((own, corners[:, None]) for own in center if own.size),
         ):
-            places, first = np.unique(own, return_index=True)
-            of = ends.reshape(own.size, -1)[first]
-            rows = np.repeat(places, of.shape[1])
-            shares = np.full(of.size, 1.0 / of.shape[1])
-            weights = weights.maximum(coo_matrix((shares, (rows, of.ravel())), weights.shape))
-    return kron(weights, np.eye(2), format="csc")
+            shares = ends.shape[2]
+            rows.append(np.repeat(own.ravel(), shares))
+            columns.append(ends.ravel())
+            parts.append(np.full(ends.size, 1.0 / shares))
+    row, column, part = map(np.concatenate, (rows, columns, parts))
+    _, first = np.unique(row * len(nodes) + column, return_index=True)  # elements share edges
+    degrees = degrees_of(row[first]), degrees_of(column[first])
+    weights = np.repeat(part[first], 2)
+    return coo_matrix((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
 
 
 def place_load(
-    nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
+    nodes: NDArray[np.float64],
+    cells: tuple[tuple[str, NDArray[np.int64]], ...],
+    *,
+    lumped: bool = False,
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of a force per area that is the place itself: what rotation pulls by.
 
@@ -156,6 +162,8 @@ def place_load(
     ----------
     nodes, cells
         As in `stiffness`.
+    lumped : bool
+        All of an element's force in equal parts on its corners, its edges being straight.
 
     Returns
     -------
@@ -164,6 +172,14 @@ def place_load(
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
+        if lumped:
+            corners = connectivity[:, : CORNERS[kind][0]]
+            place = nodes[corners]
+            x, y = np.moveaxis(place, 2, 0)
+            twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+            each = (0.5 * np.abs(twice) / corners.shape[1])[:, None] * place.mean(axis=1)
+            np.add.at(loads, corners, each[:, None])
+            continue
         basis = _block_basis(nodes, kind, connectivity, LOAD_DEGREE)
         force = basis.dx * np.asarray(basis.global_coordinates())  # (2, E, points)
         for shape, node in zip(basis.basis, connectivity.T, strict=True):

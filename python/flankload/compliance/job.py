@@ -149,7 +149,9 @@ def flank_compliances(
         missed.append(missed_compliance(mesh.nodes, mesh.cells, body.material, plane, moved))
         laps("estimate")
 
-    growing = {growth: growth_loads(matrix, mesh, growth) for _, growth in variants}
+    growing = {
+        growth: growth_loads(matrix, mesh, growth, lumped=linear) for _, growth in variants
+    }
     forces = [load for named in growing.values() for load in named.values()]
     job = Job(
         body=body,

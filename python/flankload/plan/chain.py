@@ -48,7 +48,7 @@ class ChainScreening:
 
     rows = ("several_torques", "large_displacement")
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, levels: bool = False) -> None:  # noqa: ARG002
         self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
         self._large, self._torque_Nm = scene.effects.large_displacement, max(scene.torques_Nm)
         slack = scene.load.slack_tension_N or 0.0
@@ -98,9 +98,7 @@ class ChainScreening:
         """What rollers that are followed change, at the largest torque."""
         if name != "large_displacement":
             return None
-        with_it, without, base = (
-            [self._states(self._found[large])] for large in (True, False, on)
-        )
+        with_it, without, base = ([self._states(self._found[large])] for large in (True, False, on))
         return size_of(
             with_it,
             without,

@@ -55,7 +55,7 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
     plain = without_choice(scene)
     if not any(plain.torques_Nm):
         return plain, ()
-    screening = screening_of(plain)
+    screening = screening_of(plain, levels=True)
     return chosen_scene(plain, screening.rows, sizes(screening, plain))
 
 

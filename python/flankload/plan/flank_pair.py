@@ -17,6 +17,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.assembly import BodyPair, bodies_of, build_bodies, without_ends
+from flankload.bodies import SectorMesh
 from flankload.coast_sites import coast_sites
 from flankload.compliance import BodyCompliance, flank_compliances, no_compliance
 from flankload.cost import Account, held_bytes
@@ -34,7 +35,6 @@ from flankload.prediction import elements_estimated, predicted_work
 from flankload.premises import blame_load, broken_by_geometry, broken_by_load, held
 from flankload.resolution import Grid, Resolution
 from flankload.result.geometry import PairGeometry, pair_geometry
-from flankload.root_fillet import root_fillets
 from flankload.scene.effect_rules import check_coast_kinds
 from flankload.stages import compliance_of, grown_pair, modes_of, sweep_of
 from flankload.tangent import SIDES
@@ -52,11 +52,24 @@ if TYPE_CHECKING:
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Resolution(flank_element_parts=1.0, modes=3, grid=Grid(2.0, 6.0))
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 16, 8, 4
+MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
 #: Rounds of adaptive positions end with about so many times those that they begin with.
 ADAPTIVE_PART = 3.0
+#: Not tried where they are off, unless levels are asked for: coarser levels, which nobody misses,
+#: finite forces, which cost a hundredfold, and coast flanks: a scene in which they touch without
+#: being allowed to is refused.
+OFF = (
+    "segment",
+    "single_tooth",
+    "nodal_near_field",
+    "finite_influence",
+    "lumped_contact",
+    "coast_flanks",
+)
 #: Effects that flanks do not know.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
+#: Places in the root fillets of a tooth.
+PLACES = 40
 #: No call of the core is over sooner.
 TINY_S = 1e-5
 
@@ -88,13 +101,15 @@ class FlankPairScreening:
     ----------
     scene : Scene
         Without `effects.choose`.
+    levels : bool
+        Levels that are off are tried, too.
 
     Attributes
     ----------
     rows : tuple of str
         Effects that the pair knows.
     toggles : dict of str to Toggle
-        The scene with each of them the other way.
+        The scene with each of them the other way, as far as that is tried.
 
     Raises
     ------
@@ -104,7 +119,7 @@ class FlankPairScreening:
         If a position has no answer.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, levels: bool = False) -> None:
         self._scene = scene
         with Account() as self._bodies:
             self._pair = build_bodies(scene)
@@ -113,7 +128,9 @@ class FlankPairScreening:
         known = [row for row in EFFECTS if row.name not in OF_DRIVES]
         teeth = self._pair.pairing.motion is None
         self.rows = tuple(row.name for row in known if teeth or not row.of_teeth)
-        self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
+        effects = self._pair.effects
+        tried = (name for name in self.rows if levels or name not in OFF or getattr(effects, name))
+        self.toggles: dict[str, Toggle] = toggles(scene, tried)
         self._assemblies = {scene: self._pair}
         self._at = _spread(self._pair.position_rad, MOST_POSITIONS)
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
@@ -151,11 +168,10 @@ class FlankPairScreening:
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":  # cells are what differs
-            few, last = _spread(self._at, FINE_POSITIONS), self._torques[-1:]
-            one, _ = self._timed(self._screened, few, last, self._grid)
-            two, seconds = self._timed(screened(scene), few, last, self._grid)
+            few = _spread(self._at, FINE_POSITIONS)
+            found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
             self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / few.size)
-            base, other = self._states(self._screened, one), self._states(screened(scene), two)
+            base, other = self._fine, self._states(screened(scene), found)
             return self._between(*((base, other) if on else (other, base)), few)
         other = self._other(scene)
         return self._between(*((self._base, other) if on else (other, self._base)))
@@ -175,25 +191,21 @@ class FlankPairScreening:
         """Of forces that turn on their cells: what they change goes with the width of a cell."""
         if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
             return None
-        few, last = _spread(self._at, FINITE_POSITIONS), self._torques[-1:]
-        small, small_s = self._timed(self._screened, few, last)
+        few = _spread(self._at, FINITE_POSITIONS)
         finite_scene = with_keys(self._screened, influence="finite")
-        finite, finite_s = self._timed(finite_scene, few, last)
+        finite, finite_s = self._timed(finite_scene, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # each two pairs have numbers of their own
-        more = finer**2 * max(0.0, finite_s - small_s) / few.size
+        more = finer**2 * max(0.0, finite_s - self._rate.call_s) / few.size
         self._state_s[scene] = max(TINY_S, self._rate.state_s + (-more if on else more))
-        found = (self._states(self._screened, each) for each in (finite, small))
-        return self._between(*found, few).times(1.0 / finer)
+        small = [_at_positions(self._base[-1], np.isin(self._at, few))]
+        return self._between(self._states(finite_scene, finite), small, few).times(1.0 / finer)
 
     def _between(
         self, with_it: list[States], without: list[States], at: Floats | None = None
     ) -> Size:
         which = np.isin(self._at, self._at if at is None else at)
-        base = [
-            replace(part, rotation_rad=part.rotation_rad[which], load_share=part.load_share[which])
-            for part in self._base[-len(with_it) :]
-        ]
+        base = [_at_positions(part, which) for part in self._base[-len(with_it) :]]
         return size_of(
             with_it,
             without,
@@ -286,10 +298,6 @@ class FlankPairScreening:
             check_coast_kinds(body_1.kind, body_2.kind)
             coast = pair.pairing.coast or coast_sites(pair.pairing.sites, body_1, body_2)
         pairing = replace(pair.pairing, coast=coast)
-        fillets = tuple(
-            root_fillets(body, f"body_{z + 1}") if effects.root_stress and not body.rigid else None
-            for z, body in enumerate((body_1, body_2))
-        )
         return replace(
             pair,
             body_1=body_1,
@@ -301,7 +309,7 @@ class FlankPairScreening:
                 flank_modifications=pair.effects.flank_modifications,
             ),
             friction=friction_of(scene, body_1, pairing),
-            fillets=(fillets[0], fillets[1]),
+            fillets=pair.fillets if effects.root_stress else (None, None),
             growth=growth_of(scene, pairing),
         )
 
@@ -377,7 +385,8 @@ class FlankPairScreening:
     def _compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
         body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
-        if not self._needs_elements(scene, z):
+        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
+        if not elastic and (growth is None or not growth.needs_elements):
             return no_compliance(body, growth)
         if body.given is not None:
             return compliance_of(body, scene, self._pair.resolution, growth=growth)
@@ -406,8 +415,12 @@ class FlankPairScreening:
             counters, finer = counted[name], 1.0
             if nodal:
                 finer, counters = self._nodal(scene, pair, z, counters)
-            fillets = pair.fillets[z]
-            places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
+            fillets, places = pair.fillets[z], 0
+            if fillets is not None:
+                places = int(fillets.points.arc_length_mm.size)
+            elif pair.effects.root_stress:  # of another scene: so many, about
+                places = PLACES * isinstance(self._rates[z].body.mesh, SectorMesh)
+                counters = counters | {"fe_solutions": counters["fe_solutions"] + places}
             stages[name] = self._rates[z].price(counters, places=places, finer=finer)
             stages[name].bytes += held_bytes(fillets.points) if fillets is not None else 0
             if z in elements_estimated(pair):
@@ -464,24 +477,24 @@ class FlankPairScreening:
     def _state_rate(self) -> StateRate:
         """What a state takes on the run's own cells, and on cells twice as wide."""
         few, torque = _spread(self._at, FINE_POSITIONS), self._torques[-1:]
-        scene = self._scene
 
-        def timed(at: Floats, grid: Grid) -> tuple[float, Account, tuple[Sweep, ...]]:
+        def timed(at: Floats) -> tuple[float, Account, tuple[Sweep, ...]]:
             account, start = Account(), process_time()
-            found = self._swept(scene, at, torque, grid, account, keep_pairs=True)
+            found = self._swept(self._scene, at, torque, self._grid, account, keep_pairs=True)
             return process_time() - start, account, found
 
-        seconds, account, found = timed(few, self._grid)
+        seconds, account, found = timed(few)
+        self._fine = self._states(self._scene, found)
         account.bytes = held_bytes(found)
         call = 0.0
         if few.size > 1:
-            one, _, _ = timed(few[:1], self._grid)
+            one, _, _ = timed(few[:1])
             call = max(0.0, one - (seconds - one) / (few.size - 1))
-        wide, _, _ = timed(few, COARSE.grid)
-        state, coarse = (max(TINY_S, (each - call) / few.size) for each in (seconds, wide))
+        wide = (self._base_s - call) / (self._at.size * len(self._torques))
+        state, wide = max(TINY_S, (seconds - call) / few.size), max(TINY_S, wide)
         ratio = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # by the power law between both
-        power = log(state / coarse) / log(ratio) if ratio > 1.0 and state > coarse else 0.0
+        power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
         return StateRate(call, state, state * 0.5**power, account, few.size)
 
 
@@ -507,6 +520,12 @@ def _geometric(spec: Any) -> Any:
 def _with(spec: Any, **keys: Any) -> Any:
     here = {key: value for key, value in keys.items() if key in spec.__struct_fields__}
     return structs.replace(spec, **here)
+
+
+def _at_positions(states: States, which: NDArray[np.bool_]) -> States:
+    """Some of the positions."""
+    share = states.load_share[which]
+    return replace(states, rotation_rad=states.rotation_rad[which], load_share=share)
 
 
 def _spread(position_rad: Floats, most: int) -> Floats:

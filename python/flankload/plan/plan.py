@@ -34,16 +34,19 @@ class Measured:
     unknown: str | None = None
 
 
-def plan(scene: Scene) -> Plan:
+def plan(scene: Scene, *, levels: bool = False) -> Plan:
     """What a run of a scene will simulate, what that costs and how much each effect changes.
 
     Sizes come from a screening: the scene on a coarse discretization, once with its effects and
     once with each of them the other way. Its seconds, by the work that is counted, are those of
-    the run. A plan takes less than half of the run that it predicts.
+    the run.
 
     Parameters
     ----------
     scene : Scene
+    levels : bool
+        Also of those levels of the model that are off: what they would change and cost. Without it
+        the plan takes less than half of the run that it predicts.
 
     Returns
     -------
@@ -62,7 +65,7 @@ def plan(scene: Scene) -> Plan:
     start = process_time()
     picked = first_pick(scene).as_dict() if scene.steers else None
     plain = without_choice(first_scene(scene))
-    screening = screening_of(plain)
+    screening = screening_of(plain, levels=levels or asks_for_choice(scene))
     measured = sizes(screening, plain)
     chosen, left_out = plain, None
     choice: tuple[Chosen, ...] = ()
@@ -139,6 +142,7 @@ def _rows(
     for effect in (effect for effect in EFFECTS if effect.name in screening.rows):
         switch, found, why = switches[effect.name], measured[effect.name], decided.get(effect.name)
         toggle, size = screening.toggles.get(effect.name), found.size
+        extra_s, extra_bytes = costs.get(effect.name, (None, None))
         row = PlannedEffect(
             name=effect.name,
             title=effect.title,
@@ -146,8 +150,8 @@ def _rows(
             because=switch.because if why is None else f'effects.choose = "auto" ({why.why})',
             named=switch.named,
             stages=effect.stages,
-            extra_s=costs[effect.name][0],
-            extra_bytes=costs[effect.name][1],
+            extra_s=extra_s,
+            extra_bytes=extra_bytes,
             size=size,
             assumed=None if toggle is None or size is None else toggle.assumed,
             unknown=found.unknown,
@@ -160,11 +164,11 @@ def _rows(
 def _marginal_costs(
     screening: Screening, scene: Scene, stages: Mapping[str, Account]
 ) -> dict[str, tuple[float, int]]:
-    """CPU seconds and bytes that each effect adds to the run of a scene, or would add."""
+    """CPU seconds and bytes that each effect that is tried adds to the run, or would add."""
     switches, costs = switches_of(scene), {}
-    for name in screening.rows:
-        toggle, other = screening.toggles.get(name), stages
-        if toggle is not None and toggle.scene is not None:
+    for name, toggle in screening.toggles.items():
+        other = stages
+        if toggle.scene is not None:
             with suppress(FlankloadError):  # else there is no such scene to compare with
                 other = screening.price(toggle.scene)
         one, two = (other, stages) if not switches[name].on else (stages, other)

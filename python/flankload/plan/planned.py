@@ -36,8 +36,9 @@ class PlannedEffect:
         The scene names that key.
     stages : tuple of str
         Stages of the run that do its work.
-    extra_s, extra_bytes : float, int
-        CPU seconds and memory that it adds to the run; of an effect that is off: would add.
+    extra_s, extra_bytes : float, int; or None
+        CPU seconds and memory that it adds to the run; of an effect that is off: would add. None
+        where that was not tried.
     size : Size or None
         What it changes: with it less without it. None where it changes no state, or where that
         cannot be told.
@@ -57,8 +58,8 @@ class PlannedEffect:
     because: str
     named: bool
     stages: tuple[str, ...]
-    extra_s: float
-    extra_bytes: int
+    extra_s: float | None
+    extra_bytes: int | None
     size: Size | None = None
     assumed: str | None = None
     unknown: str | None = None

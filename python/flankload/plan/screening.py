@@ -29,7 +29,8 @@ class Screening(Protocol):
     rows : tuple of str
         Effects that the kind knows, in the order of the table of effects.
     toggles : mapping of str to Toggle
-        The scene with each of them the other way; without those that nothing switches.
+        The scene with each of them the other way; without those that nothing switches, and those
+        that are not tried.
     """
 
     rows: tuple[str, ...]
@@ -45,12 +46,14 @@ class Screening(Protocol):
         """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
 
 
-def screening_of(scene: Scene) -> Screening:
+def screening_of(scene: Scene, *, levels: bool = False) -> Screening:
     """Screen a scene: build its bodies, solve its states on a coarse discretization.
 
     Parameters
     ----------
     scene : Scene
+    levels : bool
+        As of `plan`.
 
     Returns
     -------
@@ -62,4 +65,4 @@ def screening_of(scene: Scene) -> Screening:
         If the scene is impossible, breaks a premise or has no state.
     """
     module, name = KINDS.get(scene.body_2.kind, KINDS[""])
-    return cast("Screening", getattr(import_module(module), name)(scene))
+    return cast("Screening", getattr(import_module(module), name)(scene, levels=levels))

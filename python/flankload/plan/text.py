@@ -97,10 +97,12 @@ def _row(effect: PlannedEffect, width: int) -> str:
         return f"{effect.title:<{width}}{'no':<5}{'':47}  not with this scene"
     if effect.unknown is not None:
         because += " (size not known)"
+    cost = f"{'':16}"
+    if effect.extra_s is not None and effect.extra_bytes is not None:
+        cost = f"{effect.extra_s:8.3f}{effect.extra_bytes / MEGABYTE:8.2f}"
     line = (
-        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{effect.extra_s:8.3f}"
-        f"{effect.extra_bytes / MEGABYTE:8.2f}{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}"
-        f"  {because}"
+        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{cost}"
+        f"{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}  {because}"
     )
     return line.rstrip()
 
