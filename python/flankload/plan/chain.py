@@ -48,7 +48,7 @@ class ChainScreening:
 
     rows = ("several_torques", "large_displacement")
 
-    def __init__(self, scene: Scene, *, levels: bool = False) -> None:  # noqa: ARG002
+    def __init__(self, scene: Scene, *, levels: bool = False) -> None:
         self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
         self._large, self._torque_Nm = scene.effects.large_displacement, max(scene.torques_Nm)
         slack = scene.load.slack_tension_N or 0.0

@@ -7,6 +7,7 @@ and columns of one factorisation, rigid bodies need none, and all else is anothe
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import log
@@ -23,7 +24,7 @@ from flankload.compliance import BodyCompliance, flank_compliances, no_complianc
 from flankload.cost import Account, held_bytes
 from flankload.effects import EFFECTS, effects_of
 from flankload.elasticity import stiffness
-from flankload.errors import ContactError
+from flankload.errors import ContactError, FlankloadError
 from flankload.estimate import n_sweeps
 from flankload.friction import friction_of
 from flankload.growth import growth_of
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: Modes and cells of the screening; its mesh is that of the run.
-COARSE = Resolution(flank_element_parts=1.0, modes=3, grid=Grid(2.0, 6.0))
+COARSE = Resolution(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
 #: Rounds of adaptive positions end with about so many times those that they begin with.
@@ -333,8 +334,7 @@ class FlankPairScreening:
 
     def _solve_elements(self, z: int) -> None:
         """One job for all that the elements of a body are asked for by any of the scenes."""
-        scenes = [screened(each) for each in self._scenes()]
-        asked = [scene for scene in scenes if self._needs_elements(scene, z)]
+        asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
         if not asked:
             return
         body = self._body(asked[0], z, tip_contact=True)
@@ -360,23 +360,25 @@ class FlankPairScreening:
         self._jobs[z] = dict(zip(variants, found, strict=True))
         self._rates[z] = ElementRates(body, seconds, found[0], len({n for n, _ in variants}))
 
-    def _scenes(self) -> list[Scene]:
-        """The scene and its toggles, but for those that are not solved."""
-        left_out = ("nodal_near_field", "finite_influence")
-        return [self._scene] + [
-            each.scene
-            for name, each in self.toggles.items()
-            if each.scene is not None and name not in left_out
-        ]
+    def _possible(self) -> list[Scene]:
+        """The scene and its toggles as they are screened, but for those that are not solved."""
+        scenes = [self._screened]
+        for name, toggle in self.toggles.items():
+            if toggle.scene is not None and name not in ("nodal_near_field", "finite_influence"):
+                with suppress(FlankloadError):  # said when its size is asked for
+                    self.assembly(screened(toggle.scene))
+                    scenes.append(screened(toggle.scene))
+        return list(dict.fromkeys(scenes))
 
     def _needs_elements(self, scene: Scene, z: int) -> bool:
-        effects, growth = effects_of(scene), growth_of(scene, self._pair.pairing)[z]
-        elastic = (effects.elastic_body_1, effects.elastic_body_2)[z]
+        pair = self.assembly(scene)
+        growth = pair.growth[z]
+        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> tuple[int | None, Growth | None]:
         """What is built of a sector: so many of them, growing so."""
-        growth = growth_of(scene, self._pair.pairing)[z]
+        growth = self.assembly(scene).growth[z]
         return scene.sectors, growth if growth is not None and growth.needs_elements else None
 
     def _compliances(self, scene: Scene, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
@@ -385,17 +387,24 @@ class FlankPairScreening:
     def _compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
         body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
-        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
-        if not elastic and (growth is None or not growth.needs_elements):
+        if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        if body.given is not None:
-            return compliance_of(body, scene, self._pair.resolution, growth=growth)
-        found = self._jobs[z][self._variant(scene, z)]
+        found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
         if growth is not None and not growth.needs_elements:
             found = replace(found, expansion=growth.strain)
         if not scene.effects.coast_flank:
             found = replace(found, crossing=None, crossing_tangential=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
+
+    def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
+        """Of a body that brings its compliance along."""
+        growth = self.assembly(scene).growth[z]
+        key = scene.has_friction, scene.effects.influence, growth
+        if key not in self._jobs[z]:
+            plain = with_keys(scene, tooth_coupling=True)
+            found = compliance_of(body, plain, self._pair.resolution, growth=growth)
+            self._jobs[z][key] = found
+        return self._jobs[z][key]
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:

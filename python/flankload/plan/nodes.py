@@ -7,13 +7,12 @@ docs/effects.md compares the law with runs.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.node_spacing import half_widths_apart, spacing_for_loads
 from flankload.nodal_loads import nodes_of
+from flankload.node_spacing import half_widths_apart, spacing_for_loads
 from flankload.plan.effect_size import Size
 
 if TYPE_CHECKING:
