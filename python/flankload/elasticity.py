@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 #: Gauss points exact to this degree: quadratic elements on curved edges need no more (measured:
 #: degree 6 changes the compliance of a gear by 1e-9).
-INTEGRATION_DEGREE = 4
+INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4, "quad4": 2, "triangle3": 1}
 #: The same for loads that are linear in the place.
 LOAD_DEGREE = 6
 #: Where a cell's middles of edges begin, and its centre.
@@ -63,14 +63,15 @@ def stiffness(
     material: Material,
     plane: str,
 ) -> csc_matrix:
-    """Stiffness of a mesh of quadratic elements, per mm of width.
+    """Stiffness of a mesh of quadratic elements, or of linear ones, per mm of width.
 
     Parameters
     ----------
     nodes : (N, 2) array
         mm.
     cells : ((kind, (E, k) array), ...)
-        "quad9" or "triangle6" in meshio's node order; blocks of both kinds may share nodes.
+        "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
+        blocks of both kinds may share nodes.
     material : Material
     plane : {"strain", "stress"}
 
@@ -93,7 +94,7 @@ def _block_stiffness(
     material: Material,
     plane: str,
 ) -> csc_matrix:
-    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE)
+    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
     shapes, _, elements, points = gradients.shape
     each = gradients.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
@@ -113,13 +114,22 @@ def _block_stiffness(
     return coo_matrix((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
+def linear_cells(
+    cells: tuple[tuple[str, NDArray[np.int64]], ...],
+) -> tuple[tuple[str, NDArray[np.int64]], ...]:
+    """The same cells by their corners alone, as linear elements."""
+    linear = {"quad9": "quad4", "triangle6": "triangle3"}
+    return tuple(
+        (linear[kind], connectivity[:, : CORNERS[kind][0]]) for kind, connectivity in cells
+    )
+
+
 def linear_edges(
     nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
 ) -> csc_matrix:
     """Displacements of all nodes from those of the corners, where elements are linear.
 
-    A quarter of the unknowns is left: T'KT, K being the stiffness of the quadratic elements, is
-    that of linear ones in their shape.
+    A quarter of the unknowns is left; T' carries the loads of all nodes to the corners.
 
     Parameters
     ----------
@@ -196,6 +206,8 @@ def _block_basis(
     mesh_type, element = {
         "quad9": (skfem.MeshQuad2, skfem.ElementQuad2()),
         "triangle6": (skfem.MeshTri2, skfem.ElementTriP2()),
+        "quad4": (skfem.MeshQuad, skfem.ElementQuad1()),
+        "triangle3": (skfem.MeshTri, skfem.ElementTriP1()),
     }[kind]
     used, local = np.unique(connectivity, return_inverse=True)
     places = local.reshape(connectivity.shape).T.copy()

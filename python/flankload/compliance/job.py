@@ -19,7 +19,7 @@ from flankload.compliance.modes import ModeLoads
 from flankload.compliance.nodes import node_loads
 from flankload.compliance.response import Job, Response, of_sector, of_whole
 from flankload.cost import Account
-from flankload.elasticity import linear_edges, stiffness
+from flankload.elasticity import linear_cells, linear_edges, stiffness
 from flankload.element_error import missed_compliance
 from flankload.growth_loads import growth_loads, growth_of_flanks
 
@@ -137,11 +137,12 @@ def flank_compliances(
     laps, mesh, onto = _Laps(), body.mesh, None
     loads = node_loads(body, plane) if nodal else ModeLoads(body, n_modes, plane, friction=friction)
     if matrix is None:
-        matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+        cells = linear_cells(mesh.cells) if linear else mesh.cells
+        matrix = stiffness(mesh.nodes, cells, body.material, plane)
     if linear:
         laps("assembly")
         onto = linear_edges(mesh.nodes, mesh.cells)
-        matrix, mesh = (onto.T @ matrix @ onto).tocsc(), _of_corners(mesh, onto)
+        mesh = _of_corners(mesh, onto)
     account = Account(workspace_bytes=_sparse_bytes(matrix))
     missed: list[Floats] = []
 

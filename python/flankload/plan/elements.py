@@ -1,8 +1,9 @@
 """What the elements of a body will take: the steps of a job with linear ones, scaled as they grow.
 
-A sparse factor of a plane mesh takes seconds by the power 3/2 of its unknowns, and memory by their
-number times its logarithm (nested dissection: George, SIAM J. Numer. Anal. 10, 1973); a solution
-as long as the factor is large. Stiffness is assembled as the run does it, once.
+A factor of a plane mesh with n unknowns has n log n entries (George, SIAM J. Numer. Anal. 10,
+1973). On meshes of 600 to 16000 unknowns it takes as long as that, not yet n^(3/2); a solution as
+long as there are unknowns. Elements
+are assembled by the numbers in their matrices.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account
+from flankload.elasticity import linear_cells
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,17 +40,25 @@ class ElementRates:
     Attributes
     ----------
     body : Body
-    assembly_s : float
-        CPU seconds of its stiffness, whose elements are those of the run.
+    linear_s : float
+        CPU seconds of the stiffness of the linear elements.
     job : BodyCompliance
-    closures : int
-        Compliances that were built of one factorisation.
     """
 
     body: Body
-    assembly_s: float
+    linear_s: float
     job: BodyCompliance
-    closures: int
+
+    @property
+    def _assembly_s(self) -> float:
+        """Of the stiffness of the run."""
+        mesh = self.body.mesh
+        assert mesh is not None
+        linear, quadratic = (
+            sum(cells.size * cells.shape[1] for _, cells in blocks)
+            for blocks in (linear_cells(mesh.cells), mesh.cells)
+        )
+        return self.linear_s * quadratic / linear
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
         """CPU seconds and bytes of elements.
@@ -70,15 +80,13 @@ class ElementRates:
         unknowns = finer * unknowns_of(self.body)
         more = unknowns / max(1, job.degrees_of_freedom)
         larger = more * log(unknowns) / log(max(3, job.degrees_of_freedom))
-        cuts = counters.get("cut_columns", 0)
-        columns = counters["fe_solutions"] - cuts
-        mine = job.counters["fe_solutions"] - job.counters.get("cut_columns", 0)
-        seconds = finer * self.assembly_s
-        if counters["fe_factorisations"]:
-            seconds += steps.get("factorisation", 0.0) * more**1.5
-        seconds += steps.get("solution", 0.0) * larger * columns / max(1, mine)
-        # matrices of the cuts, of which there are twice as many unknowns
-        seconds += steps.get("ring", 0.0) / self.closures * (4.0 if cuts else 1.0)
+        cuts, mine = counters.get("cut_columns", 0), job.counters.get("cut_columns", 0)
+        columns, own = counters["fe_solutions"] - cuts, job.counters["fe_solutions"] - mine
+        seconds = finer * self._assembly_s + steps.get("ring", 0.0)
+        # half of that step are the solutions for the cuts, where there are any
+        work = counters["fe_factorisations"] + (cuts / mine if mine else 0.0)
+        seconds += steps.get("factorisation", 0.0) * larger * work / (2.0 if mine else 1.0)
+        seconds += steps.get("solution", 0.0) * more * columns / max(1, own)
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
         blocks = flanks**2 if isinstance(mesh, WholeMesh) else mesh.teeth  # type: ignore[union-attr]
@@ -96,4 +104,4 @@ class ElementRates:
         columns = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
-        return SMOOTHING_PART * self.assembly_s * (flanks + columns / SMOOTHED_COLUMNS)
+        return SMOOTHING_PART * self._assembly_s * (flanks + columns / SMOOTHED_COLUMNS)

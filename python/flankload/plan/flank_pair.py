@@ -23,7 +23,7 @@ from flankload.coast_sites import coast_sites
 from flankload.compliance import BodyCompliance, flank_compliances, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.effects import EFFECTS, effects_of
-from flankload.elasticity import stiffness
+from flankload.elasticity import linear_cells, stiffness
 from flankload.errors import ContactError, FlankloadError
 from flankload.estimate import n_sweeps
 from flankload.friction import friction_of
@@ -341,7 +341,8 @@ class FlankPairScreening:
         if body.mesh is None:
             return
         start = process_time()
-        matrix = stiffness(body.mesh.nodes, body.mesh.cells, body.material, asked[0].accuracy.plane)
+        plane, cells = self._scene.accuracy.plane, linear_cells(body.mesh.cells)
+        matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
         seconds = process_time() - start
         variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
         finite = not self._pair.pairing.whole_circle and "finite_influence" in self.toggles
@@ -350,7 +351,7 @@ class FlankPairScreening:
             body,
             variants,
             n_modes=modes_of(body, self._screened, COARSE),
-            plane=self._scene.accuracy.plane,
+            plane=plane,
             friction=along or any(scene.has_friction for scene in asked),
             along=along and self._scene.has_friction,
             coast_flanks=any(scene.effects.coast_flank for scene in asked),
@@ -358,7 +359,7 @@ class FlankPairScreening:
             linear=True,
         )
         self._jobs[z] = dict(zip(variants, found, strict=True))
-        self._rates[z] = ElementRates(body, seconds, found[0], len({n for n, _ in variants}))
+        self._rates[z] = ElementRates(body, seconds, found[0])
 
     def _possible(self) -> list[Scene]:
         """The scene and its toggles as they are screened, but for those that are not solved."""
