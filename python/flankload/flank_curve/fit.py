@@ -126,18 +126,19 @@ def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
     ends = np.stack([marks[:-1], marks[1:]], axis=1)
     done: list[tuple[Floats, Floats, Floats]] = []
+    lengths = _arc_lengths(piece, ends)
     for _ in range(_MOST_HALVINGS):
-        lengths = _arc_lengths(piece, ends)
         coefficients = _hermite(piece, ends, lengths)
-        good = _deviations(piece, ends, lengths, coefficients) <= tolerance
+        halves = _halves(ends)
+        parts = _arc_lengths(piece, halves)
+        # a Gauss rule too coarse for the arc length shows in the two halves
+        worst = np.abs(parts.reshape(2, -1).sum(axis=0) - lengths)
+        good = np.maximum(worst, _deviations(piece, ends, lengths, coefficients)) <= tolerance
         done.append((ends[good, 0], lengths[good], coefficients[good]))
-        left = ends[~good]
-        if not left.size:
+        if good.all():
             break
-        middle = left.mean(axis=1)
-        ends = np.concatenate(
-            [np.stack([left[:, 0], middle], 1), np.stack([middle, left[:, 1]], 1)]
-        )
+        left = np.tile(~good, 2)
+        ends, lengths = halves[left], parts[left]
     else:
         raise ValueError(
             f"piece {piece.label!r}: expected a smooth curve, found a jump near u = {ends[0, 0]:g}"
@@ -148,6 +149,12 @@ def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
         np.concatenate([part[1] for part in done])[order],
         np.concatenate([part[2] for part in done])[order],
     )
+
+
+def _halves(ends: Floats) -> Floats:
+    """Both halves of intervals (m, 2): the first ones, then the second ones."""
+    middle = ends.mean(axis=1)
+    return np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
 
 
 def _arc_lengths(piece: CurvePiece, ends: Floats) -> Floats:
@@ -170,14 +177,12 @@ def _lengths_and_ends(
 def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
     """Quintics (m, 2, 6) in arc length with the places, tangents and curvatures of the ends."""
     sign = 1.0 if piece.u_end > piece.u_start else -1.0
-    values = []
-    for u in (ends[:, 0], ends[:, 1]):
-        point, first, second = piece.place(u)
-        speed = np.linalg.norm(first, axis=1, keepdims=True)
-        tangent = first / speed
-        along = (second * tangent).sum(axis=1, keepdims=True)
-        values += [point, sign * tangent, (second - along * tangent) / speed**2]
-    p0, t0, k0, p1, t1, k1 = values
+    point, first, second = piece.place(ends.T.ravel())
+    speed = np.linalg.norm(first, axis=1, keepdims=True)
+    tangent = first / speed
+    along = (second * tangent).sum(axis=1, keepdims=True)
+    bent = (second - along * tangent) / speed**2
+    (p0, p1), (t0, t1), (k0, k1) = (np.split(at, 2) for at in (point, sign * tangent, bent))
     h = lengths[:, None]
     # what the Taylor polynomial of the near end leaves over at the far end
     place = (p1 - p0 - h * (t0 + 0.5 * h * k0)) / h**3
@@ -216,9 +221,5 @@ def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: 
     exact = point + step[:, None] * first + 0.5 * step[:, None] ** 2 * bend
     powers = wanted.reshape(len(ends), -1, 1) ** np.arange(DEGREE + 1)
     fitted = np.einsum("mck,mpk->mpc", coefficients, powers)
-    worst = np.linalg.norm(fitted - exact.reshape(fitted.shape), axis=2).max(axis=1)
-    # a Gauss rule too coarse for the arc length shows in the two halves
-    middle = ends.mean(axis=1)
-    halves = np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
-    both = _arc_lengths(piece, halves).reshape(2, -1).sum(axis=0)
-    return np.maximum(worst, np.abs(both - lengths))
+    worst: Floats = np.linalg.norm(fitted - exact.reshape(fitted.shape), axis=2).max(axis=1)
+    return worst

@@ -255,6 +255,7 @@ class FlankPairScreening:
             grid=grid,
             keep_pairs=keep_pairs,
             account=account,
+            watched=False,
         )
 
     def _check_load(self, base: tuple[Sweep, ...]) -> None:
