@@ -1,11 +1,14 @@
-"""The plan of a timing belt: sizes from large elements at few positions, the price by laws.
+"""The screening of a timing belt: few elements at few positions, with all that lands can do.
 
-All that lands can do is solved once; with it and without are other contact problems of the same
-elements. What the large elements take says how fast the machine is.
+The pieces of the belt are solved once; lands that rub, lands that lift and a pulley that yields are
+other contact problems of the same answers.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+from math import log
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -15,207 +18,304 @@ from flankload.belt_drive import (
     asked_of,
     flank_elements,
     positions_of,
+    predicted_work,
     pulley_mesh,
     response_at,
     solved_pulley,
     strip_of,
+    tried_positions,
 )
 from flankload.belt_pulley import rest_on
 from flankload.belt_row import BeltRow
 from flankload.belt_states import state_under
-from flankload.belt_work import Asked
+from flankload.belt_work import Asked, PieceWork, pieces_of, work_of_pulley
+from flankload.bodies.belt_mesh import STRAND, coarser, mesh_strip
 from flankload.cost import Account
-from flankload.effects import switches_of
-from flankload.errors import FlankloadError, SceneError
-from flankload.plan.belt_price import (
-    price_belt,
-    price_pulley,
-    seconds_of_elements,
-    seconds_of_state,
-    sizes_of,
-)
-from flankload.plan.coarse import load_elements
-from flankload.plan.drive import few_of, few_torques, plan_of
-from flankload.plan.measuring import Measured
-from flankload.plan.planned import IMPOSSIBLE
-from flankload.plan.sizes import Size, States, size_of
-from flankload.plan.variants import Variant, other_way, with_keys, without_keys
+from flankload.plan.effect_size import Size, States, size_of
+from flankload.plan.elements import load_packages
+from flankload.plan.toggles import Toggle, toggles, with_keys, without_keys
 from flankload.premises import Torque, broken_by_turn, held
 from flankload.rounding import round_down
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from flankload.belt_row import StripResponse
     from flankload.bodies.belt import Strip
-    from flankload.plan.planned import Plan
+    from flankload.bodies.pulley_mesh import PulleyMesh
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
-#: Elements on a flank that is looked at: shares within half a point, unless a run takes fewer.
-COARSE_ELEMENTS = 3
-#: Effects that lands of a belt know.
-OF_LANDS = ("land_friction", "land_lift")
+#: Elements on a flank of the screening; of the cell that tells how seconds grow with them.
+ELEMENTS, MORE_ELEMENTS = 2, 4
+#: Positions of the screening, and one where another tooth has come: lands lift most there.
+POSITIONS = 3
+BYTES = 8
 
 
-def plan_belt(scene: Scene) -> Plan:
-    """What a run of a timing belt will simulate, cost and leave out.
+@dataclass(frozen=True)
+class BeltSizes:
+    """How large the arrays of a belt are; of its largest position.
+
+    Attributes
+    ----------
+    teeth, elements : int
+        Of the wrap, and on a flank.
+    pieces : list of PieceWork
+    unknowns : list of int
+        Of the pieces.
+    """
+
+    teeth: int
+    elements: int
+    pieces: Sequence[PieceWork]
+    unknowns: Sequence[int]
+
+    @classmethod
+    def of(cls, strip: Strip, elements: int, position_rad: Floats) -> BeltSizes:
+        """Of a belt with so many elements on a flank; ends as if their strands began in mid-land.
+
+        Parameters
+        ----------
+        strip : Strip
+        elements : int
+        position_rad : (P,) array
+
+        Returns
+        -------
+        BeltSizes
+        """
+        pieces = pieces_of(strip, elements, position_rad)
+        last = 2 * (strip.wrapped_teeth - 1)
+        places = {(0, 0): (0, 2), (1, 0): (-STRAND, 0), (0, 1): (last, last + STRAND)}
+        nodes = {
+            ends: len(mesh_strip(strip, elements, places=places[ends]).nodes)
+            for ends in {(piece.held, piece.pulled) for piece in pieces}
+        }
+        unknowns = [2 * nodes[p.held, p.pulled] - p.kept - p.hats - p.held for p in pieces]
+        return cls(strip.wrapped_teeth, elements, pieces, unknowns)
+
+    @property
+    def pairs(self) -> int:
+        """Of the whole wrap."""
+        return self.teeth * (self.elements + 1)
+
+    @cached_property
+    def hats(self) -> int:
+        """On the lands of the whole wrap."""
+        inner = max((p.hats for p in self.pieces if not p.held and not p.pulled), default=0)
+        tight = max(p.hats for p in self.pieces if p.held)
+        return (self.teeth - 1) * inner + tight + min(p.hats for p in self.pieces if p.pulled)
+
+    @property
+    def factors(self) -> float:
+        """Entries of the factors of all pieces, but for a number."""
+        return sum(n * log(n) for n in self.unknowns)
+
+    def bytes(self, asked: Asked) -> int:
+        """Of the answer at a position."""
+        n, h = self.pairs, self.hats
+        numbers = n * n + h * n + 2 * n + 3 * h
+        numbers += (asked.rubbing + asked.lifting) * (n * h + h * h + h)
+        lines = 2 * self.teeth * (2 * self.elements + 1)
+        return BYTES * (numbers + lines) + self.flank_bytes
+
+    @property
+    def flank_bytes(self) -> int:
+        """Of the places, normals, levers, gaps and lengths of the pairs."""
+        return BYTES * 8 * self.pairs
+
+    def state_bytes(self, asked: Asked) -> int:
+        """Of a state, most of whose pairs carry."""
+        return BYTES * (3 * (self.pairs + asked.lifting * self.hats) + 4 * self.teeth)
+
+
+class BeltScreening:
+    """The effects of a belt with few elements at few positions, and what its run will cost.
 
     Parameters
     ----------
     scene : Scene
         With a pulley and a belt.
-
-    Returns
-    -------
-    Plan
+    levels : bool
+        Of no account: a belt knows few.
 
     Raises
     ------
     FlankloadError
-        If a position has no state.
+        If a position has no state, or a torque breaks a premise of the model.
     """
-    start = process_time()
-    strip = strip_of(scene)
-    position_rad, _ = positions_of(scene, strip)
-    coarse = _Coarse(scene, strip, position_rad)
-    coarse.check_load()
-    switches = switches_of(scene)
-    stages = price_belt(scene, strip, position_rad, coarse.slower)
-    measured, extra = {"several_torques": Measured()}, {}
-    for name in OF_LANDS:
-        on = switches[name].on
-        try:
-            variant = other_way(scene, name, on=on)
-        except SceneError as error:
-            measured[name], extra[name] = Measured(unknown=f"{IMPOSSIBLE}: {error}"), (0.0, 0)
-            continue
-        assert variant is not None
-        measured[name] = coarse.measured(variant, on=on)
-        other = price_belt(variant.scene, strip, position_rad, coarse.slower)
-        extra[name] = _more(stages, other) if on else _more(other, stages)
-    if not scene.body_1.rigid:
-        measured["elastic_body_1"] = coarse.pulley()
-        extra["elastic_body_1"] = _more({"it": stages["compliance body 1"]}, {})
-    torques = len(scene.torques_Nm)
-    another = stages["sweep"].cpu_s / torques, round(stages["sweep"].bytes / torques)
-    times = torques - 1 if torques > 1 else 1
-    extra["several_torques"] = times * another[0], times * another[1]
-    return plan_of(scene, measured, extra, stages, process_time() - start)
 
-
-def _more(one: Mapping[str, Account], other: Mapping[str, Account]) -> tuple[float, int]:
-    """Seconds and bytes of one run beyond those of another."""
-    seconds, size = 0.0, 0
-    for sign, stages in ((1, one), (-1, other)):
-        for account in stages.values():
-            seconds += sign * account.cpu_s
-            size += sign * (account.bytes + account.workspace_bytes)
-    return seconds, size
-
-
-def _tried(strip: Strip, position_rad: Floats) -> Numbers:
-    """Few positions, and the first at which another tooth has come: lands lift most there."""
-    few = np.arange(position_rad.size)[few_of(position_rad.size)]
-    first = round_down(position_rad / strip.pitch_rad + 0.5)
-    return np.union1d(few, np.flatnonzero(np.diff(first))[:1] + 1)
-
-
-def _all_asked(scene: Scene) -> Scene:
-    """The scene with lands that rub, so that nothing is missing."""
-    return with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
-
-
-class _Coarse:
-    """A belt of large elements at a few positions, with all that lands can do."""
-
-    def __init__(self, scene: Scene, strip: Strip, position_rad: Floats) -> None:
-        self._scene, self._strip = scene, strip
-        self._positions = position_rad[_tried(strip, position_rad)]
-        elements = min(COARSE_ELEMENTS, flank_elements(scene, strip))
-        load_elements()
-        start = process_time()
-        row = BeltRow(strip, elements, rubbing=True, lifting=True)
-        held = [response_at(strip, row, None, float(angle)) for angle in self._positions]
-        self._responses, self.slower = held, {}
-        pulley_s = 0.0
-        if not scene.body_1.rigid:
-            begun = process_time()
-            known = solved_pulley(_all_asked(scene), pulley_mesh(scene, elements), Account())
-            pulley_s = process_time() - begun
-            price = price_pulley(_all_asked(scene), elements, 1.0)
-            self.slower["compliance body 1"] = pulley_s / price.cpu_s
-            self._responses = [rest_on(response, strip, known) for response in held]
-        self._held = held
-        solved = process_time()
+    def __init__(self, scene: Scene, *, levels: bool = False) -> None:
+        del levels
+        self._scene = scene
+        own = () if scene.body_1.rigid else ("elastic_body_1",)
+        self.rows = (*own, "several_torques", "land_friction", "land_lift")
+        self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
+        with Account() as self._bodies:
+            self._strip = strip = strip_of(scene)
+            self._position_rad, _ = positions_of(scene, strip)
+        self._bodies.bytes = self._position_rad.nbytes
+        at = self._position_rad[_tried(strip, self._position_rad)]
+        self._solve(scene, at)
+        loads = (min(scene.torques_Nm), max(scene.torques_Nm))
+        self._torques = tuple(dict.fromkeys(loads))
+        self._state_s: dict[Scene, float] = {}
+        self._known: dict[tuple[int, int], BeltSizes] = {}
+        self._pulleys: dict[int, PulleyMesh] = {}
         self._base = self._states(scene)
-        spent = process_time() - solved
         # lands that rub would turn a pulley without torque
         still = without_keys(scene, "land_friction")
-        self._unloaded = self._under(still, 0.0).rotation_rad
-        sizes = sizes_of(strip, elements, self._positions)
-        count = self._positions.size
-        law = seconds_of_elements(strip, sizes, count, Asked(rubbing=True, lifting=True))
-        asked = asked_of(scene)
-        states = count * len(self._base)
-        self.slower["compliance body 2"] = (solved - start - pulley_s) / law
-        self.slower["sweep"] = spent / (states * seconds_of_state(sizes, asked))
-
-    def check_load(self) -> None:
-        """Refuse a scene whose torque breaks a premise of the model.
-
-        Raises
-        ------
-        PremiseError
-        """
+        self._unloaded_rad = self._under(still, 0.0).rotation_rad
         for states in self._base:
-            torque = Torque(self._scene, self._scene.torques_Nm.index(states.torque_Nm))
-            turned_rad = float((states.rotation_rad - self._unloaded).max())
-            held(self._scene, tuple(broken_by_turn(turned_rad, self._strip.pitch_rad, torque)))
+            torque = Torque(scene, scene.torques_Nm.index(states.torque_Nm))
+            turned_rad = float((states.rotation_rad - self._unloaded_rad).max())
+            held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
 
-    def pulley(self) -> Measured:
-        """What a pulley that yields changes against a rigid one."""
-        yields, self._responses = self._responses, self._held
-        try:
-            rigid = self._states(self._scene)
-        except FlankloadError as error:
-            return Measured(unknown=" ".join(str(error).split()))
-        finally:
-            self._responses = yields
-        return Measured(self._size(self._base, rigid))
+    def _solve(self, scene: Scene, at: Floats) -> None:
+        """Pieces of belt and sector of the pulley, with all that lands can do."""
+        strip, self._account = self._strip, Account()
+        elements = min(ELEMENTS, flank_elements(scene, strip))
+        self._screened = BeltSizes.of(strip, elements, at)
+        load_packages()
+        start = process_time()
+        row = BeltRow(strip, elements, rubbing=True, lifting=True, account=self._account)
+        cell_s = process_time() - start
+        self._held = [response_at(strip, row, None, float(angle)) for angle in at]
+        self._pieces_s = process_time() - start
+        start = process_time()
+        BeltRow(strip, MORE_ELEMENTS, rubbing=True, lifting=True)
+        self._growth = (process_time() - start) / max(cell_s, 1e-6)
+        self._yielding, self._pulley = self._held, Account()
+        if not scene.body_1.rigid:
+            all_asked = with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
+            mesh = pulley_mesh(scene, elements)
+            with self._pulley:
+                known = solved_pulley(all_asked, mesh, self._pulley)
+            self._yielding = [rest_on(response, strip, known) for response in self._held]
+            self._sector = len(mesh.sector.nodes)
 
-    def measured(self, variant: Variant, *, on: bool) -> Measured:
-        """What an effect changes that the scene has, or has not."""
-        try:
-            other = self._states(variant.scene)
-        except FlankloadError as error:
-            return Measured(unknown=" ".join(str(error).split()))
-        size = self._size(self._base, other) if on else self._size(other, self._base)
-        return Measured(size, variant.assumed)
+    # --- sizes ------------------------------------------------------------------------------------
+    def size(self, name: str, *, on: bool) -> Size | None:
+        """What a row of the table changes; None where it changes no state."""
+        scene = self.toggles[name].scene
+        if name == "several_torques" or scene is None:
+            return None
+        other = self._states(scene)
+        return self._between(*((self._base, other) if on else (other, self._base)))
 
-    def _size(self, with_it: list[States], without: list[States]) -> Size:
+    def change(self, scene: Scene) -> Size:
+        """What another scene changes against this one."""
+        return self._between(self._states(scene), self._base)
+
+    def _between(self, with_it: list[States], without: list[States]) -> Size:
         return size_of(
             with_it,
             without,
             base=self._base,
-            unloaded_rad=self._unloaded,
+            unloaded_rad=self._unloaded_rad,
             reference_radius_mm=self._strip.pitch_radius_mm,
         )
 
     def _states(self, scene: Scene) -> list[States]:
-        return [self._under(scene, torque) for torque in few_torques(scene)]
+        start = process_time()
+        found = [self._under(scene, torque) for torque in self._torques]
+        self._state_s[scene] = (process_time() - start) / (len(found) * len(self._held))
+        return found
 
     def _under(self, scene: Scene, torque_Nm: float) -> States:
-        first = min(response.first_tooth for response in self._responses)
-        last = max(response.first_tooth + response.teeth for response in self._responses)
-        force = np.zeros((len(self._responses), last - first))
-        rotation = np.zeros(len(self._responses))
-        for p, response in enumerate(self._responses):
+        responses: list[StripResponse] = self._held if scene.body_1.rigid else self._yielding
+        first = min(response.first_tooth for response in responses)
+        last = max(response.first_tooth + response.teeth for response in responses)
+        force = np.zeros((len(responses), last - first))
+        rotation = np.zeros(len(responses))
+        for p, response in enumerate(responses):
             state = state_under(scene, self._strip, response, torque_Nm, Account())
             own = response.first_tooth - first
             force[p, own : own + response.teeth] = self._strip.width_mm * state.tooth_N_per_mm
             rotation[p] = state.rotation_rad
         return States.of(torque_Nm, np.arange(first, last), rotation, force)
+
+    # --- cost -------------------------------------------------------------------------------------
+    def price(self, scene: Scene) -> dict[str, Account]:
+        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        strip, positions, asked = self._strip, self._position_rad, asked_of(scene)
+        counted = predicted_work(scene, strip, positions)
+        sizes = self._sizes(strip, flank_elements(scene, strip), positions)
+        states = positions.size * len(scene.torques_Nm)
+        one, body = "compliance body 1", "compliance body 2"
+        stages = {
+            "bodies": Account(cpu_s=self._bodies.cpu_s, bytes=self._bodies.bytes),
+            **({one: self._pulley_of(scene, sizes.elements)} if one in counted else {}),
+            body: self._belt(sizes),
+            "sweep": Account(
+                cpu_s=states * self._seconds_of_state(scene, sizes),
+                bytes=states * sizes.state_bytes(asked) + positions.size * sizes.flank_bytes,
+            ),
+        }
+        stages[body].bytes = sizes.bytes(asked)
+        if "estimate" in counted:
+            tried = positions[tried_positions(strip, positions)]
+            halved, elements = coarser(strip, sizes.elements)
+            half = self._sizes(halved, elements, tried)
+            stages["estimate"] = account = self._belt(half)
+            loaded = tried.size * sum(torque > 0.0 for torque in scene.torques_Nm)
+            coarse_s = self._seconds_of_state(scene, half)
+            account.cpu_s += loaded * coarse_s
+            if one in counted:
+                pulley = self._pulley_of(scene, elements)
+                again = 2.0 * self._seconds_of_state(scene, sizes) + coarse_s
+                account.cpu_s += pulley.cpu_s + loaded * again
+                account.workspace_bytes += pulley.workspace_bytes
+        for stage, counters in counted.items():
+            stages[stage].counters |= counters
+        return stages
+
+    def _sizes(self, strip: Strip, elements: int, at: Floats) -> BeltSizes:
+        """Arrays of the run's belt, or of that of its estimate; the same whatever lands do."""
+        key = elements, at.size
+        if key not in self._known:
+            self._known[key] = BeltSizes.of(strip, elements, at)
+        return self._known[key]
+
+    def _belt(self, sizes: BeltSizes) -> Account:
+        """The pieces of a belt: seconds grow evenly with their unknowns, as two cells show."""
+        mine = self._screened
+        each = self._pieces_s / len(mine.pieces)
+        more = (MORE_ELEMENTS / mine.elements) ** 2
+        slope = max(0.0, self._growth - 1.0) / (more - 1.0)
+        mean = sum(mine.unknowns) / len(mine.unknowns)
+        seconds = sum(each * max(0.1, 1.0 + slope * (n / mean - 1.0)) for n in sizes.unknowns)
+        part = sizes.factors / mine.factors
+        return Account(cpu_s=seconds, workspace_bytes=round(part * self._account.workspace_bytes))
+
+    def _pulley_of(self, scene: Scene, elements: int) -> Account:
+        """The sector of a pulley, by the entries of its factor."""
+        if elements not in self._pulleys:
+            self._pulleys[elements] = pulley_mesh(scene, elements)
+        mesh, asked = self._pulleys[elements], asked_of(scene)
+        nodes = len(mesh.sector.nodes)
+        part = nodes * log(nodes) / (self._sector * log(self._sector))
+        work = work_of_pulley(mesh, asked)
+        loads = work["unit_loads_normal"] + work["unit_loads_tangential"]
+        return Account(
+            cpu_s=part * self._pulley.cpu_s,
+            bytes=BYTES * mesh.sector.teeth * loads**2,
+            workspace_bytes=round(part * self._pulley.workspace_bytes),
+        )
+
+    def _seconds_of_state(self, scene: Scene, sizes: BeltSizes) -> float:
+        """Seconds of a contact problem: matrices of its pairs and hats are multiplied."""
+        mine = self._screened
+        more = (sizes.pairs + sizes.hats) / (mine.pairs + mine.hats)
+        return self._state_s.get(scene, self._state_s[self._scene]) * max(1.0, more)
+
+
+def _tried(strip: Strip, position_rad: Floats) -> NDArray[np.int64]:
+    """Few positions, and the first at which another tooth has come."""
+    few = np.arange(position_rad.size)[:: max(1, -(-position_rad.size // POSITIONS))]
+    first = round_down(position_rad / strip.pitch_rad + 0.5)
+    return np.union1d(few, np.flatnonzero(np.diff(first))[:1] + 1)

@@ -1,10 +1,10 @@
 """How long a run will take, said before it starts: what can be counted, times rates.
 
 Nothing is solved and nothing is tried, so that it costs next to nothing and is right to a factor of
-two or so; `flankload plan` tries some states and is right to a fifth. Rates of elements are those
-of `price`. Rates of states were measured on gears, rings, cams and splines with 10 to 40 cells on a
-half-width (CPU seconds of the stages over their states, the shortest of several runs on one thread
-of a core at 3 GHz); on another machine they scale with its speed.
+two or so; `flankload plan` solves some states and is right to a factor of 1.5. The rates were
+measured on gears, rings, cams and splines with 10 to 40 cells on a half-width, and on elements with
+600 to 16000 unknowns (CPU seconds, the shortest of several runs on one thread of a core at 3 GHz);
+on another machine they scale with its speed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unknowns_of
+from flankload.plan.elements import unknowns_of
 from flankload.prediction import predicted_work
 
 if TYPE_CHECKING:
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from flankload.assembly import BodyPair
     from flankload.scene import Scene
 
-    Counted = Mapping[str, Mapping[str, int]]
+    Counters = Mapping[str, int]
 
-#: Seconds of a state for each contact pair, where single places touch.
+#: Of a mesh, an element, a factor, a solution; a column of the cuts takes less than another one.
+ASSEMBLY_S, ELEMENT_S, FACTOR_S, FACTOR_POWER = 0.011, 6.5e-5, 3.0e-7, 1.3
+SOLUTION_S, CUT_PART, SMOOTHING_S = 1.0e-7, 0.3, 8e-7
+#: Of a state for each contact pair, where single places touch.
 PAIR_S = 2.4e-6
-#: Where flanks conform most pairs carry: seconds for each two of them; and so many passes where
-#: teeth do not all touch at once.
-CONFORMING_S, PASSES = 5e-8, 3.0
-#: Where the numbers are those of finite forces: seconds for each two pairs.
-FINITE_S = 2e-6
-#: Pairs of flanks that touch at once, where geometry does not say.
-TOUCHING = 2.0
-#: Contact pairs of a lumped contact, in what they take.
-LUMPED_PAIRS = 40.0
-#: The estimate sweeps with half as many cells.
-FEWER = 0.5
+#: Where flanks conform most pairs carry: for each two of them; and so many passes where teeth do
+#: not all touch at once. Where the numbers are those of finite forces: for each two pairs.
+CONFORMING_S, PASSES, FINITE_S = 5e-8, 3.0, 2e-6
+#: Flanks that touch at once, where geometry does not say; pairs of a lumped contact, in seconds;
+#: cells of the estimate over those of the run; positions that adaptive ones become.
+TOUCHING, LUMPED_PAIRS, FEWER, ADAPTIVE_PART = 2.0, 40.0, 0.5, 3.0
+#: Of a contact problem of a belt.
+BELT_STATE_S = 1e-3
 
 
 @dataclass(frozen=True)
@@ -78,38 +78,65 @@ def duration_of(scene: Scene, pair: BodyPair) -> Duration:
     -------
     Duration
     """
-    counted = predicted_work(scene, pair)
-    positions = pair.position_rad.size
-    torques = len(scene.torques_Nm)
-    unknowns = sum(
-        unknowns_of(body)
-        for z, body in enumerate((pair.body_1, pair.body_2))
-        if body.mesh is not None and f"compliance body {z + 1}" in counted
-    )
-    parts = [
-        f"{torques} torques" if torques > 1 else "",
-        f"{'at least ' if pair.adaptive else ''}{positions} position{'s' * (positions != 1)}",
-    ]
-    if pair.pairing.whole_circle:
-        parts.append(f"{pair.pairing.sites.size} teeth at once")
-    work = " x ".join(part for part in parts if part)
-    if unknowns:
-        work += f", elements with {unknowns} unknowns"
-    return Duration(_elements_s(scene, pair, counted), _states_s(scene, pair), work)
-
-
-def _elements_s(scene: Scene, pair: BodyPair, counted: Counted) -> float:
-    """Both compliances, and what the estimate smooths."""
-    seconds = 0.0
+    counted, elements_s, unknowns = predicted_work(scene, pair), 0.0, 0
     for z, body in enumerate((pair.body_1, pair.body_2)):
         counters = counted.get(f"compliance body {z + 1}")
-        if counters is None or body.mesh is None:
-            continue
-        seconds += elements_price(body, counters).cpu_s
-        if scene.accuracy.estimate:
-            columns = counters["unit_loads_normal"] + counters["unit_loads_tangential"]
-            seconds += SMOOTHING_S * sum(len(cells) for _, cells in body.mesh.cells) * columns
-    return seconds
+        if counters is not None and body.mesh is not None:
+            unknowns += unknowns_of(body)
+            count = sum(len(cells) for _, cells in body.mesh.cells)
+            elements_s += _elements_s(counters, unknowns_of(body), count)
+            if scene.accuracy.estimate:
+                loads = counters["unit_loads_normal"] + counters["unit_loads_tangential"]
+                elements_s += SMOOTHING_S * count * loads
+    teeth = pair.pairing.sites.size if pair.pairing.whole_circle else 0
+    work = _work(scene, pair.position_rad.size, "at least " * pair.adaptive)
+    work += f" x {teeth} teeth at once" * bool(teeth)
+    work += f", elements with {unknowns} unknowns" * bool(unknowns)
+    return Duration(elements_s, _states_s(scene, pair), work)
+
+
+def duration_of_belt(scene: Scene) -> Duration:
+    """How long a run of a belt will take.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a pulley and a belt.
+
+    Returns
+    -------
+    Duration
+    """
+    from flankload.belt_drive import flank_elements, positions_of, predicted_work, strip_of
+    from flankload.plan.belt import BeltSizes
+
+    strip = strip_of(scene)
+    position_rad, _ = positions_of(scene, strip)
+    counted = predicted_work(scene, strip, position_rad)
+    sizes = BeltSizes.of(strip, flank_elements(scene, strip), position_rad)
+    mean = sum(sizes.unknowns) // len(sizes.unknowns)
+    elements_s = sum(
+        len(sizes.unknowns) * ASSEMBLY_S + _elements_s(counters, mean, sum(sizes.unknowns) // 8)
+        for name, counters in counted.items()
+        if "fe_factorisations" in counters
+    )
+    states = sum(counters.get("states", 0) for counters in counted.values())
+    work = f"{_work(scene, position_rad.size)}, {strip.wrapped_teeth} teeth"
+    return Duration(elements_s, BELT_STATE_S * states, work)
+
+
+def _work(scene: Scene, positions: int, least: str = "") -> str:
+    torques = len(scene.torques_Nm)
+    work = f"{least}{positions} position{'s' * (positions != 1)}"
+    return f"{torques} torques x {work}" if torques > 1 else work
+
+
+def _elements_s(counters: Counters, unknowns: int, elements: int) -> float:
+    """Assembly, factors and solutions."""
+    cuts = counters.get("cut_columns", 0)
+    columns = counters["fe_solutions"] - cuts + CUT_PART * cuts
+    factors = counters["fe_factorisations"] * FACTOR_S * unknowns**FACTOR_POWER
+    return ASSEMBLY_S + ELEMENT_S * elements + factors + SOLUTION_S * unknowns * columns
 
 
 def _states_s(scene: Scene, pair: BodyPair) -> float:
@@ -155,31 +182,3 @@ def _threads() -> int:
     """Threads that positions are shared by."""
     asked = os.environ.get("OMP_NUM_THREADS", "")
     return max(1, int(asked)) if asked.isdigit() else os.cpu_count() or 1
-
-
-def duration_of_belt(scene: Scene) -> Duration:
-    """How long a run of a belt will take.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a pulley and a belt.
-
-    Returns
-    -------
-    Duration
-    """
-    from flankload.belt_drive import positions_of, strip_of
-    from flankload.plan.belt_price import price_belt
-
-    strip = strip_of(scene)
-    position_rad, _ = positions_of(scene, strip)
-    slower = {"compliance body 1": 1.0, "compliance body 2": 1.0, "sweep": 1.0}
-    stages = price_belt(scene, strip, position_rad, slower)
-    elements = sum(a.cpu_s for name, a in stages.items() if name.startswith("compliance"))
-    whole = sum(account.cpu_s for account in stages.values())
-    count, torques = position_rad.size, len(scene.torques_Nm)
-    work = f"{count} position{'s' * (count != 1)}, {strip.wrapped_teeth} teeth"
-    return Duration(
-        elements, whole - elements, f"{torques} torques x {work}" if torques > 1 else work
-    )

@@ -9,6 +9,7 @@ are assembled by the numbers in their matrices.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from math import log
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,11 @@ if TYPE_CHECKING:
 #: A smoothing of stresses takes this part of an assembly for each flank, and for so many columns:
 #: it takes the same gradients, but no products of them.
 SMOOTHING_PART, SMOOTHED_COLUMNS = 1 / 3, 12
+
+
+def load_packages() -> None:
+    """Import what elements need before they are timed."""
+    import_module("skfem")
 
 
 def unknowns_of(body: Body) -> int:

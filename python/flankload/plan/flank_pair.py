@@ -29,7 +29,7 @@ from flankload.estimate import n_sweeps
 from flankload.friction import friction_of
 from flankload.growth import growth_of
 from flankload.plan.effect_size import Size, States, size_of
-from flankload.plan.elements import ElementRates
+from flankload.plan.elements import ElementRates, load_packages
 from flankload.plan.nodes import nodal_size, node_spacings
 from flankload.plan.toggles import Toggle, toggles, with_keys, with_rigid
 from flankload.prediction import elements_estimated, predicted_work
@@ -341,8 +341,9 @@ class FlankPairScreening:
         body = self._body(asked[0], z, tip_contact=True)
         if body.mesh is None:
             return
-        start = process_time()
+        load_packages()
         plane, cells = self._scene.accuracy.plane, linear_cells(body.mesh.cells)
+        start = process_time()
         matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
         seconds = process_time() - start
         variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
