@@ -130,8 +130,11 @@ class FlankPairScreening:
         teeth = self._pair.pairing.motion is None
         self.rows = tuple(row.name for row in known if teeth or not row.of_teeth)
         effects = self._pair.effects
-        tried = (name for name in self.rows if levels or name not in OFF or getattr(effects, name))
-        self.toggles: dict[str, Toggle] = toggles(scene, tried)
+        self.toggles: dict[str, Toggle] = {
+            name: toggle
+            for name, toggle in toggles(scene, self.rows).items()
+            if levels or name not in OFF or getattr(effects, name) or toggle.impossible
+        }
         self._assemblies = {scene: self._pair}
         self._at = _spread(self._pair.position_rad, MOST_POSITIONS)
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
