@@ -172,6 +172,7 @@ def of_sector(
     job.laps("assembly")
     stress = job.stress(0) if job.stress else None
     count_loads(job.account, loads.shape[1], friction=job.friction)
+    found: dict[int | None, tuple[Floats, Floats]] = {}
     if set(sectors) == {1}:
         response, free = tooth_response(
             job.matrix,
@@ -182,7 +183,7 @@ def of_sector(
             account=job.account,
             look=job.look,
         )
-        found = {1: (response, job.without_growth)}
+        found[1] = (response, job.without_growth)
     else:
         sector, free = condense(
             job.matrix,
@@ -195,8 +196,9 @@ def of_sector(
             account=job.account,
             look=job.look,
         )
-        found = {number: _built(job, sector, mesh, number) for number in dict.fromkeys(sectors)}
-    responses = {}
+        for number in dict.fromkeys(sectors):
+            found[number] = _built(job, sector, mesh, number)
+    responses: dict[int | None, Response] = {}
     for number, (response, by_growth) in found.items():
         crossing = None
         if coast is not None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from flankload.effects import EFFECTS, Effect, switches_of
 from flankload.errors import SceneError
-from flankload.plan.plan import sizes
+from flankload.plan.planning import sizes
 from flankload.plan.planned import Chosen
 from flankload.plan.screening import screening_of
 from flankload.plan.significance import against_threshold, is_significant, threshold_text
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.effects import Switch
-    from flankload.plan.plan import Measured
+    from flankload.plan.planning import Measured
     from flankload.scene import Scene
 
 
