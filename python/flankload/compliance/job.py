@@ -150,9 +150,7 @@ def flank_compliances(
         missed.append(missed_compliance(mesh.nodes, mesh.cells, body.material, plane, moved))
         laps("estimate")
 
-    growing = {
-        growth: growth_loads(matrix, mesh, growth, lumped=linear) for _, growth in variants
-    }
+    growing = {growth: growth_loads(matrix, mesh, growth, lumped=linear) for _, growth in variants}
     forces = [load for named in growing.values() for load in named.values()]
     job = Job(
         body=body,
@@ -230,9 +228,7 @@ def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_matrix) -> SectorMesh | 
     fixed = np.union1d(mesh.fixed_nodes, middles)
     if isinstance(mesh, WholeMesh):
         return replace(mesh, fixed_nodes=fixed)
-    left, right = (
-        side[~np.isin(side, middles)] for side in (mesh.left_nodes, mesh.right_nodes)
-    )
+    left, right = (side[~np.isin(side, middles)] for side in (mesh.left_nodes, mesh.right_nodes))
     return replace(mesh, fixed_nodes=fixed, left_nodes=left, right_nodes=right)
 
 
