@@ -242,6 +242,24 @@ def test_what_is_on_and_what_is_off_have_one_size(plain_plan: Plan) -> None:
     assert on.size.load_share == off.size.load_share
 
 
+def test_levels_that_are_off_are_tried_on_demand(plain_plan: Plan) -> None:
+    scene = scene_of(positions__count=4)
+    asked = fl.plan(scene, levels=True)
+    for name in ("segment", "single_tooth", "lumped_contact", "coast_flanks"):
+        row = plain_plan.effect(name)
+        assert (row.size, row.extra_s, row.extra_bytes) == (None, None, None)
+        assert asked.effect(name).size is not None
+        assert asked.effect(name).extra_s is not None
+    on = fl.plan(scene_of(positions__count=4, effects__contact="lumped"))
+    assert on.effect("lumped_contact").size is not None
+
+
+def test_adaptive_positions_are_known_to_a_larger_factor(plain_plan: Plan) -> None:
+    adaptive = fl.plan(scene_of(positions__adaptive=True, positions__count=8))
+    assert adaptive.within > plain_plan.within > 1.0
+    assert f"a factor of {plain_plan.within:g}" in str(plain_plan)
+
+
 # --- what is said ---------------------------------------------------------------------------------
 def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
     plan = plain_plan
@@ -509,8 +527,9 @@ def test_another_word_than_auto_is_refused() -> None:
 
 # --- the command ----------------------------------------------------------------------------------
 def test_command_prints_the_table(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", str(SCENES / "external_gear_friction.toml")]) == 0
+    assert main(["plan", str(SCENES / "external_gear_friction.toml"), "--levels"]) == 0
     out = capsys.readouterr().out
+    assert "+" in next(line for line in out.splitlines() if line.startswith("lumped"))
     assert "friction" in out
     assert "effects.friction_coefficient = [2 entries]" in out
     assert "compliance body 1" in out

@@ -15,5 +15,5 @@ def plan(arguments: Namespace) -> None:
     scene = read_scene(arguments.scene)
     from flankload.plan import plan as plan_of
 
-    found = plan_of(scene)
+    found = plan_of(scene, levels=arguments.levels)
     print(found.to_json() if arguments.json else found)
