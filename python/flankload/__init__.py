@@ -32,10 +32,10 @@ if TYPE_CHECKING:
         SceneError,
         SingularContact,
     )
-    from flankload.plan import Plan, plan
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.plan import Plan, plan
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
@@ -88,8 +88,8 @@ _ROOM_OF_NAME = {
     "solve_contact_on_demand": "contact",
     "solve_contact_sequence": "contact",
     "solve_contact_torques": "contact",
-    "Plan": "plan",
-    "plan": "plan",
+    "Plan": "studies.plan",
+    "plan": "studies.plan",
     "Result": "result",
     "solve": "api",
     "Study": "studies.accuracy",

@@ -6,17 +6,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import Account
-from flankload.mechanisms.runner import run_once
+from flankload.mechanisms import mechanism_of, run_once
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
-    from flankload.plan import Plan
-    from flankload.plan.duration import Duration
     from flankload.result import Result
     from flankload.scene import Scene
+    from flankload.studies.plan import Plan
 
 
 def solve(
@@ -77,7 +77,7 @@ def _solve_chosen(
     stages: dict[str, Account] = {}
     notes: tuple[str, ...] = ()
     if scene.effects.choose is not None:
-        from flankload.plan.choice import choose_effects, said_of
+        from flankload.studies.plan.choice import choose_effects, said_of
 
         if progress is not None:
             progress("plan", 0, 1)
@@ -96,8 +96,6 @@ def _solve_chosen(
 
 
 def _report_duration(scene: Scene, on_duration: Callable[[Duration], None], assembly: Any) -> None:
-    from flankload.plan.duration import duration_of
-
-    duration = duration_of(scene, assembly)
+    duration = mechanism_of(scene).duration(scene, assembly)
     if duration is not None:
         on_duration(duration)

@@ -17,11 +17,11 @@ import numpy as np
 
 import flankload as fl
 from flankload.errors import FlankloadError
-from flankload.plan import Plan, PlannedEffect, Size
-from flankload.plan.choice import without_choice
-from flankload.plan.sizes import States, size_of
-from flankload.plan.variants import other_way
+from flankload.mechanisms.effect_size import States, size_of
+from flankload.mechanisms.toggles import toggled
 from flankload.scene.pair import Load, Positions
+from flankload.studies.plan import Plan, PlannedEffect, Size
+from flankload.studies.plan.choice import without_choice
 from tests.support.paths import SCENES
 
 #: Wanted: factor between predicted and measured; CPU seconds of a plan, packages included.
@@ -71,12 +71,13 @@ def _of(scene: fl.Scene, plan: Plan, off: list[str], name: str) -> list[str]:
             if effect.unknown is not None:
                 lines.append(f"{effect.title:<28} {effect.unknown}"[:150])
             continue
-        variant = other_way(plain, effect.name, on=effect.on)
-        assert variant is not None
+        toggle = toggled(plain, effect.name, on=effect.on)
+        assert toggle is not None
+        assert toggle.scene is not None
         degrees = tuple(float(angle) for angle in np.degrees(base[0].position_rad))
         positions = Positions(angles_deg=degrees, driver=scene.positions.driver)
         try:
-            other, seconds = _solved(replace(variant.scene, positions=positions))
+            other, seconds = _solved(replace(toggle.scene, positions=positions))
         except FlankloadError as error:
             lines.append(f"{effect.title:<28} {error}")
             continue

@@ -78,15 +78,16 @@ def read_members(path: Path) -> dict[str, Member]:
     name = None
     members: dict[str, Member] = {}
     try:
-        with warnings.catch_warnings(), ZipFile(path) as archive:
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            archive = ZipFile(io.BytesIO(path.read_bytes()))  # opened once for all arrays
             parts = archive.infolist()
             _check_size(parts)
             for part in parts:
                 name = part.filename.removesuffix(SUFFIX)
                 if name in members:
                     raise BadArchive(name, "two arrays of one name")
-                members[name] = _member(path, archive, part, name)
+                members[name] = _member(archive, part, name)
     except BadArchive:
         raise
     except Exception as error:  # whatever zip files and heads can be made to raise
@@ -111,7 +112,7 @@ def _check_size(parts: list[ZipInfo]) -> None:
         )
 
 
-def _member(path: Path, archive: ZipFile, part: ZipInfo, name: str) -> Member:
+def _member(archive: ZipFile, part: ZipInfo, name: str) -> Member:
     with archive.open(part) as stream:
         version = npy.read_magic(stream)
         if version not in ((1, 0), (2, 0)):
@@ -123,12 +124,12 @@ def _member(path: Path, archive: ZipFile, part: ZipInfo, name: str) -> Member:
         raise BadArchive(name, "pickled objects, which are never loaded")
     if min(shape, default=0) < 0 or head + prod(shape) * dtype.itemsize != part.file_size:
         raise BadArchive(name, f"{part.file_size} bytes, which are not of its shape {shape}")
-    return Member(tuple(shape), dtype, lambda: _read(path, part.filename, name))
+    return Member(tuple(shape), dtype, lambda: _read(archive, part, name))
 
 
-def _read(path: Path, file: str, name: str) -> NDArray[Any]:
+def _read(archive: ZipFile, part: ZipInfo, name: str) -> NDArray[Any]:
     try:
-        with ZipFile(path) as archive, archive.open(file) as stream:
+        with archive.open(part) as stream:
             return np.asarray(npy.read_array(stream, allow_pickle=False))
     except Exception as error:
         raise BadArchive(name, _reason(error)) from None

@@ -131,6 +131,9 @@ def parser() -> argparse.ArgumentParser:
     )
     plan_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
     plan_parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    plan_parser.add_argument(
+        "--levels", action="store_true", help="also try the levels of the model that are off"
+    )
     plan_parser.set_defaults(command=plan)
 
     mesh_parser = commands.add_parser("mesh", help="write the finite element meshes of both bodies")

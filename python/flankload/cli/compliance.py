@@ -22,7 +22,7 @@ def compliance(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart((("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
-    if scene.body_2.kind == "cam":
+    if not (scene.is_drive or scene.body_2.has_teeth):
         raise SceneError(
             file=scene.file,
             key="body_2.kind",

@@ -13,7 +13,7 @@ def plan(arguments: Namespace) -> None:
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    from flankload.plan import plan as plan_of
+    from flankload.studies.plan import plan as plan_of
 
-    found = plan_of(scene)
+    found = plan_of(scene, levels=arguments.levels)
     print(found.to_json() if arguments.json else found)

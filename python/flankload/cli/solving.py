@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator
 
-    from flankload.plan import Plan
-    from flankload.plan.duration import Duration
+    from flankload.mechanisms.duration import Duration
     from flankload.result import Result
     from flankload.scene import Scene
+    from flankload.studies.plan import Plan
 
 #: Seconds after which a run shows that it is alive.
 PATIENCE_S = 1.0
@@ -68,7 +68,7 @@ def _announce(progress: Progress, duration: Duration) -> None:
 
 def _plan(scene: Scene, progress: Progress) -> Plan:
     """What the run is predicted to take."""
-    from flankload.plan import plan
+    from flankload.studies.plan import plan
 
     progress.tell("plan", 0, 1)
     return plan(scene)

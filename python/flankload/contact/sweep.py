@@ -135,6 +135,7 @@ def sweep(
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
+    watched: bool = True,
 ) -> tuple[Sweep, ...]:
     """Solve all positions for all torques in one call of the core.
 
@@ -170,6 +171,8 @@ def sweep(
         Where all work of the core is counted, that for states without an answer too.
     progress : callable, optional
         Called as progress(done, P) several times a second.
+    watched : bool
+        Ctrl-C stops the core within milliseconds; a call that is over as soon needs no thread.
 
     Returns
     -------
@@ -206,6 +209,7 @@ def sweep(
             finite_steps=finite_steps,
             account=spent,
             progress=tell,
+            watched=watched,
         )
 
     def holds(k: int, under: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -421,6 +425,7 @@ class _CoreCall:
     finite_steps: int
     account: Account
     progress: Callable[[int, int], None] | None
+    watched: bool
 
     def all_positions(self, room: int) -> _Found:
         """Solve every position; those whose pairs found no room again, with more."""
@@ -491,7 +496,8 @@ class _CoreCall:
             if self.progress is not None:
                 self.progress(done + now, len(self.turns[0]))
 
-        *numbers, first_pair, info = call_and_watch(call, control, tell=tell)
+        found = call_and_watch(call, control, tell=tell) if self.watched else call()
+        *numbers, first_pair, info = found
         if info < 0:
             raise InputError(f"argument {-info} of flankload_sweep is not valid")
         tell(int(control[1]))

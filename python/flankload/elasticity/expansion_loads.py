@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def growth_loads(
-    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None
+    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
 ) -> dict[str, NDArray[np.float64]]:
     """Nodal loads by which a body grows beside what holds it, by their names.
 
@@ -36,6 +36,8 @@ def growth_loads(
         Stiffness, per mm of width.
     mesh : SectorMesh or WholeMesh
     growth : Growth or None
+    lumped : bool
+        As of `place_load`.
 
     Returns
     -------
@@ -49,7 +51,7 @@ def growth_loads(
         loads["temperature"] = (growth.strain - growth.held_strain) * (matrix @ mesh.nodes.ravel())
     if growth.speed_rad_per_s > 0.0:
         pull = growth.density_Ns2_per_mm4 * growth.speed_rad_per_s**2
-        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells)
+        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells, lumped=lumped)
     return loads
 
 

@@ -25,9 +25,11 @@ if TYPE_CHECKING:
 
 #: Gauss points exact to this degree: quadratic elements on curved edges need no more (measured:
 #: degree 6 changes the compliance of a gear by 1e-9).
-INTEGRATION_DEGREE = 4
+INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4, "quad4": 2, "triangle3": 1}
 #: The same for loads that are linear in the place.
 LOAD_DEGREE = 6
+#: Where a cell's middles of edges begin, and its centre.
+CORNERS = {"quad9": (4, 8), "triangle6": (3, 6)}
 #: Right-hand sides solved at once: half the time of all together (cache).
 BLOCK = 16
 #: From so many kept unknowns on a second factorisation costs less than their solutions.
@@ -61,14 +63,15 @@ def stiffness(
     material: Material,
     plane: str,
 ) -> csc_array:
-    """Stiffness of a mesh of quadratic elements, per mm of width.
+    """Stiffness of a mesh of quadratic elements, or of linear ones, per mm of width.
 
     Parameters
     ----------
     nodes : (N, 2) array
         mm.
     cells : ((kind, (E, k) array), ...)
-        "quad9" or "triangle6" in meshio's node order; blocks of both kinds may share nodes.
+        "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
+        blocks of both kinds may share nodes.
     material : Material
     plane : {"strain", "stress"}
 
@@ -91,7 +94,7 @@ def _block_stiffness(
     material: Material,
     plane: str,
 ) -> csc_array:
-    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE)
+    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
     shapes, _, elements, points = gradients.shape
     each = gradients.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
@@ -132,10 +135,22 @@ def assembled(
     return coo_array((values, places), shape=shape).tocsc()
 
 
-def place_load(
+def linear_cells(
+    cells: tuple[tuple[str, NDArray[np.int64]], ...],
+) -> tuple[tuple[str, NDArray[np.int64]], ...]:
+    """The same cells by their corners alone, as linear elements."""
+    linear = {"quad9": "quad4", "triangle6": "triangle3"}
+    return tuple(
+        (linear[kind], connectivity[:, : CORNERS[kind][0]]) for kind, connectivity in cells
+    )
+
+
+def linear_edges(
     nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
-) -> NDArray[np.float64]:
-    """Consistent nodal loads of a force per area that is the place itself: what rotation pulls by.
+) -> csc_array:
+    """Displacements of all nodes from those of the corners, where elements are linear.
+
+    A quarter of the unknowns is left; T' carries the loads of all nodes to the corners.
 
     Parameters
     ----------
@@ -144,11 +159,58 @@ def place_load(
 
     Returns
     -------
+    csc_array, (2N, 2N)
+        T; columns of nodes that are no corners are empty.
+    """
+    rows, columns, parts = [], [], []
+    for kind, connectivity in cells:
+        corners, middles, *center = np.split(connectivity, CORNERS[kind], axis=1)
+        for own, ends in (
+            (corners, corners[:, :, None]),
+            (middles, np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)),
+            *((own, corners[:, None]) for own in center if own.size),
+        ):
+            shares = ends.shape[2]
+            rows.append(np.repeat(own.ravel(), shares))
+            columns.append(ends.ravel())
+            parts.append(np.full(ends.size, 1.0 / shares))
+    row, column, part = map(np.concatenate, (rows, columns, parts))
+    _, first = np.unique(row * len(nodes) + column, return_index=True)  # elements share edges
+    degrees = degrees_of(row[first]), degrees_of(column[first])
+    weights = np.repeat(part[first], 2)
+    return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
+
+
+def place_load(
+    nodes: NDArray[np.float64],
+    cells: tuple[tuple[str, NDArray[np.int64]], ...],
+    *,
+    lumped: bool = False,
+) -> NDArray[np.float64]:
+    """Consistent nodal loads of a force per area that is the place itself: what rotation pulls by.
+
+    Parameters
+    ----------
+    nodes, cells
+        As in `stiffness`.
+    lumped : bool
+        All of an element's force in equal parts on its corners, its edges being straight.
+
+    Returns
+    -------
     (2N,) array
         Integral of N_q x, mm³; times density and the square of the speed a force per mm of width.
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
+        if lumped:
+            corners = connectivity[:, : CORNERS[kind][0]]
+            place = nodes[corners]
+            x, y = np.moveaxis(place, 2, 0)
+            twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+            each = (0.5 * np.abs(twice) / corners.shape[1])[:, None] * place.mean(axis=1)
+            np.add.at(loads, corners, each[:, None])
+            continue
         basis = _block_basis(nodes, kind, connectivity, LOAD_DEGREE)
         force = basis.dx * np.asarray(basis.global_coordinates())  # (2, E, points)
         for shape, node in zip(basis.basis, connectivity.T, strict=True):
@@ -165,6 +227,8 @@ def _block_basis(
     mesh_type, element = {
         "quad9": (skfem.MeshQuad2, skfem.ElementQuad2()),
         "triangle6": (skfem.MeshTri2, skfem.ElementTriP2()),
+        "quad4": (skfem.MeshQuad, skfem.ElementQuad1()),
+        "triangle3": (skfem.MeshTri, skfem.ElementTriP1()),
     }[kind]
     used, local = np.unique(connectivity, return_inverse=True)
     places = local.reshape(connectivity.shape).T.copy()

@@ -83,6 +83,7 @@ def whole_response(
     account: Account | None = None,
     nodes: NDArray[np.float64] | None = None,
     look: Callable[[NDArray[np.float64]], None] | None = None,
+    carried: Callable[[NDArray[np.float64]], NDArray[np.float64]] = np.asarray,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Response of every flank to the pressure modes on every flank.
 
@@ -110,6 +111,8 @@ def whole_response(
         Arc lengths on each flank, mm: unit forces at nodes in place of modes.
     look : callable, optional
         Shown the displacements (2N, p) under the loads of each flank, one after the other.
+    carried : callable
+        Loads (2N, p) to loads of those nodes that are unknown.
 
     Returns
     -------
@@ -127,8 +130,8 @@ def whole_response(
     tell("factorisation")
 
     def loads_of(flank: MeshedFlank) -> NDArray[np.float64]:
-        return unit_loads(
-            flank, mode_range_mm, n_modes, friction=friction, closed=closed, nodes=nodes
+        return carried(
+            unit_loads(flank, mode_range_mm, n_modes, friction=friction, closed=closed, nodes=nodes)
         )
 
     loads = [_nonzero(loads_of(flank)[free]) for flank in mesh.flanks]

@@ -28,6 +28,10 @@ ROUNDING = 256 * float(np.finfo(float).eps)
 #: Parts of an interval at which a fit is compared with the exact curve.
 _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 
+#: Newton's steps to a place at a given arc length end here, in parts of the interval: a parabola
+#: over the rest is off by its cube.
+_NEAR = 1e-4
+
 #: Halvings of a piece before it is refused: such a piece has a jump.
 _MOST_HALVINGS = 50
 
@@ -122,18 +126,19 @@ def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
     ends = np.stack([marks[:-1], marks[1:]], axis=1)
     done: list[tuple[Floats, Floats, Floats]] = []
+    lengths = _arc_lengths(piece, ends)
     for _ in range(_MOST_HALVINGS):
-        lengths = _arc_lengths(piece, ends)
         coefficients = _hermite(piece, ends, lengths)
-        good = _deviations(piece, ends, lengths, coefficients) <= tolerance
+        halves = _halves(ends)
+        parts = _arc_lengths(piece, halves)
+        # a Gauss rule too coarse for the arc length shows in the two halves
+        worst = np.abs(parts.reshape(2, -1).sum(axis=0) - lengths)
+        good = np.maximum(worst, _deviations(piece, ends, lengths, coefficients)) <= tolerance
         done.append((ends[good, 0], lengths[good], coefficients[good]))
-        left = ends[~good]
-        if not left.size:
+        if good.all():
             break
-        middle = left.mean(axis=1)
-        ends = np.concatenate(
-            [np.stack([left[:, 0], middle], 1), np.stack([middle, left[:, 1]], 1)]
-        )
+        left = np.tile(~good, 2)
+        ends, lengths = halves[left], parts[left]
     else:
         raise ValueError(
             f"piece {piece.label!r}: expected a smooth curve, found a jump near u = {ends[0, 0]:g}"
@@ -146,25 +151,38 @@ def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     )
 
 
+def _halves(ends: Floats) -> Floats:
+    """Both halves of intervals (m, 2): the first ones, then the second ones."""
+    middle = ends.mean(axis=1)
+    return np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
+
+
 def _arc_lengths(piece: CurvePiece, ends: Floats) -> Floats:
     """Arc length between the two parameters of each row of `ends` (m, 2)."""
+    return _lengths_and_ends(piece, ends)[0]
+
+
+def _lengths_and_ends(
+    piece: CurvePiece, ends: Floats
+) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
+    """Arc length (m,) of each row of `ends` (m, 2); place and derivatives (m, 2) at its end."""
     half = 0.5 * (ends[:, 1] - ends[:, 0])
     u = ends.mean(axis=1)[:, None] + half[:, None] * _GAUSS_POINTS
-    speed = np.linalg.norm(piece.place(u.ravel())[1], axis=1).reshape(u.shape)
-    return np.abs(half) * (speed @ _GAUSS_WEIGHTS)
+    places = piece.place(np.concatenate([u.ravel(), ends[:, 1]]))
+    speed = np.linalg.norm(places[1][: u.size], axis=1).reshape(u.shape)
+    point, first, second = (part[u.size :] for part in places)
+    return np.abs(half) * (speed @ _GAUSS_WEIGHTS), (point, first, second)
 
 
 def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
     """Quintics (m, 2, 6) in arc length with the places, tangents and curvatures of the ends."""
     sign = 1.0 if piece.u_end > piece.u_start else -1.0
-    values = []
-    for u in (ends[:, 0], ends[:, 1]):
-        point, first, second = piece.place(u)
-        speed = np.linalg.norm(first, axis=1, keepdims=True)
-        tangent = first / speed
-        along = (second * tangent).sum(axis=1, keepdims=True)
-        values += [point, sign * tangent, (second - along * tangent) / speed**2]
-    p0, t0, k0, p1, t1, k1 = values
+    point, first, second = piece.place(ends.T.ravel())
+    speed = np.linalg.norm(first, axis=1, keepdims=True)
+    tangent = first / speed
+    along = (second * tangent).sum(axis=1, keepdims=True)
+    bent = (second - along * tangent) / speed**2
+    (p0, p1), (t0, t1), (k0, k1) = (np.split(at, 2) for at in (point, sign * tangent, bent))
     h = lengths[:, None]
     # what the Taylor polynomial of the near end leaves over at the far end
     place = (p1 - p0 - h * (t0 + 0.5 * h * k0)) / h**3
@@ -185,26 +203,23 @@ def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
 
 def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: Floats) -> Floats:
     """Largest distance (m,) of each interval from the exact curve at equal arc length."""
-    low, high = ends.min(axis=1)[:, None], ends.max(axis=1)[:, None]
-    span = (ends[:, 1] - ends[:, 0])[:, None]
-    wanted = lengths[:, None] * _CHECKED_PARTS
-    u = ends[:, :1] + span * _CHECKED_PARTS
-    starts = np.broadcast_to(ends[:, :1], u.shape)
+    low, high = (np.repeat(of(axis=1), _CHECKED_PARTS.size) for of in (ends.min, ends.max))
+    span = np.repeat(ends[:, 1] - ends[:, 0], _CHECKED_PARTS.size)
+    starts = np.repeat(ends[:, 0], _CHECKED_PARTS.size)
+    wanted = (lengths[:, None] * _CHECKED_PARTS).ravel()
+    u = starts + span * np.tile(_CHECKED_PARTS, len(ends))
     for _ in range(30):
-        rows = np.stack([starts.ravel(), u.ravel()], axis=1)
-        found = _arc_lengths(piece, rows).reshape(u.shape)
-        speed = np.linalg.norm(piece.place(u.ravel())[1], axis=1).reshape(u.shape)
+        found, (point, first, second) = _lengths_and_ends(piece, np.stack([starts, u], axis=1))
+        speed = np.linalg.norm(first, axis=1)
         step = np.sign(span) * (wanted - found) / speed
-        u = np.clip(u + step, low, high)
-        # the place along the curve is then known to 1e-8 of the interval, across it to its square
-        if (np.abs(step) <= 1e-8 * np.abs(span)).all():
+        if (np.abs(step) <= _NEAR * np.abs(span)).all():
             break
-    powers = wanted[:, :, None] ** np.arange(DEGREE + 1)
+        u = np.clip(u + step, low, high)
+    # the rest of the way by arc length: the tangent, and what the curve bends on it
+    along = (second * first).sum(axis=1) / speed**2
+    bend = second - along[:, None] * first
+    exact = point + step[:, None] * first + 0.5 * step[:, None] ** 2 * bend
+    powers = wanted.reshape(len(ends), -1, 1) ** np.arange(DEGREE + 1)
     fitted = np.einsum("mck,mpk->mpc", coefficients, powers)
-    exact = piece.place(u.ravel())[0].reshape(fitted.shape)
-    worst = np.linalg.norm(fitted - exact, axis=2).max(axis=1)
-    # a Gauss rule too coarse for the arc length shows in the two halves
-    middle = ends.mean(axis=1)
-    halves = _arc_lengths(piece, np.stack([ends[:, 0], middle], 1))
-    halves = halves + _arc_lengths(piece, np.stack([middle, ends[:, 1]], 1))
-    return np.maximum(worst, np.abs(halves - lengths))
+    worst: Floats = np.linalg.norm(fitted - exact.reshape(fitted.shape), axis=2).max(axis=1)
+    return worst

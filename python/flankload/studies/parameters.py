@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from flankload.bodies import SPLINE_PART
 from flankload.bodies.imported.given import ModalCompliance
 from flankload.mechanisms.flank_pair.assembly import bodies_of
-from flankload.scene import ComplianceBody, MeshBody
 from flankload.scene.discretization import DEFAULT, elements_for_modes
 
 if TYPE_CHECKING:
@@ -198,7 +197,7 @@ def _of_flanks(scene: Scene) -> Parameters:
         fixed.setdefault(MODES, "the files hold no more of them")
     if scene.effects.contact == "lumped":
         fixed[STRIPS] = "lumped contact lays no strips"
-    cam = scene.body_2.kind == "cam"
+    cam = not (scene.is_drive or scene.body_2.has_teeth)
     if cam or scene.positions.count == 1:
         fixed.setdefault("positions", "even ones do")
     modes = accuracy.modes or DEFAULT.modes
@@ -260,7 +259,7 @@ def _elements(scene: Scene) -> tuple[float | None, int]:
     for z, spec in enumerate((scene.body_1, scene.body_2)):
         if spec.rigid:
             continue
-        from_file = isinstance(spec, MeshBody | ComplianceBody)
+        from_file = spec.from_file
         body = None
         if from_file or not hasattr(spec, "module_mm"):
             body = bodies_of(scene, DEFAULT, (z,))[0]
@@ -310,7 +309,7 @@ def most_modes(spec: BodySpec, body: Body | None) -> int:
         return MOST_MODES
     if isinstance(body.given, ModalCompliance):
         return int(body.given.smooth.shape[1])
-    nodes = body.given or (body.mesh if isinstance(spec, MeshBody) else None)
+    nodes = body.given or (body.mesh if spec.from_file else None)
     if nodes is None:
         return MOST_MODES
     asked = range(3, MOST_MODES + 1)

@@ -245,7 +245,7 @@ def test_costs_follow_the_tables_once(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(importlib.import_module("flankload.plan"), "plan", lambda _: None)
+    monkeypatch.setattr(importlib.import_module("flankload.studies.plan"), "plan", lambda _: None)
     solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
     cost = solved[0][0].cost_table()
     expected = "\n\n".join([results_to_text(solved[0]), cost]) + "\n"

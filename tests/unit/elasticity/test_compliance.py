@@ -9,8 +9,8 @@ from flankload.bodies.body import Body, MeshedFlank, WholeMesh
 from flankload.bodies.involute.gear import build_gear
 from flankload.bodies.involute.ring import build_ring
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance
-from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.compliance import BodyCompliance, flank_compliance, flank_compliances
+from flankload.elasticity.finite_elements import place_load, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.elasticity.whole_body import whole_response
@@ -116,6 +116,46 @@ def test_rigid_body_has_no_compliance_and_no_elements() -> None:
     assert found.kernel == 0.0
     assert not found.smooth.any()
     assert (found.counters, found.workspace_bytes) == ({}, 0)
+
+
+def test_compliances_of_one_job_are_those_of_their_own() -> None:
+    """A ring, a segment, a single tooth, and a ring that turns fast: closures of one sector."""
+    body, fast = gear_body(16, 2.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
+    asked = ((None, None), (5, None), (1, None), (None, fast))
+    together = flank_compliances(body, asked, n_modes=4, plane="strain")
+    assert together[0].counters["fe_factorisations"] == 1
+    for (sectors, growth), found in zip(asked, together, strict=True):
+        alone = flank_compliance(body, n_modes=4, plane="strain", sectors=sectors, growth=growth)
+        scale = np.abs(alone.smooth).max()
+        np.testing.assert_allclose(found.smooth, alone.smooth, rtol=0, atol=1e-10 * scale)
+        np.testing.assert_allclose(found.expansion, alone.expansion, rtol=1e-9, atol=0)
+
+
+def test_linear_elements_take_a_quarter_and_are_some_percent_too_stiff() -> None:
+    body, fast = gear_body(16, 1.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
+    linear, quadratic = (
+        flank_compliances(
+            body, ((None, fast),), n_modes=3, plane="strain", friction=True, linear=each
+        )[0]
+        for each in (True, False)
+    )
+    assert 3.5 < quadratic.degrees_of_freedom / linear.degrees_of_freedom < 4.5
+    # an even pressure on the tooth itself and on the next one
+    stiffer = linear.smooth[:2, 0, 0] / quadratic.smooth[:2, 0, 0]
+    assert np.all((stiffer > 0.97) & (stiffer < 1.0))
+    np.testing.assert_allclose(linear.expansion, quadratic.expansion, rtol=0.01, atol=0)
+    scale = np.abs(quadratic.tangential).max()
+    np.testing.assert_allclose(linear.tangential, quadratic.tangential, rtol=0, atol=0.05 * scale)
+
+
+def test_lumped_loads_pull_as_much_as_consistent_ones() -> None:
+    mesh = gear_body(16, 1.0).mesh
+    assert mesh is not None
+    lumped, consistent = (
+        place_load(mesh.nodes, mesh.cells, lumped=each).reshape(-1, 2) for each in (True, False)
+    )
+    along = [(load * mesh.nodes).sum() for load in (lumped, consistent)]
+    np.testing.assert_allclose(along[0], along[1], rtol=0.01, atol=0)
 
 
 #: Each adds columns that only read: BLAS sums a product of more columns in another order.

@@ -10,7 +10,7 @@ import pytest
 from msgspec import structs
 
 import flankload as fl
-from flankload.plan.variants import other_way
+from flankload.mechanisms.toggles import toggled
 from tests.support.belt_scenes import POSITIONS, SMALL, tables
 
 #: Of sizes of effects from large elements and few positions, beside those of runs.
@@ -60,10 +60,11 @@ def test_sizes_are_those_of_two_runs(effect: str, near: float, *, on: bool) -> N
         **effects,
     )
     size = fl.plan(scene).effect(effect).size
-    variant = other_way(scene, effect, on=on)
-    assert variant is not None
+    toggle = toggled(scene, effect, on=on)
+    assert toggle is not None
+    assert toggle.scene is not None
     assert size is not None
-    one, other = first_of(scene), first_of(variant.scene)
+    one, other = first_of(scene), first_of(toggle.scene)
     share = np.abs(one.load_share - other.load_share).max()
     turn = np.abs(one.rotation_rad - other.rotation_rad).max() * one.reference_radius_mm
     np.testing.assert_allclose(size.load_share, share, rtol=near, atol=0.0)

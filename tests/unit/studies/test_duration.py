@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import flankload as fl
-from flankload.plan.duration import Duration
+from flankload.mechanisms.duration import Duration
 from tests.support.paths import SCENES
 
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flankload.assembly import build_bodies
-from flankload.resolution import elements_for_modes
-from flankload.result.notes import FEWER_DO
 from test_cli import SCENE
 from tolerances import ROUND_OFF
 
 import flankload as fl
 from flankload.cli import main
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.notes import FEWER_DO
 from flankload.result.accuracy_lines import accuracy_lines, percent
+from flankload.scene.discretization import elements_for_modes
 from flankload.studies.parameters import (
     ANYWHERE,
     ELEMENTS,

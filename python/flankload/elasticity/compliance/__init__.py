@@ -5,6 +5,12 @@ from flankload.elasticity.compliance.body_compliance import (
     RootResponse,
     no_compliance,
 )
-from flankload.elasticity.compliance.job import flank_compliance
+from flankload.elasticity.compliance.job import flank_compliance, flank_compliances
 
-__all__ = ["BodyCompliance", "RootResponse", "flank_compliance", "no_compliance"]
+__all__ = [
+    "BodyCompliance",
+    "RootResponse",
+    "flank_compliance",
+    "flank_compliances",
+    "no_compliance",
+]

@@ -7,6 +7,7 @@ once; on the right stand the pressure modes of the flank and the columns of the 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
@@ -21,18 +22,18 @@ from flankload.elasticity.compliance.body_compliance import (
 )
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
-from flankload.elasticity.compliance.response import Job, of_sector, of_whole
+from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
 from flankload.elasticity.expansion_loads import growth_loads, growth_of_flanks
 from flankload.elasticity.fe_error import missed_compliance
-from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.finite_elements import linear_cells, linear_edges, stiffness
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from flankload.bodies.body import Body
+    from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
     from flankload.pairing.expansion import Growth
 
@@ -87,13 +88,65 @@ def flank_compliance(
     -------
     BodyCompliance
     """
+    (found,) = flank_compliances(
+        body,
+        ((sectors, growth),),
+        n_modes=n_modes,
+        plane=plane,
+        friction=friction,
+        along=along,
+        nodal=nodal,
+        coast_flanks=coast_flanks,
+        fillets=fillets,
+        matrix=matrix,
+        estimate=estimate,
+    )
+    return found
+
+
+def flank_compliances(
+    body: Body,
+    variants: Sequence[tuple[int | None, Growth | None]],
+    *,
+    n_modes: int,
+    plane: str,
+    friction: bool = False,
+    along: bool = False,
+    nodal: bool = False,
+    coast_flanks: bool = False,
+    fillets: RootFillets | None = None,
+    matrix: csc_array | None = None,
+    estimate: bool = False,
+    linear: bool = False,
+) -> tuple[BodyCompliance, ...]:
+    """Compliances of a body that differ in what is built of one sector, from one job.
+
+    Parameters
+    ----------
+    body : Body
+    variants : sequence of (int or None, Growth or None)
+        `sectors` and `growth` of each, as of `flank_compliance`.
+    n_modes, plane, friction, along, nodal, coast_flanks, fillets, matrix, estimate
+        As of `flank_compliance`.
+    linear : bool
+        Edges stay straight: a quarter of the unknowns, some percent too stiff.
+
+    Returns
+    -------
+    tuple of BodyCompliance
+        The counters, bytes and seconds of each are those of the whole job.
+    """
     if body.rigid or body.mesh is None:
-        return no_compliance(body, growth)
-    laps, mesh = _Laps(), body.mesh
+        return tuple(no_compliance(body, growth) for _, growth in variants)
+    laps, mesh, onto = _Laps(), body.mesh, None
     loads = node_loads(body, plane) if nodal else ModeLoads(body, n_modes, plane, friction=friction)
-    n_modes = loads.count
     if matrix is None:
-        matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+        cells = linear_cells(mesh.cells) if linear else mesh.cells
+        matrix = stiffness(mesh.nodes, cells, body.material, plane)
+    if linear:
+        laps("assembly")
+        onto = linear_edges(mesh.nodes, mesh.cells)
+        mesh = _of_corners(mesh, onto)
     account = Account(workspace_bytes=_sparse_bytes(matrix))
     missed: list[Floats] = []
 
@@ -101,35 +154,57 @@ def flank_compliance(
         missed.append(missed_compliance(mesh.nodes, mesh.cells, body.material, plane, moved))
         laps("estimate")
 
-    growing = growth_loads(matrix, mesh, growth)
+    growing = {growth: growth_loads(matrix, mesh, growth, lumped=linear) for _, growth in variants}
+    forces = [load for named in growing.values() for load in named.values()]
     job = Job(
         body=body,
         matrix=matrix,
         loads=loads,
         friction=friction,
         stress=_stress_columns(fillets, body, plane, matrix.shape[0]),
-        forces=np.stack(list(growing.values()), axis=1) if growing else None,
+        forces=np.stack(forces, axis=1) if forces else None,
         account=account,
         laps=laps,
         look=look if estimate and not nodal else None,
+        onto=onto,
     )
     if isinstance(mesh, WholeMesh):
-        found = of_whole(job, mesh)
+        responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
     else:
-        found = of_sector(job, mesh, sectors=sectors, coast_flanks=coast_flanks)
-    response, root = found.response, None
+        responses = of_sector(job, mesh, [n for n, _ in variants], coast_flanks=coast_flanks)
+    settled = {n: _settled(job, found, fillets, along=along) for n, found in responses.items()}
+    known = [(growth, name) for growth, named in growing.items() for name in named]
+    compliances = []
+    for sectors, growth in variants:
+        by_growth = responses[sectors].by_growth.swapaxes(0, 1)
+        moved = {
+            name: part
+            for (cause, name), part in zip(known, by_growth, strict=True)
+            if cause == growth
+        }
+        expansion, shifts = growth_of_flanks(body, growth, loads.count, moved)
+        compliances.append(replace(settled[sectors], shifts=shifts, expansion=expansion))
+    laps("ring")
+    miss = loads.missed(np.stack(missed)) if isinstance(loads, ModeLoads) and missed else None
+    seconds = laps.whole()
+    return tuple(replace(each, missed=miss, seconds=seconds) for each in compliances)
+
+
+def _settled(
+    job: Job, found: Response, fillets: RootFillets | None, *, along: bool
+) -> BodyCompliance:
+    """What is left of a response without the near field, as mode coefficients."""
+    body, loads, friction = job.body, job.loads, job.friction
+    response, root, n_modes = found.response, None, loads.count
     if fillets is not None:
         count, places = response.shape[2], fillets.points.arc_length_mm.size
         root = RootResponse(fillets.points, response[:, count : count + places])
     response = response[:, : response.shape[2]]
-    loads.settle(response, found.own, account)
+    loads.settle(response, found.own, job.account)
     # the response the other way is the transposed one (Betti); the halves of rounding are shared
     mirrored = response[found.across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     response = 0.5 * (response + mirrored)
-    moved = dict(zip(growing, found.by_growth.swapaxes(0, 1), strict=True))
-    expansion, shifts = growth_of_flanks(body, growth, n_modes, moved)
-    laps("ring")
     crossing = found.crossing
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
@@ -145,14 +220,20 @@ def flank_compliance(
         nodes=loads.nodes,
         asymmetry=asymmetry,
         degrees_of_freedom=found.degrees_of_freedom,
-        counters=account.counters,
-        workspace_bytes=account.workspace_bytes,
-        seconds=laps.whole(),
+        counters=job.account.counters,
+        workspace_bytes=job.account.workspace_bytes,
         root=root,
-        shifts=shifts,
-        expansion=expansion,
-        missed=loads.missed(np.stack(missed)) if isinstance(loads, ModeLoads) and missed else None,
     )
+
+
+def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:
+    """The mesh with its corners alone free to move."""
+    middles = np.flatnonzero(np.diff(onto.indptr)[::2] == 0)
+    fixed = np.union1d(mesh.fixed_nodes, middles)
+    if isinstance(mesh, WholeMesh):
+        return replace(mesh, fixed_nodes=fixed)
+    left, right = (side[~np.isin(side, middles)] for side in (mesh.left_nodes, mesh.right_nodes))
+    return replace(mesh, fixed_nodes=fixed, left_nodes=left, right_nodes=right)
 
 
 class _Laps:

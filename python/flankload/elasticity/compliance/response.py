@@ -10,6 +10,7 @@ import numpy as np
 from flankload.elasticity.compliance.coast import coast_readings
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.sector_closure import (
+    CondensedSector,
     alike_response,
     close_ring,
     condense,
@@ -19,7 +20,7 @@ from flankload.elasticity.sector_closure import (
 from flankload.elasticity.whole_body import count_loads, unit_loads, whole_response
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
@@ -51,6 +52,8 @@ class Job:
         Told the name of a step that ends.
     look : callable or None
         Shown displacements under unit loads.
+    onto : (2N, 2N) csc_array or None
+        Displacements of all nodes from those that are unknown, where these are fewer.
     """
 
     body: Body
@@ -62,6 +65,11 @@ class Job:
     account: Account
     laps: Callable[[str], None]
     look: Callable[[Floats], None] | None
+    onto: csc_array | None = None
+
+    def carried(self, columns: Floats) -> Floats:
+        """Loads as the unknown nodes carry them."""
+        return columns if self.onto is None else self.onto.T @ columns
 
     @property
     def without_growth(self) -> Floats:
@@ -118,10 +126,11 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
         friction=job.friction,
         closed=job.body.curve.closed,
         readings=job.stress,
-        forces=job.forces,
+        forces=None if job.forces is None else job.carried(job.forces),
         account=job.account,
         nodes=job.loads.nodes,
         look=job.look,
+        carried=job.carried,
     )
     f = len(mesh.flanks)
     return Response(
@@ -134,32 +143,37 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     )
 
 
-def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: bool) -> Response:
+def of_sector(
+    job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
+) -> dict[int | None, Response]:
     """One tooth loaded, by itself or with its likes beside it.
 
     Parameters
     ----------
     job : Job
     mesh : SectorMesh
-    sectors : int or None
-        Of a segment, an odd number; 1: a single tooth; None: the whole ring.
+    sectors : sequence of int or None
+        Of a segment, an odd number; 1: a single tooth; None: the whole ring. Several are built of
+        one sector.
     coast_flanks : bool
         Displacements of the coast flanks are read, too.
 
     Returns
     -------
-    Response
+    dict of int or None to Response
     """
-    n, by_growth = job.loads.count, job.without_growth
+    n = job.loads.count
     loads = unit_loads(
         mesh, job.body.mode_range_mm, n, friction=job.friction, nodes=job.loads.nodes
     )
     coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
-    columns = None if coast is None else coast.columns
+    columns = None if coast is None else job.carried(coast.columns)
+    loads = job.carried(loads)
     job.laps("assembly")
     stress = job.stress(0) if job.stress else None
     count_loads(job.account, loads.shape[1], friction=job.friction)
-    if sectors == 1:
+    found: dict[int | None, tuple[Floats, Floats]] = {}
+    if set(sectors) == {1}:
         response, free = tooth_response(
             job.matrix,
             loads,
@@ -169,6 +183,7 @@ def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: 
             account=job.account,
             look=job.look,
         )
+        found[1] = (response, job.without_growth)
     else:
         sector, free = condense(
             job.matrix,
@@ -177,25 +192,41 @@ def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: 
             job.laps,
             coast=columns,
             readings=stress,
-            forces=job.forces,
+            forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,
         )
-        if job.forces is not None:
-            by_growth = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
-        if sectors is None:
-            response = close_ring(sector, mesh.teeth)
-        else:
-            response = segment_response(sector, mesh.teeth, sectors)
-    crossing = None
-    if coast is not None:
-        assert isinstance(job.loads, ModeLoads)
-        response, crossing = coast.taken_from(response, job.loads)
-    return Response(
-        response,
-        own=np.zeros(1, dtype=np.int64),
-        across=-np.arange(mesh.teeth) % mesh.teeth,
-        by_growth=by_growth,
-        degrees_of_freedom=free,
-        crossing=crossing,
-    )
+        for number in dict.fromkeys(sectors):
+            found[number] = _built(job, sector, mesh, number)
+    responses: dict[int | None, Response] = {}
+    for number, (response, by_growth) in found.items():
+        crossing = None
+        if coast is not None:
+            assert isinstance(job.loads, ModeLoads)
+            response, crossing = coast.taken_from(response, job.loads)
+        responses[number] = Response(
+            response,
+            own=np.zeros(1, dtype=np.int64),
+            across=-np.arange(mesh.teeth) % mesh.teeth,
+            by_growth=by_growth,
+            degrees_of_freedom=free,
+            crossing=crossing,
+        )
+    return responses
+
+
+def _built(
+    job: Job, sector: CondensedSector, mesh: SectorMesh, sectors: int | None
+) -> tuple[Floats, Floats]:
+    """Response of so many condensed sectors, and what the modes read under growth."""
+    if sectors == 1:  # the cuts are held: of what is condensed nothing moves
+        own = np.concatenate(sector.local)
+        response = np.zeros((mesh.teeth, *own.shape))
+        response[0] = own
+        return response, job.without_growth
+    by_growth = job.without_growth
+    if job.forces is not None:
+        by_growth = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+    if sectors is None:
+        return close_ring(sector, mesh.teeth), by_growth
+    return segment_response(sector, mesh.teeth, sectors), by_growth

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from flankload.mechanisms.belt.drive import (
     assemble,
     compliances_of,
+    default_element_mm,
     describe_belt,
     error_estimates,
     predicted_work,
@@ -14,6 +15,8 @@ from flankload.mechanisms.belt.drive import (
     states_of,
 )
 from flankload.mechanisms.belt.drive_result import result_of_belt, tangent_stiffness
+from flankload.mechanisms.belt.sizes import duration_of
+from flankload.mechanisms.duration import Duration
 from flankload.mechanisms.premises import broken_by_drive
 from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.mechanisms.registry import require_flanks
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.belt.drive import BeltAssembly, BeltCompliances, BeltStates
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism
+    from flankload.mechanisms.protocol import Counted, Mechanism, Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
@@ -119,6 +122,20 @@ class TimingBelt:
         sector = pulley_mesh(scene).sector
         yield MeshFile("body_1", sector, f"one of {sector.teeth} sectors")
         yield MeshFile("body_2", None, "a strip around the pulley, which has no file")
+
+    def duration(self, scene: Scene, assembly: BeltAssembly) -> Duration:
+        """Predict the seconds of a run from counted work."""
+        return duration_of(scene, assembly)
+
+    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        from flankload.mechanisms.belt.screening import BeltScreening
+
+        return BeltScreening(scene, levels=levels)
+
+    def default_element_mm(self, scene: Scene) -> float | None:
+        """Length of the elements on the flank of a tooth."""
+        return default_element_mm(scene)
 
 
 MECHANISM: Mechanism = TimingBelt()

@@ -88,7 +88,7 @@ def assemble(scene: Scene) -> ChainAssembly:
     """
     sprocket, chain = build_drive(scene)
     wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-    position_rad, pitches = _positions(scene, sprocket)
+    position_rad, pitches = positions_of(scene, sprocket)
     wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
     return ChainAssembly(sprocket, chain, wraps, position_rad, pitches)
 
@@ -121,7 +121,7 @@ def states_of(scene: Scene, assembly: ChainAssembly, clock: StageClock) -> Chain
                     len(found) * len(assembly.wraps) + p,
                     len(assembly.wraps) * len(scene.torques_Nm),
                 )
-                states.append(_solve_position(scene, wrap, assembly.chain, torque, p))
+                states.append(solve_position(scene, wrap, assembly.chain, torque, p))
             found.append(states)
             account.count(**work_of(states))
         account.bytes = held_bytes(found)
@@ -284,7 +284,7 @@ def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
     }
 
 
-def _positions(scene: Scene, sprocket: Sprocket) -> tuple[Floats, int | None]:
+def positions_of(scene: Scene, sprocket: Sprocket) -> tuple[Floats, int | None]:
     wanted = scene.positions
     if wanted.angles_deg is not None:
         return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
@@ -293,7 +293,7 @@ def _positions(scene: Scene, sprocket: Sprocket) -> tuple[Floats, int | None]:
     return pitch * np.arange(wanted.count * pitches) / wanted.count, pitches
 
 
-def _solve_position(scene: Scene, wrap: Wrap, chain: Chain, torque_Nm: float, p: int) -> WrapState:
+def solve_position(scene: Scene, wrap: Wrap, chain: Chain, torque_Nm: float, p: int) -> WrapState:
     slack = scene.load.slack_tension_N
     assert slack is not None
     large = scene.effects.large_displacement

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.chain.drive import ChainAssembly, ChainStates
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
+    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
@@ -112,6 +112,18 @@ class ChainOnSprocket:
         """Neither body has elements: a SceneError."""
         require_flanks(scene)
         yield from ()
+
+    def duration(self, scene: Scene, assembly: ChainAssembly) -> None:
+        """None: a chain takes next to nothing."""
+
+    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        from flankload.mechanisms.chain.screening import ChainScreening
+
+        return ChainScreening(scene, levels=levels)
+
+    def default_element_mm(self, scene: Scene) -> None:
+        """None: a truss has no elements."""
 
 
 MECHANISM: Mechanism = ChainOnSprocket()

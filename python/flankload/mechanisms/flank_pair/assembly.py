@@ -127,7 +127,7 @@ def build_bodies(
         if effects.coast_flanks:
             check_coast_kinds(body_1.kind, body_2.kind)
         if not effects.tip_contact:
-            body_1, body_2 = _without_ends(body_1), _without_ends(body_2)
+            body_1, body_2 = without_ends(body_1), without_ends(body_2)
         by_tooth = coefficients_by_tooth(scene, body_1)
         period = period_of(body_1, body_2, by_tooth=by_tooth)
         whole = period.with_compliance(groups)
@@ -254,7 +254,7 @@ def _body(
     )
 
 
-def _without_ends(body: Body) -> Body:
+def without_ends(body: Body) -> Body:
     """A body that can touch on its active flanks only, not on tips and in fillets."""
     active = {"flank", "relief"}.intersection(body.curve.labels)
     low, high = body.curve.range_of(*active) if active else (0.0, body.curve.length_mm)

@@ -6,9 +6,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
+from flankload.mechanisms.duration import Duration
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.description import describe, mesh_files
+from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.prediction import predicted_work
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile
+    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
@@ -126,6 +128,19 @@ class FlankPair:
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of both bodies."""
         return mesh_files(scene)
+
+    def duration(self, scene: Scene, assembly: BodyPair) -> Duration:
+        """Predict the seconds of a run from counted work."""
+        return duration_of(scene, assembly)
+
+    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        from flankload.mechanisms.flank_pair.screening import FlankPairScreening
+
+        return FlankPairScreening(scene, levels=levels)
+
+    def default_element_mm(self, scene: Scene) -> None:
+        """None: each body has its own."""
 
 
 MECHANISM: Mechanism = FlankPair()

@@ -246,7 +246,7 @@ def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
         Where the scene names none, of a degree at most half the number of flank elements: more
         makes a coarse mesh worse.
     """
-    if effects_of(scene).nodal_near_field and body.mesh is not None:
+    if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size
     asked, wanted = scene.accuracy.modes, discretization.modes
     if body.modes_part > 1.0:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flankload.mechanisms.belt.drive import default_element_mm
+from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.scene import ComplianceBody, MeshBody, SplineShaft
 from flankload.scene.discretization import DEFAULT
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.parameters import default_length, most_modes
@@ -15,8 +14,6 @@ from flankload.studies.parameters import default_length, most_modes
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
-#: Kinds that have neither pairs of flanks on circles nor pressure modes.
-DRIVES = ("chain", "belt")
 #: Knobs by the names of `NamedDiscretization`, coarse steps first: parts of the default length of
 #: elements, modes, strips and half-widths as they are, parts of the scene's number of positions.
 ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
@@ -91,17 +88,13 @@ def knobs_of(scene: Scene) -> Knobs:
     Knobs
         Its finest setting is the first of `FINEST`.
     """
-    if scene.body_2.kind in DRIVES:
+    if scene.is_drive:
         return _of_drives(scene)
     pair = build_bodies(scene)
     bodies = [(scene.body_1, pair.body_1), (scene.body_2, pair.body_2)]
     elastic = [(spec, body) for spec, body in bodies if not body.rigid]
     ladders: dict[str, tuple[float, ...]] = {}
-    meshed = [
-        default_length(spec, body)
-        for spec, body in elastic
-        if not isinstance(spec, MeshBody | ComplianceBody)
-    ]
+    meshed = [default_length(spec, body) for spec, body in elastic if not spec.from_file]
     if meshed:
         ladders["flank_element_mm"] = tuple(_rounded(min(meshed) * part) for part in ELEMENTS)
     most = min((most_modes(spec, body) for spec, body in elastic), default=0)
@@ -124,7 +117,7 @@ def knobs_of(scene: Scene) -> Knobs:
 def _of_drives(scene: Scene) -> Knobs:
     """Of chains and belts, which have knobs of their own: positions, and the elements of belts."""
     ladders: dict[str, tuple[float, ...]] = {}
-    length = default_element_mm(scene) if scene.body_2.kind == "belt" else None
+    length = mechanism_of(scene).default_element_mm(scene)
     if length is not None:
         ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in BELT_ELEMENTS)
     if scene.positions.angles_deg is None:
@@ -201,14 +194,15 @@ def _rounded(length: float) -> float:
 
 def can_lump(scene: Scene) -> bool:
     """Whether contacts can be lumped in places: not where flanks conform, or chains have none."""
-    return not isinstance(scene.body_1, SplineShaft) and scene.body_2.kind not in DRIVES
+    return not (scene.body_1.conforms or scene.is_drive)
 
 
 def can_be_nodal(scene: Scene) -> bool:
     """Whether forces may stand at plain nodes: where both flanks are open and bring elements."""
     effects, bodies = scene.effects, (scene.body_1, scene.body_2)
     return (
-        scene.body_2.kind not in (*DRIVES, "cam")
-        and not any(isinstance(body, MeshBody | ComplianceBody) for body in bodies)
+        not scene.is_drive
+        and scene.body_2.has_teeth
+        and not any(body.from_file for body in bodies)
         and not (effects.coast_flank or effects.temperature_rise_K or effects.speed_rpm)
     )

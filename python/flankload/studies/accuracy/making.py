@@ -9,7 +9,6 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
-from flankload.plan import choose_effects
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
@@ -18,6 +17,7 @@ from flankload.studies.accuracy.observed import MEASURES
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
 from flankload.studies.accuracy.truth import Truth, at_default, ladder
+from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -13,7 +13,7 @@ import numpy as np
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms import run_once
-from flankload.plan import choose_effects
+from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
 from flankload.studies.verification.deck import deck_text

@@ -6,15 +6,18 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from flankload.plan.text import plan_text
+from flankload.studies.plan.text import plan_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.plan.sizes import Size
+    from flankload.mechanisms.effect_size import Size
 
 #: How the reason begins why an effect has no size, where a scene cannot have it.
 IMPOSSIBLE = "not with this scene"
+#: The seconds of a run are within this factor of those predicted, on all examples; how many
+#: positions adaptive ones become is known to a factor of 2 in addition.
+WITHIN, ADAPTIVE_WITHIN = 1.5, 2.0
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,9 @@ class PlannedEffect:
         The scene names that key.
     stages : tuple of str
         Stages of the run that do its work.
-    extra_s, extra_bytes : float, int
-        CPU seconds and memory that it adds to the run; of an effect that is off: would add.
+    extra_s, extra_bytes : float, int; or None
+        CPU seconds and memory that it adds to the run; of an effect that is off: would add. None
+        where that was not tried.
     size : Size or None
         What it changes: with it less without it. None where it changes no state, or where that
         cannot be told.
@@ -43,7 +47,7 @@ class PlannedEffect:
     unknown : str or None
         Why there is no size.
     matters : bool
-        It changes more than a quarter of the tolerance.
+        It is significant: it changes more than a quarter of the tolerance.
     remark : str or None
         Where that is left out of the run, or is an error of it: a sentence.
     """
@@ -54,8 +58,8 @@ class PlannedEffect:
     because: str
     named: bool
     stages: tuple[str, ...]
-    extra_s: float
-    extra_bytes: int
+    extra_s: float | None
+    extra_bytes: int | None
     size: Size | None = None
     assumed: str | None = None
     unknown: str | None = None
@@ -118,8 +122,11 @@ class Plan:
     left_out : Size or None
         What all that is changed by the choice together makes.
     picked : mapping or None
-        What a tolerance that the scene names begins with: "keys" by table.
-        The price is that of this run; finer ones may follow it.
+        What a tolerance that the scene names begins with: "keys" of the knobs by table, "errors"
+        that are expected, "dominant_source" of the largest. The price is that of this run; a finer
+        one may follow it.
+    within : float
+        Factor to which the seconds are known.
     cpu_s : float
         What the plan itself took.
     """
@@ -131,6 +138,7 @@ class Plan:
     choice: tuple[Chosen, ...] = ()
     left_out: Size | None = None
     picked: Mapping[str, Any] | None = None
+    within: float = WITHIN
     cpu_s: float = 0.0
 
     @property

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flankload.plan.quarter import quarter_text
+from flankload.studies.plan.significance import threshold_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.plan.planned import Plan, PlannedEffect
+    from flankload.studies.plan.planned import Plan, PlannedEffect
 
 MEGABYTE = 1e6
+#: Less of the load share is not worth a word.
+LEAST_SHARE = 1e-4
 #: Counters that tell a reader most.
 SHOWN = (
     "fe_factorisations",
@@ -36,8 +38,8 @@ def plan_text(plan: Plan) -> str:
     -------
     str
     """
-    quarter = quarter_text(plan.tolerance)
-    title = f"{plan.name}: what exceeds {quarter}, a quarter of the tolerance, matters"
+    threshold = threshold_text(plan.tolerance)
+    title = f"{plan.name}: what exceeds {threshold}, a quarter of the tolerance, matters"
     parts = [[title], _effects(plan), _stages(plan)]
     if plan.picked is not None:
         parts.append(_picked(plan.tolerance, plan.picked))
@@ -64,9 +66,11 @@ def plan_text(plan: Plan) -> str:
 
 def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
     keys = [f"{key} = {value}" for table in picked["keys"].values() for key, value in table.items()]
+    expected = f"expected error {_percent(max(picked['errors'].values()))}"
+    after = "where the estimate of that run exceeds the tolerance, a finer one follows it, once"
     return [
         f"accuracy.tolerance = {tolerance:g} begins with {', '.join(keys) or 'the knobs named'}",
-        "where the estimate of that run exceeds the tolerance, finer ones follow it, two at most",
+        f"{expected}, most of it from {picked['dominant_source']}; {after}",
     ]
 
 
@@ -93,10 +97,12 @@ def _row(effect: PlannedEffect, width: int) -> str:
         return f"{effect.title:<{width}}{'no':<5}{'':47}  not with this scene"
     if effect.unknown is not None:
         because += " (size not known)"
+    cost = f"{'':16}"
+    if effect.extra_s is not None and effect.extra_bytes is not None:
+        cost = f"{effect.extra_s:8.3f}{effect.extra_bytes / MEGABYTE:8.2f}"
     line = (
-        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{effect.extra_s:8.3f}"
-        f"{effect.extra_bytes / MEGABYTE:8.2f}{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}"
-        f"  {because}"
+        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{cost}"
+        f"{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}  {because}"
     )
     return line.rstrip()
 
@@ -117,7 +123,42 @@ def _stages(plan: Plan) -> list[str]:
         for name in SHOWN
         if counters.get(name)
     ]
-    return [*lines, ", ".join(words)]
+    known = f"seconds are known to a factor of {plan.within:g}"
+    return [*lines, *filter(None, [", ".join(words)]), known]
+
+
+def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
+    """A sentence on an effect that is left out and significant, or that is an error of the run.
+
+    Parameters
+    ----------
+    row : PlannedEffect
+    coarser : bool
+        With it less is computed than without.
+
+    Returns
+    -------
+    str or None
+    """
+    size = row.size
+    if size is None or not row.matters or row.on != coarser:
+        return None
+    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position"
+    if size.rotation_largest is None:
+        change = f"{size.rotation_um:.2g} um of the transmission error"
+    if size.load_share > LEAST_SHARE:
+        change += f" and {_hundredths(size.load_share)} points of the load share"
+    if coarser:
+        return f"{row.title} is on ({row.because}): that changes {change}"
+    off = f"{row.title} is off ({row.because})"
+    if row.assumed is not None:
+        return f"{off}: with {row.assumed} it would change {change}"
+    return f"{off} and likely to matter: it changes {change}"
+
+
+def _hundredths(part: float | None) -> str:
+    """Two digits, no exponent."""
+    return f"{float(f'{100 * (part or 0.0):.2g}'):g}"
 
 
 def _percent(part: float | None) -> str:

@@ -1,4 +1,4 @@
-"""`effects.choose = "auto"`: the effects that matter at the tolerance, written out as keys.
+"""`effects.choose = "auto"`: the significant effects of a scene, written out as keys.
 
 What a scene names stays: levels, questions, geometry. Numbers of physics that it names (a
 coefficient of friction, a rise of temperature, a speed) are candidates: they are left out where
@@ -11,31 +11,40 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
-from flankload.plan.coarse import Coarse
-from flankload.plan.measuring import Sizes, rows
-from flankload.plan.planned import Chosen
-from flankload.plan.quarter import against_quarter, matters, quarter_text
-from flankload.plan.variants import LEVELS, QUANTITIES, with_keys, with_rigid, without_keys
-from flankload.scene.effects import Effect, switches_of
+from flankload.mechanisms import mechanism_of
+from flankload.mechanisms.toggles import (
+    LEVELS,
+    QUANTITIES,
+    RIGID,
+    with_keys,
+    with_rigid,
+    without_keys,
+)
+from flankload.scene.effects import EFFECTS, Effect, switches_of
+from flankload.studies.plan.planned import Chosen
+from flankload.studies.plan.planning import sizes
+from flankload.studies.plan.significance import against_threshold, is_significant, threshold_text
 
 if TYPE_CHECKING:
-    from flankload.plan.measuring import Measured
+    from collections.abc import Mapping
+
     from flankload.scene import Scene
     from flankload.scene.effects import Switch
+    from flankload.studies.plan.planning import Measured
 
 
 def asks_for_choice(scene: Scene) -> bool:
     """Whether a scene leaves the effects to the plan."""
-    return getattr(scene.effects, "choose", None) == "auto"
+    return scene.effects.choose == "auto"
 
 
 def without_choice(scene: Scene) -> Scene:
     """The scene as its other keys have it."""
-    return without_keys(scene, "choose")
+    return without_keys(scene, "choose") if asks_for_choice(scene) else scene
 
 
 def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
-    """A scene with the effects that matter at its tolerance, and no others.
+    """A scene with the effects that are significant at its tolerance, and no others.
 
     Parameters
     ----------
@@ -53,57 +62,52 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
     plain = without_choice(scene)
     if not any(plain.torques_Nm):
         return plain, ()
-    sizes = Sizes(plain, Coarse(plain))
-    switches = switches_of(plain)
-    measured = {effect.name: sizes.of(effect, switches[effect.name]) for effect in rows(scene)}
-    return chosen_scene(plain, switches, measured)
+    screening = mechanism_of(plain).screening(plain, levels=True)
+    return chosen_scene(plain, screening.rows, sizes(screening, plain))
 
 
 def chosen_scene(
-    scene: Scene, switches: dict[str, Switch], measured: dict[str, Measured]
+    scene: Scene, rows: tuple[str, ...], measured: Mapping[str, Measured]
 ) -> tuple[Scene, tuple[Chosen, ...]]:
     """What sizes say of a scene without `choose`; see `choose_effects`."""
     choice: list[Chosen] = []
-    for effect in rows(scene):
+    switches, tolerance = switches_of(scene), scene.accuracy.tolerance
+    for effect in (effect for effect in EFFECTS if effect.name in rows):
         size = measured[effect.name].size
-        if size is None or not is_open(scene, effect, switches):
+        if size is None or not _is_open(scene, effect, switches):
             continue
-        large = matters(size.largest, scene.accuracy.tolerance)
-        wanted = not large if effect.coarser else large
+        wanted = is_significant(size.largest, tolerance) != effect.coarser
         switched, key, value = _switched(scene, effect, on=wanted)
         try:
             switched.check()
         except SceneError:  # it does not go with what was chosen before
             continue
         scene = switched
-        reason = against_quarter(size.largest, scene.accuracy.tolerance)
-        choice.append(Chosen(effect.name, key, value, wanted, reason))
+        why = against_threshold(size.largest, tolerance)
+        choice.append(Chosen(effect.name, key, value, wanted, why))
     return scene, tuple(choice)
 
 
-def is_open(scene: Scene, effect: Effect, switches: dict[str, Switch]) -> bool:
+def _is_open(scene: Scene, effect: Effect, switches: Mapping[str, Switch]) -> bool:
     """Whether a scene leaves an effect to the choice."""
     switch = switches[effect.name]
     if effect.name in QUANTITIES:
         return switch.on  # without a number nothing says what it would be
-    if effect.name in ("elastic_body_1", "elastic_body_2"):
+    if effect.name in RIGID:
         return switch.on and not scene.effects.root_stress
-    if effect.name in LEVELS:
-        keys = {key.removeprefix("effects.") for key in effect.keys}
-        if keys & scene.named_effects or (effect.coarser and not _saves(effect)):
-            return False
-        return switch.on or not any(switches[other].on for other in effect.excludes)
-    return False
-
-
-def _saves(effect: Effect) -> bool:
-    return any(number < 0 for number in astuple(effect.work))
+    if effect.name not in LEVELS:
+        return False
+    keys = {key.removeprefix("effects.") for key in effect.keys}
+    saves = any(number < 0 for number in astuple(effect.work))
+    if keys & scene.named_effects or (effect.coarser and not saves):
+        return False
+    return switch.on or not any(switches[other].on for other in effect.excludes)
 
 
 def said_of(choice: tuple[Chosen, ...], tolerance: float) -> str:
     """The choice as one sentence."""
-    quarter = f"{quarter_text(tolerance)}, a quarter of accuracy.tolerance"
-    return f"effects chosen by what changes more than {quarter}: " + "; ".join(map(str, choice))
+    threshold = f"{threshold_text(tolerance)}, a quarter of accuracy.tolerance"
+    return f"effects chosen by what changes more than {threshold}: " + "; ".join(map(str, choice))
 
 
 def _switched(scene: Scene, effect: Effect, *, on: bool) -> tuple[Scene, str, bool | str | None]:
@@ -114,5 +118,5 @@ def _switched(scene: Scene, effect: Effect, *, on: bool) -> tuple[Scene, str, bo
     if effect.name in LEVELS:
         ((key, value),) = LEVELS[effect.name][0 if on else 1].items()
         return with_keys(scene, **{key: value}), f"effects.{key}", value
-    body = effect.name[-6:]
+    body = RIGID[effect.name]
     return with_rigid(scene, body, rigid=not on), f"{body}.rigid", not on

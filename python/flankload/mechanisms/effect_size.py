@@ -1,4 +1,4 @@
-"""How much an effect changes: two sweeps of the same positions and torques, with it and without."""
+"""How much an effect changes: the states of the same positions and torques with it and without."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: A pair that carries less of the load is not looked at where it is open on the other side.
+    Floats = NDArray[np.float64]
+
+#: Forces of no load at all are divided by this.
 TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
 class States:
-    """What a size is taken from: curves of one torque at P positions on S sites.
+    """Curves of one torque at P positions on S sites.
 
     Attributes
     ----------
@@ -32,20 +34,22 @@ class States:
 
     torque_Nm: float
     sites: NDArray[np.int64]
-    rotation_rad: NDArray[np.float64]
-    load_share: NDArray[np.float64]
+    rotation_rad: Floats
+    load_share: Floats
 
     @classmethod
     def of(
-        cls,
-        torque_Nm: float,
-        sites: NDArray[np.int64],
-        rotation_rad: NDArray[np.float64],
-        site_force_N: NDArray[np.float64],
+        cls, torque_Nm: float, sites: NDArray[np.int64], rotation_rad: Floats, site_force_N: Floats
     ) -> States:
         """From the forces of the sites (P, S)."""
         total = np.maximum(site_force_N.sum(axis=1, keepdims=True), TINY)
         return cls(torque_Nm, sites, rotation_rad, site_force_N / total)
+
+    def share_on(self, sites: NDArray[np.int64]) -> Floats:
+        """Load share (P, n) of more sites."""
+        share = np.zeros((len(self.load_share), sites.size))
+        share[:, np.searchsorted(sites, self.sites)] = self.load_share
+        return share
 
 
 @dataclass(frozen=True)
@@ -75,12 +79,23 @@ class Size:
 
     @property
     def largest(self) -> float:
-        """What is held against the tolerance: of rotation and share the greater."""
+        """What is compared with the tolerance: of rotation and share the greater."""
         return max(self.rotation_largest or 0.0, self.load_share)
 
     def as_dict(self) -> dict[str, float | None]:
         """Its numbers by name."""
         return asdict(self)
+
+    def times(self, part: float) -> Size:
+        """A part of it."""
+        mean, largest = self.rotation_mean, self.rotation_largest
+        return replace(
+            self,
+            rotation_mean=None if mean is None else part * mean,
+            rotation_largest=None if largest is None else part * largest,
+            rotation_um=part * self.rotation_um,
+            load_share=part * self.load_share,
+        )
 
 
 def size_of(
@@ -88,7 +103,7 @@ def size_of(
     without: Sequence[States],
     *,
     base: Sequence[States],
-    unloaded_rad: NDArray[np.float64],
+    unloaded_rad: Floats,
     reference_radius_mm: float,
 ) -> Size:
     """Size of an effect, at the torque at which it is largest.
@@ -112,25 +127,11 @@ def size_of(
     return max(sizes, key=lambda size: (size.largest, size.rotation_um))
 
 
-def scaled(size: Size, part: float) -> Size:
-    """A part of a size."""
-    mean, largest = size.rotation_mean, size.rotation_largest
-    return replace(
-        size,
-        rotation_mean=None if mean is None else part * mean,
-        rotation_largest=None if largest is None else part * largest,
-        rotation_um=part * size.rotation_um,
-        load_share=part * size.load_share,
-    )
-
-
-def _size(
-    one: States, other: States, wind_up_rad: NDArray[np.float64], reference_radius_mm: float
-) -> Size:
+def _size(one: States, other: States, wind_up_rad: Floats, reference_radius_mm: float) -> Size:
     change = one.rotation_rad - other.rotation_rad
     winds_up = one.torque_Nm > 0 and float(wind_up_rad.min()) > 0
     sites = np.union1d(one.sites, other.sites)
-    share = _on(sites, one) - _on(sites, other)
+    share = one.share_on(sites) - other.share_on(sites)
     return Size(
         rotation_mean=float(change.mean() / wind_up_rad.mean()) if winds_up else None,
         rotation_largest=float(np.abs(change / wind_up_rad).max()) if winds_up else None,
@@ -138,10 +139,3 @@ def _size(
         load_share=float(np.abs(share).max()),
         torque_Nm=one.torque_Nm,
     )
-
-
-def _on(sites: NDArray[np.int64], states: States) -> NDArray[np.float64]:
-    """Shares (P, S) on these sites."""
-    share = np.zeros((len(states.load_share), sites.size))
-    share[:, np.searchsorted(sites, states.sites)] = states.load_share
-    return share

@@ -1,0 +1,113 @@
+"""What the elements of a body will take: the steps of a job with linear ones, scaled as they grow.
+
+A factor of a plane mesh with n unknowns has n log n entries (George, SIAM J. Numer. Anal. 10,
+1973). On meshes of 600 to 16000 unknowns it takes as long as that, not yet n^(3/2); a solution as
+long as there are unknowns. Elements
+are assembled by the numbers in their matrices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from math import log
+from typing import TYPE_CHECKING
+
+from flankload.bodies.body import WholeMesh
+from flankload.cost import Account
+from flankload.elasticity.finite_elements import linear_cells
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.bodies import Body
+    from flankload.elasticity.compliance import BodyCompliance
+
+#: A smoothing of stresses takes this part of an assembly for each flank, and for so many columns:
+#: it takes the same gradients, but no products of them.
+SMOOTHING_PART, SMOOTHED_COLUMNS = 1 / 3, 12
+
+
+def load_packages() -> None:
+    """Import what elements need before they are timed."""
+    import_module("skfem")
+
+
+def unknowns_of(body: Body) -> int:
+    """Degrees of freedom of a body's elements that are not held."""
+    assert body.mesh is not None
+    return 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
+
+
+@dataclass(frozen=True)
+class ElementRates:
+    """What the job of a body with linear elements took.
+
+    Attributes
+    ----------
+    body : Body
+    linear_s : float
+        CPU seconds of the stiffness of the linear elements.
+    job : BodyCompliance
+    """
+
+    body: Body
+    linear_s: float
+    job: BodyCompliance
+
+    @property
+    def _assembly_s(self) -> float:
+        """Of the stiffness of the run."""
+        mesh = self.body.mesh
+        assert mesh is not None
+        linear, quadratic = (
+            sum(cells.size * cells.shape[1] for _, cells in blocks)
+            for blocks in (linear_cells(mesh.cells), mesh.cells)
+        )
+        return self.linear_s * quadratic / linear
+
+    def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
+        """CPU seconds and bytes of elements.
+
+        Parameters
+        ----------
+        counters : mapping of str to int
+            Of the stage.
+        places : int
+            In the root fillets of a tooth.
+        finer : float
+            So many times the unknowns of the run's mesh.
+
+        Returns
+        -------
+        Account
+        """
+        job, steps = self.job, self.job.seconds
+        unknowns = finer * unknowns_of(self.body)
+        more = unknowns / max(1, job.degrees_of_freedom)
+        larger = more * log(unknowns) / log(max(3, job.degrees_of_freedom))
+        cuts, mine = counters.get("cut_columns", 0), job.counters.get("cut_columns", 0)
+        columns, own = counters["fe_solutions"] - cuts, job.counters["fe_solutions"] - mine
+        seconds = finer * self._assembly_s + steps.get("ring", 0.0)
+        # half of that step are the solutions for the cuts, where there are any
+        work = counters["fe_factorisations"] + (cuts / mine if mine else 0.0)
+        seconds += steps.get("factorisation", 0.0) * larger * work / (2.0 if mine else 1.0)
+        seconds += steps.get("solution", 0.0) * more * columns / max(1, own)
+        mesh = self.body.mesh
+        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
+        blocks = flanks**2 if isinstance(mesh, WholeMesh) else mesh.teeth  # type: ignore[union-attr]
+        response = (counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)) // (
+            flanks
+        )
+        return Account(
+            cpu_s=seconds,
+            bytes=8 * blocks * response * (response + (response + places if places else 0)),
+            workspace_bytes=round(job.workspace_bytes * larger),
+        )
+
+    def smoothing_s(self, counters: Mapping[str, int]) -> float:
+        """CPU seconds in which the estimate smooths stresses."""
+        columns = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
+        mesh = self.body.mesh
+        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
+        return SMOOTHING_PART * self._assembly_s * (flanks + columns / SMOOTHED_COLUMNS)

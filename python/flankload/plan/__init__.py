@@ -1,8 +1,0 @@
-"""Before a run: which effects it will have, because of which key, what they cost and change."""
-
-from flankload.plan.choice import choose_effects
-from flankload.plan.making import plan
-from flankload.plan.planned import Chosen, Plan, PlannedEffect
-from flankload.plan.sizes import Size
-
-__all__ = ["Chosen", "Plan", "PlannedEffect", "Size", "choose_effects", "plan"]

@@ -1,0 +1,8 @@
+"""Before a run: which effects it will have, because of which key, what they cost and change."""
+
+from flankload.mechanisms.effect_size import Size
+from flankload.studies.plan.choice import choose_effects
+from flankload.studies.plan.planned import Chosen, Plan, PlannedEffect
+from flankload.studies.plan.planning import plan
+
+__all__ = ["Chosen", "Plan", "PlannedEffect", "Size", "choose_effects", "plan"]

@@ -1,0 +1,184 @@
+"""The plan of a scene: sizes of its effects by a screening, the cost of its run by counted work."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import TYPE_CHECKING
+
+from flankload.cost import totals
+from flankload.errors import FlankloadError
+from flankload.mechanisms import mechanism_of
+from flankload.scene.effects import EFFECTS, switches_of
+from flankload.studies.plan.planned import ADAPTIVE_WITHIN, IMPOSSIBLE, WITHIN, Plan, PlannedEffect
+from flankload.studies.plan.significance import is_significant
+from flankload.studies.plan.text import remark_on
+from flankload.studies.tolerance import first_discretization, first_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.cost import Account
+    from flankload.mechanisms.effect_size import Size
+    from flankload.mechanisms.protocol import Screening
+    from flankload.scene import Scene
+    from flankload.studies.plan.planned import Chosen
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a screening finds of an effect: its size, or why there is none."""
+
+    size: Size | None = None
+    unknown: str | None = None
+
+
+def plan(scene: Scene, *, levels: bool = False) -> Plan:
+    """What a run of a scene will simulate, what that costs and how much each effect changes.
+
+    Sizes come from a screening: the scene on a coarse discretization, once with its effects and
+    once with each of them the other way. Its seconds, by the work that is counted, are those of
+    the run.
+
+    Parameters
+    ----------
+    scene : Scene
+    levels : bool
+        Also of those levels of the model that are off: what they would change and cost. Without it
+        the plan takes less than half of the run that it predicts.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    SceneError
+        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
+        model.
+    FlankloadError
+        If a position has no answer.
+    """
+    from flankload.studies.plan.choice import asks_for_choice, chosen_scene, without_choice
+
+    start = process_time()
+    picked = {"keys": first_discretization(scene).tables()} if scene.steers else None
+    plain = without_choice(first_scene(scene))
+    screening = mechanism_of(plain).screening(plain, levels=levels or asks_for_choice(scene))
+    measured = sizes(screening, plain)
+    chosen, left_out = plain, None
+    choice: tuple[Chosen, ...] = ()
+    if asks_for_choice(scene) and any(scene.torques_Nm):
+        chosen, choice = chosen_scene(plain, screening.rows, measured)
+        left_out = screening.change(chosen)
+    costs = _marginal_costs(screening, plain, screening.price(plain))
+    found = Plan(
+        name=scene.name,
+        tolerance=scene.accuracy.tolerance,
+        effects=_rows(chosen, screening, measured, costs, choice),
+        predicted=predicted_of(screening.price(chosen)),
+        choice=choice,
+        left_out=left_out,
+        picked=picked,
+        within=WITHIN * (ADAPTIVE_WITHIN if scene.positions.adaptive else 1.0),
+    )
+    return replace(found, cpu_s=process_time() - start)
+
+
+def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
+    """The size of each effect that a scene knows, or why there is none.
+
+    Parameters
+    ----------
+    screening : Screening
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to Measured
+    """
+    switches, found = switches_of(scene), {}
+    for name in screening.rows:
+        toggle = screening.toggles.get(name)
+        if toggle is None:
+            found[name] = Measured()
+        elif toggle.impossible is not None:
+            found[name] = Measured(unknown=f"{IMPOSSIBLE}: {toggle.impossible}")
+        else:
+            try:
+                found[name] = Measured(screening.size(name, on=switches[name].on))
+            except FlankloadError as error:
+                found[name] = Measured(unknown=" ".join(str(error).split()))
+    return found
+
+
+def predicted_of(stages: Mapping[str, Account]) -> dict[str, object]:
+    """Prices of stages as `Plan.predicted`."""
+    return {
+        "stages": {
+            name: {
+                "cpu_s": account.cpu_s,
+                "bytes": account.bytes,
+                "workspace_bytes": account.workspace_bytes,
+                "counters": dict(account.counters),
+            }
+            for name, account in stages.items()
+        },
+        "counters": totals(stages),
+    }
+
+
+def _rows(
+    scene: Scene,
+    screening: Screening,
+    measured: Mapping[str, Measured],
+    costs: Mapping[str, tuple[float, int]],
+    choice: tuple[Chosen, ...],
+) -> tuple[PlannedEffect, ...]:
+    """A row for each effect."""
+    switches, decided = switches_of(scene), {one.effect: one for one in choice}
+    rows = []
+    for effect in (effect for effect in EFFECTS if effect.name in screening.rows):
+        switch, found, why = switches[effect.name], measured[effect.name], decided.get(effect.name)
+        toggle, size = screening.toggles.get(effect.name), found.size
+        extra_s, extra_bytes = costs.get(effect.name, (None, None))
+        row = PlannedEffect(
+            name=effect.name,
+            title=effect.title,
+            on=switch.on,
+            because=switch.because if why is None else f'effects.choose = "auto" ({why.why})',
+            named=switch.named,
+            stages=effect.stages,
+            extra_s=extra_s,
+            extra_bytes=extra_bytes,
+            size=size,
+            assumed=None if toggle is None or size is None else toggle.assumed,
+            unknown=found.unknown,
+            matters=size is not None and is_significant(size.largest, scene.accuracy.tolerance),
+        )
+        rows.append(replace(row, remark=remark_on(row, coarser=effect.coarser)))
+    return tuple(rows)
+
+
+def _marginal_costs(
+    screening: Screening, scene: Scene, stages: Mapping[str, Account]
+) -> dict[str, tuple[float, int]]:
+    """CPU seconds and bytes that each effect that is tried adds to the run, or would add."""
+    switches, costs = switches_of(scene), {}
+    for name, toggle in screening.toggles.items():
+        other = stages
+        if toggle.scene is not None:
+            with suppress(FlankloadError):  # else there is no such scene to compare with
+                other = screening.price(toggle.scene)
+        one, two = (other, stages) if not switches[name].on else (stages, other)
+        costs[name] = (_seconds(one) - _seconds(two), _bytes(one) - _bytes(two))
+    return costs
+
+
+def _seconds(stages: Mapping[str, Account]) -> float:
+    return sum(account.cpu_s for account in stages.values())
+
+
+def _bytes(stages: Mapping[str, Account]) -> int:
+    return sum(account.bytes + account.workspace_bytes for account in stages.values())

@@ -1,0 +1,28 @@
+"""Which effects are significant: those that change more than a quarter of the tolerance."""
+
+from __future__ import annotations
+
+#: Part of the tolerance beyond which a change is significant.
+SIGNIFICANT_PART = 0.25
+#: Digits of a size; where so few would put it on the wrong side, more, up to those of a float.
+FEWEST_DIGITS, MOST_DIGITS = 2, 17
+
+
+def is_significant(size: float, tolerance: float) -> bool:
+    """Whether a change is more than a quarter of the tolerance."""
+    return size > SIGNIFICANT_PART * tolerance
+
+
+def threshold_text(tolerance: float) -> str:
+    """A quarter of the tolerance in %, with all its digits."""
+    return f"{100 * SIGNIFICANT_PART * tolerance:.10g} %"
+
+
+def against_threshold(size: float, tolerance: float) -> str:
+    """A change beside a quarter of the tolerance, in digits enough to see which is more."""
+    sign = ">" if is_significant(size, tolerance) else "<="
+    for digits in range(FEWEST_DIGITS, MOST_DIGITS):
+        shown = f"{100 * size:.{digits}g}"
+        if is_significant(float(shown) / 100, tolerance) == is_significant(size, tolerance):
+            break
+    return f"{shown} % {sign} {threshold_text(tolerance)}"
