@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from flankload.contact import ContactState
 
 
 class FlankloadError(Exception):
@@ -186,6 +183,6 @@ class NegativeForce(ContactError):  # noqa: N818 - a public name
 
     code = -6
 
-    def __init__(self, message: str, *, state: ContactState) -> None:
+    def __init__(self, message: str, *, state: Any) -> None:
         super().__init__(message)
         self.state = state

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects.keys import EffectsAsked
 
 if TYPE_CHECKING:
     from flankload.scene import Scene

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 import flankload as fl
 from flankload.contact.sweep import Level, Sweep, _core_arguments, sweep
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.scene.resolution import Grid
+from flankload.pairing.body_pair import BodyPair
+from flankload.scene.discretization import Grid
 from tests.benchmarks._core import BUILD
 
 TARGET = "tests/fortran/bench_sweep"
@@ -57,7 +58,7 @@ class Job:
             position_rad=self.positions(count),
             torques_Nmm=torques_Nmm,
             face_width_mm=self.scene.pair.face_width_mm,
-            grid=pair.resolution.grid,
+            grid=pair.discretization.grid,
             level=level,
         )
 

@@ -22,39 +22,34 @@ import numpy as np
 
 import flankload as fl
 from flankload import _core
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effect
+from flankload.scene.effects.keys import EffectsAsked
 from tests.benchmarks._instructions import Counted, count_instructions, has_valgrind
 from tests.support.paths import SCENES
 
 SCENE = SCENES / "external_gear.toml"
 #: Some with two pairs that carry, some with one.
 POSITIONS = 4
+#: Effects that other kinds of bodies have.
+ELSEWHERE = frozenset(row.name for row in EFFECTS if row.only_for)
+PLAIN = EffectsAsked()
 #: Effects on, by the keys that call for them; those of the plain scene are taken off.
 ON: dict[str, dict[str, Any]] = {
-    "segment": {"effects": {"body": "segment", "segment_teeth": 3}},
-    "single_tooth": {"effects": {"body": "tooth"}},
-    "nodal_near_field": {"effects": {"near_field": "nodes"}},
-    "finite_influence": {"effects": {"influence": "finite"}},
-    "lumped_contact": {"effects": {"contact": "lumped"}},
-    "coast_flanks": {"effects": {"coast_flank": True}},
+    **{
+        row.name: {"effects": {key: value for key, value in row.on.items() if value is not None}}
+        for row in EFFECTS
+        if row.on and not row.is_named(PLAIN)
+    },
     "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
     "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
     "thermal_growth": {"effects": {"temperature_rise_K": 50.0, "support_expansion_per_K": 0.0}},
-    "centrifugal_growth": {"effects": {"speed_rpm": 3000.0}},
-    "friction": {"effects": {"friction_coefficient": 0.1}},
-    "power_loss": {"effects": {"friction_coefficient": 0.1}},
-    "root_stress": {"effects": {"root_stress": True}},
     "several_torques": {"load": {"torque_Nm": [200, 302]}},
 }
 OFF: dict[str, dict[str, Any]] = {
+    **{row.name: {"effects": row.off} for row in EFFECTS if row.is_named(PLAIN)},
     "elastic_body_1": {"body_1": {"rigid": True}},
     "elastic_body_2": {"body_2": {"rigid": True}},
-    "tooth_coupling": {"effects": {"tooth_coupling": False}},
-    "tip_contact": {"effects": {"tip_contact": False}},
 }
-#: Effects that other kinds of bodies have.
-ELSEWHERE = frozenset({"large_displacement", "land_friction", "land_lift"})
 #: What goes together: all the neighbours of an effect that change what the core does.
 TOGETHER = (
     "flank_modifications",

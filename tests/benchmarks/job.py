@@ -72,7 +72,7 @@ def run() -> str:
             position_rad=position_rad,
             torques_Nmm=[302e3],
             face_width_mm=14.0,
-            grid=pair.resolution.grid,
+            grid=pair.discretization.grid,
         )
         return found
 

@@ -17,7 +17,7 @@ import flankload as fl
 from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 from flankload.studies.verification.calculix import version_of
 from tests.support.paths import SCENES
 

@@ -1,6 +1,6 @@
 """What the plan predicts beside what runs measure: sizes of effects, seconds, on every example.
 
-A size is measured by two runs at the example's own resolution, seconds by the shortest of three (of
+A size is measured by two runs of the example as it is, seconds by the shortest of three (of
 long ones by the first) in a process that has loaded its packages, extra seconds by the difference
 of two such. Ratios are predicted over measured.
 """
@@ -21,7 +21,7 @@ from flankload.plan import Plan, PlannedEffect, Size
 from flankload.plan.choice import without_choice
 from flankload.plan.sizes import States, size_of
 from flankload.plan.variants import other_way
-from flankload.scene.pair_tables import Load, Positions
+from flankload.scene.pair import Load, Positions
 from tests.support.paths import SCENES
 
 #: Wanted: factor between predicted and measured; CPU seconds of a plan, packages included.

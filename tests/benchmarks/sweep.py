@@ -37,7 +37,7 @@ def run() -> str:
 
 def _stages(job: Job) -> list[str]:
     """Stages of a position for several numbers of pairs."""
-    grid = job.bodies.resolution.grid
+    grid = job.bodies.discretization.grid
     grids = [
         replace(
             grid,

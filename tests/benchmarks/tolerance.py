@@ -23,8 +23,8 @@ import numpy as np
 
 import flankload as fl
 from flankload.mechanisms import run_once
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Discretization, Grid, choose_discretization
+from flankload.scene.pair import Positions
 from flankload.setting import Setting
 from flankload.steering.knobs import knobs_of
 from flankload.steering.laws import BOUND
@@ -135,8 +135,8 @@ class _Truth:
         self._dense: fl.Result | None = None
 
     def _solved(self, positions: Positions, strips: float) -> fl.Result:
-        default = choose_resolution(self._scene)
-        fine = Resolution(
+        default = choose_discretization(self._scene)
+        fine = Discretization(
             TRUE_PART * default.flank_element_parts, TRUE_MODES, Grid(strips, 3.0 * strips)
         )
         scene = replace(self._scene, positions=positions)

@@ -9,7 +9,8 @@ import flankload as fl
 from flankload.bodies import WholeMesh
 from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.cam_motion import Stand
 from tests.support.cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
 

@@ -17,7 +17,7 @@ from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
-from flankload.scene.resolution import DEFAULT, Grid, Resolution
+from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
 
@@ -45,7 +45,7 @@ def _built(k: int) -> fl.Scene:
 @cache
 def _compliance(k: int, finer: float) -> BodyCompliance:
     parts = DEFAULT.flank_element_parts / finer
-    body = build_bodies(_built(k), Resolution(parts, 5, Grid())).body_2
+    body = build_bodies(_built(k), Discretization(parts, 5, Grid())).body_2
     return flank_compliance(body, n_modes=5, plane="strain", estimate=True)
 
 
@@ -68,7 +68,7 @@ def test_corners_of_a_follower_shrink_with_its_elements() -> None:
 
     def compliance(finer: float) -> BodyCompliance:
         parts = DEFAULT.flank_element_parts / finer
-        body = build_bodies(scene, Resolution(parts, 5, Grid())).body_1
+        body = build_bodies(scene, Discretization(parts, 5, Grid())).body_1
         return flank_compliance(body, n_modes=6, plane="strain", estimate=finer == 1)
 
     coarse = compliance(1.0)
@@ -85,7 +85,7 @@ def test_rotation_converges_with_the_elements() -> None:
     )
 
     def rotation(part: float) -> np.ndarray:
-        result = run_once(scene, {}, discretization=Resolution(part, 4, Grid()))
+        result = run_once(scene, {}, discretization=Discretization(part, 4, Grid()))
         assert isinstance(result, fl.Result)
         return result.rotation_rad
 
@@ -101,7 +101,7 @@ def test_rotation_converges_with_the_cells() -> None:
     def rotation(count: float) -> np.ndarray:
         grid = Grid(count, 3 * count)
         result = run_once(
-            scene, {}, discretization=Resolution(DEFAULT.flank_element_parts, 5, grid)
+            scene, {}, discretization=Discretization(DEFAULT.flank_element_parts, 5, grid)
         )
         assert isinstance(result, fl.Result)
         return result.rotation_rad
@@ -142,7 +142,7 @@ def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
     """No share can change there, so that modes are told by the peak itself."""
     scene = {**PAIR, "positions": {"angles_deg": [-3.0, 1.0, 4.0]}}
     found = fl.solve(fl.Scene.from_dict(scene))
-    finer = Resolution(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
+    finer = Discretization(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
     without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
     true = run_once(without, {}, discretization=finer)
     assert isinstance(found, fl.Result)
@@ -160,7 +160,7 @@ def test_forces_on_coast_flanks_have_an_estimate() -> None:
     """Teeth without play, against finer elements, cells, modes: 0.20 % of the load, told 0.55."""
     keys = {"pair": {**PAIR["pair"], "center_distance_mm": 91.4}, "load": {"torque_Nm": 60}}
     scene = {**PAIR, **keys, "positions": {"count": 4}, "effects": {"coast_flank": True}}
-    finer = Resolution(DEFAULT.flank_element_parts / 2, 8, Grid(20.0, 60.0))
+    finer = Discretization(DEFAULT.flank_element_parts / 2, 8, Grid(20.0, 60.0))
 
     def shares(result: fl.Result | tuple[fl.Result, ...]) -> np.ndarray:
         assert isinstance(result, fl.Result)
@@ -191,7 +191,7 @@ def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
         position_rad=pair.position_rad,
         torques_Nmm=[302e3],
         compliances=tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2)),
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
     )
     limit = replace(limit, site_corner=np.zeros_like(limit.site_corner))
     error = np.array([2e-3, -1e-3])
@@ -242,7 +242,7 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
         found = sweep_of(scene, pair)(**keys)
         return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
 
-    grid = pair.resolution.grid
+    grid = pair.discretization.grid
     (estimate,) = estimate_errors(
         run(compliances=compliances, grid=grid),
         run,

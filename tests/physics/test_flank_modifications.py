@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import flankload as fl
-from flankload.bodies.involute.gear_profile import gear_profile
-from flankload.bodies.involute.gear_tip import modifications_of
+from flankload.bodies.profile.gear_profile import gear_profile
+from flankload.bodies.profile.gear_tip import modifications_of
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import Gear

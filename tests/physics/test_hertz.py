@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import CASE, LEVER, contact
 
 

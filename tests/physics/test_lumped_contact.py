@@ -14,9 +14,10 @@ from flankload.analysis.estimate import lumped_error
 from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.scene.resolution import Grid
+from flankload.pairing.body_pair import BodyPair
+from flankload.scene.discretization import Grid
 from tests.support.paths import SCENES
 from tests.support.pressed_cylinders import CASE, LEVER, contact
 from tests.support.tolerances import SOLVER

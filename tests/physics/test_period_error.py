@@ -13,15 +13,15 @@ import flankload as fl
 from flankload.analysis.period_error import teeth_until_alike
 from flankload.base.array_archive import archive_of
 from flankload.bodies.imported.body_file import write_body
-from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cost import Account
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
-from flankload.scene.mesh_tables import ComplianceBody
-from flankload.scene.pair_tables import Positions
+from flankload.scene.mesh import ComplianceBody
+from flankload.scene.pair import Positions
 from tests.support.mesh_files import Cells, whole_of
 from tests.support.tolerances import SOLVER
 

@@ -21,7 +21,7 @@ from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import arc
 
 RADII = (20.0, 35.0)

@@ -22,7 +22,7 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 
 #: The contact lies at (LEVER, 0), its normal along y; far from O1, so that levers hardly differ.
 LEVER, DISTANCE = 20000.0, 50000.0

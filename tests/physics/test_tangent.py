@@ -96,8 +96,7 @@ def test_no_torque_needs_no_tangent() -> None:
 
 def test_tangents_of_parabolas_are_exact() -> None:
     """Central differences of the rotation, and of the forces."""
-    from flankload.tangent import with_tangents
-
+    from flankload.analysis.tangent import with_tangents
     from flankload.contact.sweep import Sweep
 
     def state(torque: float) -> Sweep:

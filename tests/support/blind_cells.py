@@ -19,7 +19,7 @@ from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.near_field import mode_values, strip_kernel
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 from tests.support.random_scenes import ANGLE, STEEL, inv
 
 

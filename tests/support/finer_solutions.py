@@ -18,7 +18,7 @@ import numpy as np
 import flankload as fl
 from flankload.analysis.estimate import OVERALL, POINTWISE
 from flankload.mechanisms import run_once
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Discretization, Grid, choose_discretization
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,11 +86,11 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
     fine = fl.Scene.from_dict(
         {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
     )
-    default = choose_resolution(fine)
+    default = choose_discretization(fine)
     result = run_once(
         fine,
         {},
-        resolution=Resolution(
+        discretization=Discretization(
             default.flank_element_parts / elements,
             MODES,
             Grid(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair
+from flankload.pairing.body_pair import BodyPair
 from flankload.scene import Scene
 from tests.support.paths import SCENES
 

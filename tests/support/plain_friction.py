@@ -13,7 +13,7 @@ import flankload as fl
 from flankload.bodies import Body
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.mechanisms.flank_pair.assembly import BodyPair
+from flankload.pairing.body_pair import BodyPair
 from tests.support.plain_elements import Hats, blind_pairs, fine_bodies, hat_loads
 
 

@@ -12,7 +12,7 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
-from flankload.scene.resolution import Grid
+from flankload.scene.discretization import Grid
 from tests.support.paths import REFERENCE_SOLUTIONS
 
 CASE = json.loads((REFERENCE_SOLUTIONS / "closed_form.json").read_text())["hertz_cylinders"]

@@ -10,8 +10,9 @@ import numpy as np
 import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.pairing import Pairing
 from tests.support.gear_pair import GEARS
 
@@ -65,7 +66,7 @@ def run(
         position_rad=pair.position_rad,
         torques_Nmm=torques,
         face_width_mm=14.0,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         keep_pairs=keep_pairs,
         progress=progress,
     )

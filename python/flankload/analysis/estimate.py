@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import PositionErrors, Window
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.scene.resolution import Grid
+    from flankload.scene.discretization import Grid
 
     Floats = NDArray[np.float64]
     Errors = dict[str, float]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.interpolant import Floats, Integers
 
 #: The quantity that there is where positions close.

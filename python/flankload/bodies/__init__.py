@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
-#: `flank_element_parts` of the default resolution.
+#: `flank_element_parts` of the default discretization.
 DEFAULT_PARTS = 1.0 / 4.5
 #: Flanks of splines are about half as high, in modules, as those of gears.
 SPLINE_PART = 0.45

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.errors import SceneError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.imported.given import GivenCompliance
-    from flankload.bodies.involute.involute import Involute
+    from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
 
 
@@ -250,6 +252,16 @@ class Body:
     mirrored: bool = False
 
     @property
+    def is_parametric(self) -> bool:
+        """Whether keys of a scene make its involute profile."""
+        return self.kind in ("gear", "ring", "spline_shaft", "spline_hub")
+
+    @property
+    def conforms(self) -> bool:
+        """Whether it is a spline, whose flanks fit those of the other body."""
+        return self.kind in ("spline_shaft", "spline_hub")
+
+    @property
     def outward(self) -> int:
         """1 where the flank's tip stands further from the axis than its root, -1 where nearer."""
         root, tip = (self.curve.point([s])[0] for s in (0.0, self.curve.length_mm))
@@ -269,3 +281,20 @@ class Body:
     def root_radius_mm(self) -> float | None:
         """Radius of the root circle, where the profile is known."""
         return None if self.involute is None else self.involute.root_radius_mm
+
+
+def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
+    """Pitch errors of a body: none, or one per tooth.
+
+    Raises
+    ------
+    SceneError
+        If there is another number of them.
+    """
+    if errors_um and len(errors_um) != teeth:
+        raise SceneError(
+            key=f"{key}.pitch_errors_um",
+            expected=f"one entry per tooth: {teeth}",
+            found=f"{len(errors_um)} entries",
+        )
+    return tuple(errors_um)

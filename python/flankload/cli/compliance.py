@@ -38,7 +38,7 @@ def compliance(arguments: Namespace) -> None:
         )
     from flankload.base.array_archive import archive_of
     from flankload.base.files import write_atomically
-    from flankload.bodies.imported.modal_file import modal_arrays
+    from flankload.elasticity.modal_arrays import modal_arrays
     from flankload.mechanisms.flank_pair.assembly import build_bodies
     from flankload.mechanisms.flank_pair.stages import compliance_of
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flankload import _core
 from flankload.errors import (
     ContactError,
     InputError,
@@ -35,6 +36,5 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
 
 def words(code: int) -> str:
     """What a status says (`fortran/base/status.f90`)."""
-    from flankload import _core
 
     return _core.flankload_status_text(code).decode("ascii").strip()

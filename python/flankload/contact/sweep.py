@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from flankload import _core
 from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
 from flankload.contact.status import NO_ROOM, STOPPED
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.resolution import Grid
+    from flankload.scene.discretization import Grid
 
 #: Levels of contact, cheapest last, as the core numbers them.
 Level = Literal["pairs", "lumped"]
@@ -433,7 +434,6 @@ class _CoreCall:
             found.take_over(self._call(short, room * short.size, done=n - short.size), short)
 
     def _call(self, which: NDArray[np.int64], room: int, *, done: int) -> _Found:
-        from flankload import _core
 
         (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
         (site_1, site_2) = (argument[3:5] for argument in self.arguments)

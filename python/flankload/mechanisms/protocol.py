@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Discretization
 
     Counted = Mapping[str, Mapping[str, int]]
     Rows = list[tuple[str, str]]
@@ -92,7 +92,7 @@ class Mechanism(Protocol):
     def without_flanks(self) -> str | None:
         """Why the bodies have no flanks."""
 
-    def build(self, scene: Scene, discretization: Resolution | None, account: Account) -> Any:
+    def build(self, scene: Scene, discretization: Discretization | None, account: Account) -> Any:
         """Assemble the bodies; no elements are solved. A SceneError names what is impossible."""
 
     def work(self, scene: Scene, assembly: Any) -> Counted:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Counted
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Discretization
 
 
 def run_once(
@@ -27,7 +27,7 @@ def run_once(
     progress: Progress | None = None,
     *,
     plan: Counted | None = None,
-    discretization: Resolution | None = None,
+    discretization: Discretization | None = None,
     on_assembly: Callable[[Any], None] | None = None,
     stages: Mapping[str, Account] | None = None,
     notes: Sequence[str] = (),
@@ -44,7 +44,7 @@ def run_once(
         Called as progress(stage, done, total); done grows up to total.
     plan : mapping, optional
         Predictions by stage, which the result shows beside what is spent.
-    discretization : Resolution, optional
+    discretization : Discretization, optional
         In place of that of the scene.
     on_assembly : callable, optional
         Called with the assembly before elements are solved.

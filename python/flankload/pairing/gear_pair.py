@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from math import acos, cos, degrees, hypot, pi, sqrt, tan
 from typing import TYPE_CHECKING
 
-from flankload.bodies.involute.involute import roll_of_involute_angle
+from flankload.bodies.profile.involute import roll_of_involute_angle
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.errors import SceneError
 from flankload.pairing.interference import overlapping_flanks, root_contacts
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
-    from flankload.bodies.involute.involute import Involute
+    from flankload.bodies.profile.involute import Involute
 
 #: Flanks that overlap by more than this part of the base pitch at the pitch circle cannot mesh;
 #: less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only a

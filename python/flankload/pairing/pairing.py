@@ -154,9 +154,9 @@ def pair_bodies(
     SceneError
         If the flanks cannot mesh on this centre distance; says by how much.
     """
-    if body_1.kind == "spline_shaft":
+    if body_1.conforms:
         return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
-    if body_1.kind == "follower":
+    if body_1.touches is not None:
         return _pair_cam(body_1, body_2, center_distance_mm, position_rad)
     if body_1.outward < 0:
         raise SceneError(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.bodies.involute.involute import Involute
+    from flankload.bodies.profile.involute import Involute
 
     Floats = NDArray[np.float64]
 

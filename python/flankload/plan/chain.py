@@ -20,7 +20,7 @@ from flankload.mechanisms.chain.drive import build_drive
 from flankload.plan.drive import TRIED, few_of, few_torques, plan_of
 from flankload.plan.measuring import Measured
 from flankload.plan.sizes import Size, States, size_of
-from flankload.scene.pair_tables import Positions
+from flankload.scene.pair import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -19,19 +19,16 @@ from flankload.cost import Account
 from flankload.elasticity.compliance import BodyCompliance, no_compliance
 from flankload.elasticity.finite_elements import condensed, stiffness
 from flankload.errors import ContactError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, bodies_of, build_bodies
-from flankload.mechanisms.flank_pair.premises import (
-    blame_load,
-    broken_by_geometry,
-    broken_by_load,
-    held,
-)
+from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies
+from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, sweep_of
+from flankload.mechanisms.premises import held
+from flankload.pairing.body_pair import BodyPair
 from flankload.plan.sizes import States
 from flankload.result.geometry import pair_geometry
-from flankload.scene.effect_tables import EffectsAsked
-from flankload.scene.pair_tables import Positions
-from flankload.scene.resolution import Grid, Resolution, choose_resolution
+from flankload.scene.discretization import Discretization, Grid, choose_discretization
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.pair import Positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +42,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Rotation of the FZG type C pair within 0.2 % of the converged one, a position in 0.15 ms.
-COARSE = Resolution(flank_element_parts=0.5, modes=4, grid=Grid(4.0, 12.0))
+COARSE = Discretization(flank_element_parts=0.5, modes=4, grid=Grid(4.0, 12.0))
 #: Positions that a size is taken from, spread over those of the scene.
 MOST_POSITIONS = 32
 #: Times that agree like this are believed; the shortest counts.
@@ -124,14 +121,16 @@ class Coarse:
     def _timed_pair(self, scene: Scene) -> tuple[BodyPair, float]:
         """Bodies as the run meshes them; seconds without those from files, which are there."""
         if scene not in self._fine:
-            resolution = choose_resolution(scene)
+            discretization = choose_discretization(scene)
             made = self.bodies_from_files(scene)
             alike = self._body(scene, 0), self._body(scene, 1)
             start = process_time()
             which = tuple(z for z in (0, 1) if made[z] is None)
-            others = dict(zip(which, bodies_of(scene, resolution, which, alike=alike), strict=True))
+            others = dict(
+                zip(which, bodies_of(scene, discretization, which, alike=alike), strict=True)
+            )
             one, two = (made[z] or others[z] for z in (0, 1))
-            pair = build_bodies(scene, resolution, bodies=(one, two))
+            pair = build_bodies(scene, discretization, bodies=(one, two))
             self._fine[scene] = pair, process_time() - start
         return self._fine[scene]
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flankload.mechanisms.belt.drive import BeltAssembly
-from flankload.mechanisms.flank_pair.assembly import BodyPair
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.pairing.body_pair import BodyPair
 from flankload.plan.price import ADAPTIVE_PART, SMOOTHING_S, elements_price, unknowns_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
     Counted = Mapping[str, Mapping[str, int]]
@@ -136,7 +137,7 @@ def _pairs(pair: BodyPair) -> float:
     """Contact pairs of a state."""
     if pair.effects.lumped_contact:
         return LUMPED_PAIRS
-    grid, pairing = pair.resolution.grid, pair.pairing
+    grid, pairing = pair.discretization.grid, pair.pairing
     cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width
     touching = TOUCHING
     if pairing.whole_circle:

@@ -19,7 +19,7 @@ from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
     from flankload.cost import Account
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.plan.coarse import Coarse
     from flankload.scene import Scene
     from flankload.scene.effects import Effect
@@ -150,14 +150,14 @@ class Extras:
 
     def _seconds_of_call(self) -> float:
         """What a call takes beside its states, whatever they are."""
-        grid = self._pair.resolution.grid
+        grid = self._pair.discretization.grid
         one, few = (self._coarse.fine_seconds(self._scene, grid, few=n) for n in (1, TRIED))
         return max(0.0, one - (few - one) / (TRIED - 1))
 
     def _seconds_of_state(self, scene: Scene) -> float:
         if self._large:
             return self._coarse.state_seconds(scene)
-        grid = self._pair.resolution.grid
+        grid = self._pair.discretization.grid
         return max(TINY_S, self._coarse.fine_seconds(scene, grid, few=TRIED) - self._call_s)
 
     def _by_work(self, effect: Effect) -> tuple[float, int]:

@@ -1,4 +1,4 @@
-"""The plan of a scene: sizes on coarse meshes, the price at its own resolution."""
+"""The plan of a scene: sizes on coarse meshes, the price at its own discretization."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def plan(scene: Scene) -> Plan:
     """What a run of a scene will simulate, what that costs and how much each effect changes.
 
     Sizes come from sweeps on coarse meshes (0.2 % of the rotation beside the fine ones), the price
-    from a few states at the scene's own resolution: less than a second in all for most scenes.
+    from a few states at the scene's own discretization: less than a second in all for most scenes.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ from flankload.plan.planned import IMPOSSIBLE
 from flankload.plan.sizes import Size, States, scaled, size_of
 from flankload.plan.variants import is_readable, other_way
 from flankload.scene import Cam
+from flankload.scene.discretization import Grid, choose_discretization
 from flankload.scene.effects import EFFECTS, Effect
-from flankload.scene.resolution import Grid, choose_resolution
 
 if TYPE_CHECKING:
     from flankload.plan.coarse import Coarse
@@ -87,7 +87,7 @@ class Sizes:
 
     def _of_finite(self, scene: Scene, *, on: bool) -> Size:
         """Size of finite forces under the largest torque, from wide cells to those of the run."""
-        grid = choose_resolution(self._scene).grid
+        grid = choose_discretization(self._scene).grid
         if self._coarse.state_seconds(self._scene) > DEAR_S and not on:
             part = FINITE_PART * FINITE_STRIPS / grid.strips_per_half_width
             return part_of_wind_up(part, self._base[-1], self._unloaded, self._coarse)
@@ -101,7 +101,7 @@ class Sizes:
         """States of another scene and of this one; on fine cells where cells are what differs."""
         if not fine:
             return self._coarse.states(scene), self._base
-        grid = choose_resolution(self._scene).grid
+        grid = choose_discretization(self._scene).grid
         other = self._coarse.states(scene, grid=grid)
         return other, self._coarse.states(self._scene, grid=grid)
 

@@ -1,7 +1,7 @@
 """What a run will cost, stage by stage, before it runs.
 
 Finite elements are priced by their number, calibrated by the coarse ones that the plan has solved;
-the sweep by a few of its own states, at its own resolution. What can be counted before is.
+the sweep by a few of its own states, at its own discretization. What can be counted before is.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -213,7 +213,7 @@ def _price_given(compliance: BodyCompliance) -> Account:
 
 # --- sweeps ---------------------------------------------------------------------------------------
 def _price_sweeps(scene: Scene, pair: BodyPair, compliances: Compliances) -> dict[str, Account]:
-    """Sweep, tangent and estimate from a few of their states, at the run's own resolution."""
+    """Sweep, tangent and estimate from a few of their states, at the run's own discretization."""
     torques = [1000.0 * torque for torque in scene.torques_Nm]
     loaded = [torque for torque in torques if torque > 0]
     pair, compliances = grown_pair(pair, compliances)
@@ -257,7 +257,7 @@ class _Probe:
 
     def states(self, position_rad: Floats, account: Account) -> None:
         """The sweep itself."""
-        grid = self._pair.resolution.grid
+        grid = self._pair.discretization.grid
         self._found[position_rad.size] = found = self._run(
             position_rad=position_rad, grid=grid, torques_Nmm=self._torques, account=account
         )
@@ -268,7 +268,7 @@ class _Probe:
         again = partial(
             self._again,
             position_rad=position_rad,
-            grid=self._pair.resolution.grid,
+            grid=self._pair.discretization.grid,
             compliances=self._compliances,
             account=account,
         )
@@ -287,7 +287,7 @@ class _Probe:
                 loaded,
                 run,
                 self._estimated,
-                self._pair.resolution.grid,
+                self._pair.discretization.grid,
                 lumped=self._pair.effects.lumped_contact,
                 position_rad=position_rad,
             )

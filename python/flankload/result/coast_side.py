@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.resolution import Grid
+    from flankload.scene.discretization import Grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def coast_side(
         pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
     )
     return coast, ""

@@ -11,10 +11,8 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
 
-#: Kinds of bodies whose profile the keys of a scene make.
-PARAMETRIC = ("gear", "ring", "spline_shaft", "spline_hub")
 #: Labels of the curve before and behind a corner: what it is, and the key that takes it away. What
 #: is not here is the end of the curve.
 CORNERS = {
@@ -77,7 +75,7 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
 
 def _corner(body: Body, s: float) -> tuple[str, str]:
     """The corner next to a place, and its cure."""
-    if body.kind not in PARAMETRIC:
+    if not body.is_parametric:
         return OF_FILE
     curve, ends = body.curve, body.active_range_mm or ()
     corners = np.flatnonzero(curve.corners)

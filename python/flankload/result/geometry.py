@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
 
 
 @dataclass(frozen=True, eq=False)

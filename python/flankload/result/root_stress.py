@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.root_fillet import RootPoints
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.pairs import PairTable
 
 Floats = NDArray[np.float64]

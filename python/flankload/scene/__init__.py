@@ -4,15 +4,16 @@ Here stands the form of the input (types, keys, ranges, combinations of keys). W
 is possible is for the bodies and the pairing to say.
 """
 
-from flankload.scene.belt_tables import Belt, Pulley
-from flankload.scene.cam_tables import Cam, Follower
-from flankload.scene.chain_tables import Chain, Sprocket
-from flankload.scene.gear_tables import Gear, Ring, SplineHub, SplineShaft
-from flankload.scene.mesh_tables import ComplianceBody, MeshBody, Profile
-from flankload.scene.pair_tables import Load
+from flankload.scene.belt import Belt, Pulley
+from flankload.scene.cam import Cam, Follower
+from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
+from flankload.scene.pair import Load
+from flankload.scene.reader import read_scene
 from flankload.scene.scene import Scene
-from flankload.scene.scene_file import read_scene, scene_schema
-from flankload.scene.tables import BodySpec
+from flankload.scene.scene_file import BodySpec
+from flankload.scene.schema import scene_schema
 
 __all__ = [
     "Belt",

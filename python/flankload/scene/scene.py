@@ -10,11 +10,12 @@ from typing import Any
 from msgspec.structs import replace
 
 from flankload.errors import SceneError
-from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.belt import Belt
+from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import read_table
-from flankload.scene.pair_tables import Load, Pair, Positions
-from flankload.scene.rules import check_body, check_whole
-from flankload.scene.tables import Accuracy, Body1, Body2, SceneFile
+from flankload.scene.pair import Load, Pair, Positions
+from flankload.scene.scene_file import Body1, Body2, SceneFile
 
 #: N mm in a N m.
 N_MM_PER_N_M = 1000.0
@@ -82,8 +83,7 @@ class Scene:
     @property
     def torques_Nm(self) -> tuple[float, ...]:
         """All torques on body 1, N m."""
-        torque = self.load.torque_Nm
-        return torque if isinstance(torque, tuple) else (float(torque),)
+        return self.load.torques_Nm
 
     @property
     def torques_Nmm(self) -> tuple[float, ...]:
@@ -96,6 +96,16 @@ class Scene:
         return isinstance(self.load.torque_Nm, tuple)
 
     @property
+    def is_drive(self) -> bool:
+        """Whether a chain or a belt lies around body 1."""
+        return self.body_2.is_drive
+
+    @property
+    def is_concentric(self) -> bool:
+        """Whether the axes of a spline are one, so that all positions are alike."""
+        return self.body_1.conforms and self.pair.axes_apart_mm == 0.0
+
+    @property
     def sectors(self) -> int | None:
         """Sectors of a body that yield, an odd number; None for all of them."""
         if self.effects.body == "whole":
@@ -103,12 +113,14 @@ class Scene:
         return 1 if self.effects.body == "tooth" else self.effects.segment_teeth
 
     @property
+    def is_loaded(self) -> bool:
+        """By a torque, by flanks that may press on each other across the teeth, or by a belt."""
+        return any(self.torques_Nm) or self.effects.coast_flank or isinstance(self.body_2, Belt)
+
+    @property
     def has_friction(self) -> bool:
         """Whether flanks rub anywhere: a coefficient that is not 0."""
-        asked = self.effects.friction_coefficient
-        if not isinstance(asked, tuple):
-            return bool(asked)
-        return any(row[1] if isinstance(row, tuple) else row for row in asked)
+        return self.effects.has_friction
 
     def check(self) -> None:
         """Refuse what no scene file may have, of a scene whose keys were changed.
@@ -118,19 +130,18 @@ class Scene:
         SceneError
             At the first key that contradicts another one; names key, expected and found.
         """
-        drives = self.body_2.kind in ("chain", "belt")
         asked = SceneFile(
             name=self.name,
             body_1=self.body_1,
             body_2=self.body_2,
-            pair=None if drives and self.pair == NO_PAIR else self.pair,
+            pair=None if self.body_2.is_drive and self.pair == NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
             effects=self.effects,
             accuracy=self.accuracy,
         )
         named = {key: getattr(self.effects, key) for key in self.named_effects}
-        check_whole(asked, {"effects": named})
+        asked.check({"effects": named})
 
     @classmethod
     def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:
@@ -156,9 +167,9 @@ class Scene:
         path = Path(file) if file is not None else None
         try:
             asked = read_table(SceneFile, d, "")
-            for key, body in (("body_1", d["body_1"]), ("body_2", d["body_2"])):
-                check_body(getattr(asked, key), body, key)
-            check_whole(asked, d)
+            asked.body_1.check(d["body_1"], "body_1")
+            asked.body_2.check(d["body_2"], "body_2")
+            asked.check(d)
             asked = _without_repetition(asked, d)
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
@@ -181,9 +192,8 @@ class Scene:
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
     """Concentric splines and belts have one position, unless more are asked for."""
-    spline = asked.body_1.kind == "spline_shaft" and asked.pair is not None
-    concentric = spline and asked.pair.axes_apart_mm == 0  # type: ignore[union-attr]
-    if not concentric and asked.body_2.kind != "belt":
+    concentric = asked.pair is not None and asked.body_1.conforms and not asked.pair.axes_apart_mm
+    if not concentric and not isinstance(asked.body_2, Belt):
         return asked
     if {"count", "angles_deg"} & set(given.get("positions", {})):
         return asked

@@ -1,84 +1,67 @@
-"""A scene as a file: reading it, the schema of what may stand in it."""
+"""A whole scene file: the tables of its parts put together, and the rules that lie between them.
 
-from __future__ import annotations
+The reader (`form`) and the JSON schema are both made from these tables, every key once with its
+type, range, unit and meaning.
+"""
 
-import tomllib
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from flankload.errors import SceneError
-from flankload.scene.form import json_schema
-from flankload.scene.scene import Scene
-from flankload.scene.tables import SceneFile
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.belt import Belt, Pulley
+from flankload.scene.cam import Cam, Follower
+from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.drive import check_drive
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.effects.rules import check_effects
+from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.mesh import ComplianceBody, MeshBody
+from flankload.scene.pair import Load, Pair, Positions, check_partners
+from flankload.scene.refusal import refuse
+from flankload.scene.table import Table, Text, about
 
-
-def read_scene(path: str | Path) -> Scene:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : path
-        TOML file; mesh files in it are relative to its folder.
-
-    Returns
-    -------
-    Scene
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read, is no TOML, or asks for something impossible.
-    """
-    path = Path(path)
-    try:
-        tables = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise SceneError(
-            file=path, key="file", expected="a scene file to read", found=_reason(error)
-        ) from None
-    except UnicodeDecodeError as error:
-        raise SceneError(
-            file=path,
-            key="file",
-            expected="text in UTF-8",
-            found=_strange_byte(error),
-        ) from None
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(
-            file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
-        ) from None
-    except (RecursionError, ValueError) as error:
-        # What tomllib hands on from Python itself.
-        expected, found = (
-            ("numbers of a few digits", "one of thousands of digits")
-            if isinstance(error, ValueError)
-            else ("lists of a few levels", "too many levels")
-        )
-        raise SceneError(file=path, key="file", expected=expected, found=found) from None
-    return Scene.from_dict(tables, file=path)
+Body1 = Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody
+Body2 = Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody
+BodySpec = Body1 | Body2
 
 
-def scene_schema() -> dict[str, Any]:
-    """JSON schema of a scene file, with unit and meaning of each key.
+class SceneFile(Table, frozen=True, kw_only=True):
+    """A whole scene file."""
 
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12; the keyword `unit` stands beside each number.
-    """
-    return {**json_schema(SceneFile), "title": "flankload scene"}
+    name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
+    body_1: Annotated[Body1, about("", "free to turn, carries the torque")]
+    body_2: Annotated[Body2, about("", "stands at its kinematic angle")]
+    pair: Annotated[
+        Pair | None, about("", "needed, but for chains and belts, which know none of it")
+    ] = None
+    load: Load
+    positions: Positions = Positions()
+    effects: EffectsAsked = EffectsAsked()
+    accuracy: Accuracy = Accuracy()
 
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Refuse what does not go together between the tables.
 
-def _reason(error: OSError) -> str:
-    return (error.strerror or type(error).__name__).lower()
+        Parameters
+        ----------
+        given : mapping
+            The scene as it stands in the file.
 
-
-def _strange_byte(error: UnicodeDecodeError) -> str:
-    line = error.object.count(b"\n", 0, error.start) + 1
-    return f"line {line}: byte 0x{error.object[error.start]:02x}"
-
-
-def _syntax_error(message: str) -> str:
-    """What tomllib says, with the place in front: "line 3, column 7: unclosed string"."""
-    text, _, place = message.partition(" (at ")
-    return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()
+        Raises
+        ------
+        SceneError
+            At the first key that contradicts another one; names key, expected and found.
+        """
+        check_partners(self.body_1, self.body_2)
+        check_drive(self, given)
+        if self.pair is not None:
+            self.pair.check(self.body_1, self.body_2)
+        check_effects(self, given)
+        self.positions.check(given.get("positions", {}))
+        if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
+            refuse(
+                "body_2.rigid",
+                "false, since body_1.rigid is true: where neither body yields, nothing says how "
+                "the flanks share the torque",
+                True,
+            )

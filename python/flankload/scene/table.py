@@ -1,6 +1,7 @@
 """What all tables of a scene file are made of: numbers, notes on keys, what bodies share."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from msgspec import Meta, Struct
 
@@ -20,7 +21,6 @@ Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[Torque, ...], Meta(min_length=1)]
 Shift = Annotated[float, Meta(ge=-5, le=5)]
-Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
 def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:
@@ -74,12 +74,55 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
-    """What the tables of all kinds of bodies have in common."""
+    """What the tables of all kinds of bodies have in common.
+
+    Attributes
+    ----------
+    partner : str or None
+        The one kind of body that this one goes with, where there is only one.
+    from_file : bool
+        A file has the elements or the compliance of the body.
+    brings_compliance : bool
+        That file has its compliance, and no elements.
+    is_drive : bool
+        The body is a part of a chain or belt drive, which has no flanks that roll on each other.
+    has_teeth : bool
+        The body has teeth with involute-like flanks; a cam and its follower have none.
+    conforms : bool
+        The flanks of a pair of such bodies fit each other, and touch over a length.
+    """
+
+    partner: ClassVar[str | None] = None
+    from_file: ClassVar[bool] = False
+    brings_compliance: ClassVar[bool] = False
+    is_drive: ClassVar[bool] = False
+    has_teeth: ClassVar[bool] = True
+    conforms: ClassVar[bool] = False
 
     @property
     def kind(self) -> str:
         """Kind of the body, as the scene file names it."""
         return str(self.__struct_config__.tag)
+
+    @property
+    def flank_keys(self) -> tuple[str, Table | None]:
+        """Where the keys of an involute flank stand ("", "profile."), and their table, if any."""
+        return "", None
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse keys of this table that contradict each other; most bodies have none.
+
+        Parameters
+        ----------
+        given : mapping
+            The keys that the scene names.
+        key : str
+            "body_1" or "body_2".
+
+        Raises
+        ------
+        SceneError
+        """
 
 
 class EvenBody(BodyTable, frozen=True, kw_only=True):

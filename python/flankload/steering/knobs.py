@@ -10,7 +10,7 @@ from flankload.bodies import SPLINE_PART
 from flankload.bodies.imported.given import ModalCompliance
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene import Belt, Chain, ComplianceBody, MeshBody
-from flankload.scene.resolution import DEFAULT, elements_for_modes
+from flankload.scene.discretization import DEFAULT, elements_for_modes
 
 if TYPE_CHECKING:
     from flankload.bodies import Body

@@ -31,7 +31,7 @@ MUCH_NEARER = 0.7
 
 
 class Run(Protocol):
-    """A run of a scene, `solve_with`."""
+    """A run of a scene, `run_once`."""
 
     def __call__(
         self, scene: Scene, kept: Kept, progress: Progress | None

@@ -19,9 +19,10 @@ from flankload.elasticity.near_field import (
     projected_logarithm,
 )
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.states import window_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.cam_motion import Stand
 from flankload.plot import plot_all, plot_follower_motion, plot_loaded_pair
 from tests.support.cam_scenes import (

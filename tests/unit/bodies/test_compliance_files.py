@@ -23,7 +23,8 @@ from flankload.cli import main
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.near_field import mode_norms, mode_values, projected_logarithm
 from flankload.errors import ComplianceFileError, SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from tests.support.compliance_scenes import (
     FROM_FILE_1,
     FROM_FILE_2,

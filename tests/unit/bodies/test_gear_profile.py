@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.gear_profile import GearProfile, gear_profile
-from flankload.bodies.involute.involute import InvoluteFlank, Modifications
+from flankload.bodies.profile.gear_profile import GearProfile, gear_profile
+from flankload.bodies.profile.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.scene import Gear
 from tests.support.ring_bodies import gear

@@ -7,9 +7,9 @@ from math import cos, hypot, pi, radians, sqrt, tan
 import numpy as np
 import pytest
 
-from flankload.bodies.involute.gear_profile import gear_profile
 from flankload.bodies.involute.ring import build_ring
-from flankload.bodies.involute.ring_profile import RingProfile, ring_profile
+from flankload.bodies.profile.gear_profile import gear_profile
+from flankload.bodies.profile.ring_profile import RingProfile, ring_profile
 from flankload.errors import SceneError
 from flankload.scene import Gear
 from tests.support.ring_bodies import ring

@@ -11,9 +11,9 @@ from skfem import Basis, ElementQuad2, MeshQuad2
 from flankload.bodies import build_body
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.gear_profile import gear_profile
 from flankload.bodies.involute.ring import build_ring
 from flankload.bodies.involute.sector_mesh import sector_mesh
+from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.elasticity.compliance import flank_compliance
 from flankload.errors import SceneError
 from flankload.meshes.blocks import growing_breaks, symmetric_breaks

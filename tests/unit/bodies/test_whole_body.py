@@ -13,16 +13,16 @@ import flankload as fl
 from flankload.base.array_archive import archive_of
 from flankload.bodies import WholeMesh
 from flankload.bodies.imported.body_file import write_body
-from flankload.bodies.imported.modal_file import modal_arrays
 from flankload.cli import main
+from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.meshes.plane_mesh import boundary_edges
-from flankload.scene.mesh_tables import ComplianceBody
-from flankload.scene.pair_tables import Positions
-from flankload.scene.tables import Accuracy
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.mesh import ComplianceBody
+from flankload.scene.pair import Positions
 from tests.support.mesh_files import (
     COARSE_MM,
     COARSE_PINION,

@@ -15,8 +15,9 @@ from flankload.bodies.profile_deviation import deviation_at
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_norms, mode_values
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.pairing.body_pair import BodyPair
 from tests.support.gear_pair import GEARS, ONE, TWO
 from tests.support.sweep_calls import assert_same
 from tests.support.tolerances import SOLVER
@@ -58,7 +59,7 @@ def swept(
         position_rad=pair.position_rad,
         torques_Nmm=[1000.0 * torque_Nm],
         face_width_mm=14.0,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
     )
     return found
 

@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 
 import flankload as fl
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
-from flankload.scene.resolution import DEFAULT, elements_for_modes
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
+from flankload.scene.discretization import DEFAULT, elements_for_modes
 from tests.support.paths import SCENES
 
 #: Largest pressure of the spline, MPa: 40 strips, elements of 0.05 mm, 8 modes (5: 0.2 % less).

@@ -20,8 +20,8 @@ import flankload as fl
 from flankload import _core
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.belt import BeltDrive
-from flankload.scene.effect_tables import EffectsAsked
 from flankload.scene.effects import EFFECTS, Effect, switches_of
+from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 

@@ -22,7 +22,8 @@ from flankload.elasticity.near_field import (
     strip_kernel,
 )
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.plot import plot_flank_forces, plot_loaded_pair
 from flankload.result import Result
 from flankload.scene import Ring

@@ -103,7 +103,7 @@ def test_pressure_is_held_against_the_softer_body_that_yields() -> None:
         position_rad=pair.position_rad,
         torques_Nmm=[0.0],
         face_width_mm=14.0,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
     )
     geometry = pair_geometry(pair, nothing)
 

@@ -10,7 +10,8 @@ import pytest
 
 import flankload as fl
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.gear_pair import describe_mesh
 from tests.support.gear_scenes import usable_contact_ratio
 from tests.support.random_scenes import inv

@@ -9,7 +9,8 @@ import pytest
 
 import flankload as fl
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import usable_contact_ratio
 from tests.support.tolerances import SOLVER

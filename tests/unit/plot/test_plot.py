@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 import flankload as fl
 from flankload import plot
-from flankload.bodies.involute.involute import Involute
+from flankload.bodies.profile.involute import Involute
 from flankload.bodies.profile_deviation import ProfileDeviation, deviation_at
 from flankload.plot import (
     plot_all,

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.result import Result, results_to_csv, stiffness_table
 from flankload.result.flank_contact import loaded_length
 from tests.support.made_up_result import made_up_result

@@ -1,15 +1,18 @@
 """The table of effects: its rows, what switches them, and what it may not leave out."""
 
+import tomllib
+from copy import deepcopy
 from dataclasses import astuple, fields
 from typing import Any
 
 import pytest
 
+from flankload.errors import SceneError
 from flankload.scene import Scene
-from flankload.scene.effect_tables import EffectsAsked
-from flankload.scene.effects import EFFECTS, Effects, effects_of, switches_of
+from flankload.scene.effects import EFFECTS, Effect, Effects, effects_of, switches_of
+from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import SCENE, changed
-from tests.support.paths import DOCS
+from tests.support.paths import DOCS, SCENES
 
 PAGE = DOCS / "guide" / "effects.md"
 ROWS = {effect.name: effect for effect in EFFECTS}
@@ -72,6 +75,38 @@ def test_excluded_effects_stand_in_the_table_both_ways() -> None:
     for effect in EFFECTS:
         for other in effect.excludes:
             assert effect.name in ROWS[other].excludes
+
+
+def scene_of(effect: Effect, *, on: bool, **keys: Any) -> Scene:
+    """A scene that may have an effect, with it or without it."""
+    wanted = dict(effect.on if on else effect.off)
+    if effect.only_for:
+        tree = tomllib.loads((SCENES / f"{effect.only_for}.toml").read_text(encoding="utf-8"))
+        tree.setdefault("load", {})["slack_tension_N"] = 10.0
+    else:
+        tree = deepcopy(SCENE)
+    named = {key: value for key, value in {**wanted, **keys}.items() if value is not None}
+    tree["effects"] = {**tree.get("effects", {}), **named}
+    return Scene.from_dict(tree, file="a.toml")
+
+
+@pytest.mark.parametrize("name", [name for name, effect in ROWS.items() if effect.on])
+def test_keys_of_a_record_switch_its_effect(name: str) -> None:
+    effect = ROWS[name]
+    assert effect.switch(scene_of(effect, on=True)).on
+    assert not effect.switch(scene_of(effect, on=False)).on
+
+
+@pytest.mark.parametrize(
+    ("name", "other"), [(name, other) for name in ROWS for other in ROWS[name].refused_with]
+)
+def test_excluded_effect_is_refused_in_the_words_of_its_record(name: str, other: str) -> None:
+    effect = ROWS[name]
+    more = {key: value for key, value in ROWS[other].on.items() if value is not None}
+    with pytest.raises(SceneError) as caught:
+        scene_of(effect, on=True, **more)
+    assert caught.value.key == f"effects.{effect.key}"
+    assert caught.value.expected == effect.refused_with[other]
 
 
 def test_effects_are_the_switches() -> None:

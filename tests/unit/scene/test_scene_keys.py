@@ -4,9 +4,10 @@ import datetime
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pytest
 
-from flankload.scene.effect_tables import EffectsAsked
+from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
 
 #: Kinds of body 1, as a message names them.
@@ -271,6 +272,30 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "body_1.pitch_errors_um[0]",
             "a number from -1e+06 to 1e+06",
             "1e+300",
+        ),
+        (
+            {"effects__temperature_rise_K": ["a"]},
+            "effects.temperature_rise_K",
+            "a list of 2 numbers from -273 to 2000",
+            "['a']",
+        ),
+        (
+            {"effects__friction_coefficient": [[0.0, float("inf")], [1.0, 0.1]]},
+            "effects.friction_coefficient[0][1]",
+            "a number",
+            "inf",
+        ),
+        (
+            {"body_1__tip_relief_um": None},
+            "body_1.tip_relief_um",
+            "a number from 0 to 1e+06",
+            "None",
+        ),
+        (
+            {"load": np.array([1.0, 2.0])},
+            "load",
+            "a table",
+            "[1.0, 2.0]",
         ),
         (
             {"load__torque_Nm": [1, -2]},

@@ -15,7 +15,7 @@ from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.notes import FEWER_DO
 from flankload.result.accuracy_lines import accuracy_lines, percent
-from flankload.scene.resolution import elements_for_modes
+from flankload.scene.discretization import elements_for_modes
 from flankload.setting import Setting
 from flankload.steering import first_pick, first_scene, pick
 from flankload.steering.bought import bought

@@ -16,8 +16,9 @@ import flankload as fl
 from flankload.bodies import Material
 from flankload.cli import main
 from flankload.errors import OtherProgramError, SceneError
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import jacobians, scaled_jacobians
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import friction_of
 from flankload.studies.verification.calculix import read_answer, run_deck, version_of
 from flankload.studies.verification.contact_places import Place, contact_places

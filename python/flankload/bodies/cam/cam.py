@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flankload.bodies.cam.cam_profile import CamProfile
     from flankload.scene import Cam
 
-#: Elements around the profile at the default resolution: at least so many, so many on a length as
+#: Elements around the profile by default: at least so many, so many on a length as
 #: long as the wall is thick, on a radian of the sharpest nose, and at most so many.
 LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
 #: Pressure modes, over those of a gear's flank, for each element: a harmonic lies on five.
@@ -53,7 +53,7 @@ def build_cam(
     flank_element_mm : float or None
         Largest length of a finite element along the profile.
     fineness : float
-        Where that is None: elements along the profile, over those at the default resolution.
+        Where that is None: elements along the profile, over those at the default discretization.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def build_cam(
 
 
 def _elements(profile: CamProfile, bore_radius: float) -> float:
-    """Elements around the profile at the default resolution."""
+    """Elements around the profile at the default discretization."""
     curve, wall = profile.curve, profile.least_radius_mm - bore_radius
     sharpest = float(curve.curvature(curve.breaks).max())
     wanted = curve.length_mm * max(ELEMENTS_PER_WALL / wall, ELEMENTS_PER_RADIAN * sharpest)

@@ -28,7 +28,7 @@ DEFAULT_FLAT_ARM = 0.2
 #: A roller ends, as a flank, where it lies along circles about O1: less than this part of the
 #: distance from O1 is left as lever there.
 LEAST_RISE = 0.03
-#: Elements along a roller at the default resolution, and pressure modes over those of a gear.
+#: Elements along a roller at the default discretization, and pressure modes over those of a gear.
 ROLLER_ELEMENTS = 24
 ROLLER_MODES_PART = 2.0
 #: The same along a flat, on each arm width.
@@ -75,7 +75,7 @@ def build_follower(
     flank_element_mm : float or None
         Largest length of a finite element along roller or flat.
     fineness : float
-        Where that is None: elements along the flank, over those at the default resolution.
+        Where that is None: elements along the flank, over those at the default discretization.
 
     Returns
     -------

@@ -7,11 +7,11 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.bodies.body import checked_pitch_errors
 from flankload.bodies.imported import modal_file, nodal_file
-from flankload.bodies.involute.gear import checked_pitch_errors
 from flankload.errors import SceneError
 from flankload.meshes.io.named_arrays import read_arrays
-from flankload.scene.gear_rules import LARGEST_PITCH_ERROR
+from flankload.scene.gear import LARGEST_PITCH_ERROR
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body

@@ -13,7 +13,7 @@ import numpy as np
 
 from flankload.bodies.body import FlankNodes
 from flankload.bodies.imported.mesh_flank import in_order, middles_are_straight
-from flankload.bodies.involute.gear_profile import gear_profile
+from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.errors import SceneError
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.imported.mesh_source import MeshSource
-    from flankload.bodies.involute.involute import Involute
+    from flankload.bodies.profile.involute import Involute
     from flankload.scene import MeshBody
 
     Floats = NDArray[np.float64]

@@ -1,7 +1,7 @@
-"""flankload's own compliance file: a body with the compliance of its flanks, number by number.
+"""flankload's own compliance file, read: a body with the compliance of its flanks.
 
-`docs/guide/compliance_files.md` describes the arrays. A body that is read back is the one that was
-written, bit by bit, without its elements.
+`elasticity.modal_arrays` writes it; `docs/guide/compliance_files.md` describes the arrays. A body
+that is read back is the one that was written, bit by bit, without its elements.
 """
 
 from __future__ import annotations
@@ -14,16 +14,13 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.imported.given import ModalCompliance, read_material
-from flankload.bodies.involute.involute import Involute
+from flankload.bodies.profile.involute import Involute
 from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
 
-    from flankload.elasticity.compliance import BodyCompliance
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
@@ -66,57 +63,6 @@ INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 LARGEST_JUMP = 1e-6
 #: The curve runs by its own arc length to this relative difference.
 LARGEST_STRETCH = 1e-3
-
-
-def modal_arrays(
-    body: Body, compliance: BodyCompliance, *, plane: str
-) -> Mapping[str, NDArray[Any]]:
-    """What the file of a body holds.
-
-    Parameters
-    ----------
-    body : Body
-    compliance : BodyCompliance
-        Of an elastic body.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    mapping of str to array
-    """
-    curve = body.curve
-    arrays: dict[str, Any] = {
-        "format": FORMAT,
-        "version": 1 if compliance.tangential is None else 2,
-        "kind": body.kind,
-        "teeth": body.teeth,
-        "young_modulus_MPa": body.material.young_modulus_MPa,
-        "poisson_ratio": body.material.poisson_ratio,
-        "plane": plane,
-        "curve_breaks": curve.breaks,
-        "curve_coefficients": curve.coefficients,
-        "curve_labels": np.array(curve.labels, dtype=np.str_),
-        "curve_corners": curve.corners,
-        "mode_range_mm": compliance.mode_range_mm,
-        "smooth": compliance.smooth,
-        "kernel": compliance.kernel,
-        "asymmetry": compliance.asymmetry,
-        "reference_radius_mm": body.reference_radius_mm,
-        "flank_angle_known": int(body.flank_angle_known),
-        "pitch_errors_um": np.array(body.pitch_errors_um, dtype=float),
-        "flanks": np.array(compliance.flanks, dtype=np.int64),
-        "flank_turns_rad": np.array(body.flank_turns_rad, dtype=float),
-        "named_teeth": np.array(body.named_teeth, dtype=np.int64),
-        "outline": body.outline,
-        "bore_radius_mm": body.bore_radius_mm,
-        "notes": np.array(body.notes, dtype=np.str_),
-    }
-    if compliance.tangential is not None:
-        arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
-    if body.involute is not None:
-        for name, part in INVOLUTE.items():
-            arrays[name] = getattr(body.involute, part.name)
-    return {name: np.asarray(value) for name, value in arrays.items()}
 
 
 def read_modal(found: NamedArrays) -> Body:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flankload.bodies.body import Body, Material
-from flankload.bodies.involute.gear_profile import gear_profile
+from flankload.bodies.body import Body, Material, checked_pitch_errors
 from flankload.bodies.involute.sector_mesh import sector_mesh
+from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -82,20 +82,3 @@ def outward_body(
         outline=profile.outline(),
         bore_radius_mm=bore_radius,
     )
-
-
-def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
-    """Pitch errors of a body: none, or one per tooth.
-
-    Raises
-    ------
-    SceneError
-        If there is another number of them.
-    """
-    if errors_um and len(errors_um) != teeth:
-        raise SceneError(
-            key=f"{key}.pitch_errors_um",
-            expected=f"one entry per tooth: {teeth}",
-            found=f"{len(errors_um)} entries",
-        )
-    return tuple(errors_um)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flankload.bodies.body import Body, Material
-from flankload.bodies.involute.gear import checked_pitch_errors
+from flankload.bodies.body import Body, Material, checked_pitch_errors
 from flankload.bodies.involute.ring_mesh import ring_mesh
-from flankload.bodies.involute.ring_profile import ring_profile
+from flankload.bodies.profile.ring_profile import ring_profile
 
 if TYPE_CHECKING:
     from flankload.scene import Ring, SplineHub

@@ -20,7 +20,7 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from flankload.bodies.involute.ring_profile import RingProfile
+    from flankload.bodies.profile.ring_profile import RingProfile
     from flankload.flank import FlankCurve
 
     Floats = NDArray[np.float64]

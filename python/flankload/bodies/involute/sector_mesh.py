@@ -24,8 +24,8 @@ from flankload.meshes.plane_mesh import jacobians
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.involute.gear_profile import GearProfile
     from flankload.bodies.involute.sector_breaks import ToothCurve, ToothForm
+    from flankload.bodies.profile.gear_profile import GearProfile
 
     Floats = NDArray[np.float64]
     T = TypeVar("T", np.int64, np.float64)

@@ -53,7 +53,7 @@ def build_spline_hub(
     spec: SplineHub, key: str, *, flank_element_mm: float, flank_nodes_mm: float | None = None
 ) -> Body:
     """Build the hub of a spline; see `build_spline_shaft`."""
-    from flankload.scene.gear_tables import SPLINE_FILLET
+    from flankload.scene.gear import SPLINE_FILLET
 
     radius = spec.root_fillet_radius_mm
     if radius is None:

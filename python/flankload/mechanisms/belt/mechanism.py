@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Discretization
 
 
 class TimingBelt:
@@ -38,7 +38,7 @@ class TimingBelt:
     without_flanks: str | None = "'belt', which lies on its pulley as a strip"
 
     def build(
-        self, scene: Scene, discretization: Resolution | None, account: Account
+        self, scene: Scene, discretization: Discretization | None, account: Account
     ) -> BeltAssembly:
         """Assemble belt and pulley; elements follow the keys of the scene."""
         return assemble(scene)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Discretization
 
 
 class ChainOnSprocket:
@@ -36,7 +36,7 @@ class ChainOnSprocket:
     without_flanks: str | None = "'chain', whose sprocket has pockets and which is a truss"
 
     def build(
-        self, scene: Scene, discretization: Resolution | None, account: Account
+        self, scene: Scene, discretization: Discretization | None, account: Account
     ) -> ChainAssembly:
         """Assemble sprocket and chain; a truss has no discretization."""
         return assemble(scene)

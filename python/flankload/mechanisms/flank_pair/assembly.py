@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,19 +13,24 @@ from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import require_flanks
-from flankload.pairing.expansion import Growth, growth_notes, growth_of
+from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import (
-    Friction,
     coefficients_by_tooth,
     friction_notes,
     friction_of,
 )
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
-from flankload.pairing.pairing import Pairing, pair_bodies
+from flankload.pairing.pairing import pair_bodies
 from flankload.pairing.period import Period, period_of
-from flankload.scene.effect_rules import check_coast_kinds
+from flankload.scene.discretization import (
+    DEFAULT,
+    Discretization,
+    choose_discretization,
+    elements_for_modes,
+)
 from flankload.scene.effects import Effects, effects_of
-from flankload.scene.resolution import DEFAULT, Resolution, choose_resolution, elements_for_modes
+from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
 #: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
@@ -38,75 +43,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.scene import Scene
-    from flankload.scene.pair_tables import Positions
-
-
-@dataclass(frozen=True)
-class BodyPair:
-    """Both bodies and how they stand to each other.
-
-    Attributes
-    ----------
-    body_1, body_2 : Body
-    pairing : Pairing
-    resolution : Resolution
-    effects : Effects
-    position_rad : (P,) array
-        Angles of body 1 from position zero; of adaptive positions those to begin with.
-    pitches : int or None
-        Tooth pitches that the positions run over; None where they are single angles.
-    closed : bool
-        All repeats after them (with pitch errors one tooth pitch is no period).
-    adaptive : bool
-        More positions are looked for.
-    notes : tuple of str
-        What a user must know of bodies and pair.
-    friction : Friction or None
-        None where the scene has no friction.
-    fillets : two RootFillets or None
-        Where stress is asked for.
-    growth : two Growth or None
-        What makes the bodies grow.
-    standing_note : str or None
-        How far apart flanks stand whose place their files give.
-    """
-
-    body_1: Body
-    body_2: Body
-    pairing: Pairing
-    resolution: Resolution
-    effects: Effects
-    position_rad: NDArray[np.float64]
-    pitches: int | None
-    closed: bool
-    adaptive: bool
-    notes: tuple[str, ...]
-    friction: Friction | None = None
-    fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
-    growth: tuple[Growth | None, Growth | None] = (None, None)
-    standing_note: str | None = None
-
-    @property
-    def period_rad(self) -> float:
-        """Period of the curves: what the positions run over, where all repeats after it."""
-        if self.closed and self.pitches is not None:
-            return self.pitches * self.pairing.pitch_rad
-        return self.pairing.period_rad
-
-    @property
-    def turn_1(self) -> float:
-        """Turn of body 1's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[0]
-
-    @property
-    def turn_2(self) -> float:
-        """Turn of body 2's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[1]
+    from flankload.scene.pair import Positions
 
 
 def bodies_of(
     scene: Scene,
-    resolution: Resolution,
+    discretization: Discretization,
     which: tuple[int, ...] = (0, 1),
     *,
     alike: tuple[Body, Body] | None = None,
@@ -116,7 +58,7 @@ def bodies_of(
     Parameters
     ----------
     scene : Scene
-    resolution : Resolution
+    discretization : Discretization
     which : tuple of int
         0 is body 1, 1 body 2.
     alike : two Body, optional
@@ -136,14 +78,15 @@ def bodies_of(
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
-            element_mm, nodes_mm = None, _nodes_mm(scene, resolution, alike)
-        bodies = tuple(_body(scene, resolution, z, element_mm, nodes_mm) for z in which)
+            element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike)
+        bodies = tuple(_body(scene, discretization, z, element_mm, nodes_mm) for z in which)
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
         elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
             bodies = tuple(
-                _bearing(body, scene, resolution, z) for z, body in zip(which, bodies, strict=True)
+                _bearing(body, scene, discretization, z)
+                for z, body in zip(which, bodies, strict=True)
             )
         return bodies
     except SceneError as error:
@@ -152,7 +95,7 @@ def bodies_of(
 
 def build_bodies(
     scene: Scene,
-    resolution: Resolution | None = None,
+    discretization: Discretization | None = None,
     *,
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
@@ -162,7 +105,7 @@ def build_bodies(
     Parameters
     ----------
     scene : Scene
-    resolution : Resolution, optional
+    discretization : Discretization, optional
         Knobs; those of the scene if absent.
     bodies : two Body, optional
         From `bodies_of`, where they are there already.
@@ -178,8 +121,8 @@ def build_bodies(
     SceneError
         If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
     """
-    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
-    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, resolution)
+    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
+    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, discretization)
     try:
         if effects.coast_flanks:
             check_coast_kinds(body_1.kind, body_2.kind)
@@ -208,7 +151,7 @@ def build_bodies(
     except SceneError as error:
         raise _with_file(error, scene) from None
     # the same teeth meet at every position of concentric splines: no window leaves any out
-    window = None if _is_concentric(scene) else pitches
+    window = None if scene.is_concentric else pitches
     # a compliance file may bring pitch errors and modified flanks along
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
@@ -238,7 +181,7 @@ def build_bodies(
         body_1=body_1,
         body_2=body_2,
         pairing=pairing,
-        resolution=resolution,
+        discretization=discretization,
         effects=effects,
         position_rad=position_rad,
         pitches=pitches,
@@ -270,17 +213,20 @@ def _check_nodes(body: Body, key: str) -> None:
 
 
 def _nodes_mm(
-    scene: Scene, resolution: Resolution, alike: tuple[Body, Body] | None
+    scene: Scene, discretization: Discretization, alike: tuple[Body, Body] | None
 ) -> float | None:
     """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
     if scene.accuracy.flank_element_mm is not None:
         return scene.accuracy.flank_element_mm
     if alike is None:
-        alike = _body(scene, resolution, 0, None, None), _body(scene, resolution, 1, None, None)
+        alike = (
+            _body(scene, discretization, 0, None, None),
+            _body(scene, discretization, 1, None, None),
+        )
     return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
 
 
-def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
+def _bearing(body: Body, scene: Scene, discretization: Discretization, z: int) -> Body:
     """The body, its flank as fine as the modes that the scene names want it; the rest as it was."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
@@ -288,18 +234,22 @@ def _bearing(body: Body, scene: Scene, resolution: Resolution, z: int) -> Body:
     if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
         return body
     low, high = body.mode_range_mm
-    return _body(scene, resolution, z, None, (high - low) / wanted)
+    return _body(scene, discretization, z, None, (high - low) / wanted)
 
 
 def _body(
-    scene: Scene, resolution: Resolution, z: int, element_mm: float | None, nodes_mm: float | None
+    scene: Scene,
+    discretization: Discretization,
+    z: int,
+    element_mm: float | None,
+    nodes_mm: float | None,
 ) -> Body:
     return build_body(
         (scene.body_1, scene.body_2)[z],
         f"body_{z + 1}",
         folder=scene.folder,
         flank_element_mm=element_mm,
-        flank_element_parts=resolution.flank_element_parts,
+        flank_element_parts=discretization.flank_element_parts,
         flank_nodes_mm=nodes_mm,
     )
 
@@ -404,20 +354,11 @@ def _beyond_teeth(
     return (note,)
 
 
-def _is_concentric(scene: Scene) -> bool:
-    """Whether a spline's axes are in line."""
-    return scene.body_1.kind == "spline_shaft" and scene.pair.axes_apart_mm == 0.0
-
-
 def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """Concentric splines stand the same at every position: of a count the first one suffices."""
-    if (
-        not _is_concentric(scene)
-        or scene.positions.angles_deg is not None
-        or position_rad.size == 1
-    ):
+    if not scene.is_concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
         return position_rad, ()
     note = (
         f"on common axes all positions are alike: one is computed, not {position_rad.size} "

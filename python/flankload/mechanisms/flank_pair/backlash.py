@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 

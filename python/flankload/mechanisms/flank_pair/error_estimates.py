@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.mechanisms.flank_pair.states import FlankStates
     from flankload.mechanisms.stage_clock import StageClock
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
 
@@ -67,7 +67,7 @@ def error_estimates(
                 tuple(found[t] for t in loaded),
                 run_again,
                 compliances,
-                pair.resolution.grid,
+                pair.discretization.grid,
                 lumped=pair.effects.lumped_contact,
                 position_rad=pair.position_rad,
                 window=None if pair.adaptive else window,

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.contact.pair_table import PackedPairs
     from flankload.contact.sweep import CoastSweep, Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import Mesh
     from flankload.pairing.pairing import Pairing
     from flankload.result.geometry import PairGeometry

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.mechanisms.flank_pair import premises
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.description import describe, mesh_files
 from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
 from flankload.mechanisms.flank_pair.from_sweep import result_of
@@ -19,6 +19,7 @@ from flankload.mechanisms.flank_pair.stages import (
 )
 from flankload.mechanisms.flank_pair.standing import with_standing_gap
 from flankload.mechanisms.flank_pair.states import FlankStates, flank_states, position_notes
+from flankload.pairing.body_pair import BodyPair
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.resolution import Resolution
+    from flankload.scene.discretization import Discretization
 
     Compliances = tuple[BodyCompliance, BodyCompliance]
 
@@ -40,7 +41,9 @@ class FlankPair:
 
     without_flanks: str | None = None
 
-    def build(self, scene: Scene, discretization: Resolution | None, account: Account) -> BodyPair:
+    def build(
+        self, scene: Scene, discretization: Discretization | None, account: Account
+    ) -> BodyPair:
         """Assemble both bodies."""
         return with_standing_gap(scene, build_bodies(scene, discretization), account)
 

@@ -10,7 +10,7 @@ from flankload.base.rounding import TIE
 from flankload.contact.sweep import END_WOULD_TOUCH
 from flankload.pairing.node_spacing import wide_nodes_notes
 from flankload.result.corners import corner_notes
-from flankload.scene.resolution import elements_for_modes
+from flankload.scene.discretization import elements_for_modes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
 #: In place of a body whose corner works: a lumped contact that no parabola makes.

@@ -20,7 +20,7 @@ from flankload.scene.effects import work_in
 if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Work
 
@@ -52,7 +52,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             work = work_in(stage, pair.effects)
             if not elastic:  # its elements are there to grow
                 work = replace(work, factorisations=1, normal_loads=1)
-            modes = modes_of(body, scene, pair.resolution)
+            modes = modes_of(body, scene, pair.discretization)
             places = _places(pair.fillets[z])
             stages[stage] = (
                 _whole(body, work, modes, growth)

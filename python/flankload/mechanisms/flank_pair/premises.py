@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import Mesh
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene

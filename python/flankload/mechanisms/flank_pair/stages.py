@@ -12,10 +12,11 @@ from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
-from flankload.mechanisms.flank_pair.assembly import BodyPair, build_bodies
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import grown
+from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
-from flankload.scene.resolution import Resolution, choose_resolution
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
@@ -40,7 +42,7 @@ FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'
 def compliance_of(
     body: Body,
     scene: Scene,
-    resolution: Resolution | None = None,
+    discretization: Discretization | None = None,
     *,
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
@@ -55,7 +57,7 @@ def compliance_of(
         That yields.
     scene : Scene
         Decides on plane and pressure modes.
-    resolution : Resolution, optional
+    discretization : Discretization, optional
         Knobs; those of the scene if absent.
     fillets : RootFillets, optional
         Where stress is wanted, too.
@@ -70,14 +72,14 @@ def compliance_of(
     -------
     BodyCompliance
     """
-    resolution, effects = resolution or choose_resolution(scene), effects_of(scene)
+    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     # what moves along the flank under normal loads is what these move the other way round
     tangential = effects.friction or effects.finite_influence
     if body.given is not None:
         found = given_compliance(
             body,
             modes=scene.accuracy.modes,
-            default_modes=resolution.modes,
+            default_modes=discretization.modes,
             plane=scene.accuracy.plane,
             tangential=(FRICTION if effects.friction else FINITE) if tangential else None,
             nodal=effects.nodal_near_field,
@@ -87,7 +89,7 @@ def compliance_of(
     else:
         found = flank_compliance(
             body,
-            n_modes=modes_of(body, scene, resolution),
+            n_modes=modes_of(body, scene, discretization),
             plane=scene.accuracy.plane,
             friction=tangential,
             along=effects.friction and effects.finite_influence,
@@ -136,7 +138,7 @@ def compliances_of(
             compliance = compliance_of(
                 body,
                 scene,
-                pair.resolution,
+                pair.discretization,
                 fillets=pair.fillets[z],
                 growth=growth,
                 estimate=scene.accuracy.estimate and elastic[z],
@@ -173,7 +175,7 @@ def with_compliance_period(
     )
     if (one, two) == (1, 1):
         return pair
-    longer = build_bodies(scene, pair.resolution, bodies=bodies, groups=(one, two))
+    longer = build_bodies(scene, pair.discretization, bodies=bodies, groups=(one, two))
     return replace(longer, standing_note=pair.standing_note)
 
 
@@ -228,7 +230,7 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     )
 
 
-def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
+def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     """Pressure modes of a flank of a body with elements, or its nodes that carry unit forces.
 
     Parameters
@@ -236,7 +238,7 @@ def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
     body : Body
     scene : Scene
         May name their number.
-    resolution : Resolution
+    discretization : Discretization
 
     Returns
     -------
@@ -246,7 +248,7 @@ def modes_of(body: Body, scene: Scene, resolution: Resolution) -> int:
     """
     if effects_of(scene).nodal_near_field and body.mesh is not None:
         return nodes_of(body.mesh).size
-    asked, wanted = scene.accuracy.modes, resolution.modes
+    asked, wanted = scene.accuracy.modes, discretization.modes
     if body.modes_part > 1.0:
         asked, wanted = None, round(body.modes_part * (asked or wanted))
     if asked is not None or body.mesh is None:

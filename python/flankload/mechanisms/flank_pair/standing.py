@@ -12,7 +12,7 @@ from flankload.scene import MeshBody
 
 if TYPE_CHECKING:
     from flankload.cost import Account
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
 #: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
@@ -48,7 +48,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
         position_rad=pair.position_rad[:1],
         torques_Nmm=[0.0],
         face_width_mm=scene.pair.face_width_mm,
-        grid=pair.resolution.grid,
+        grid=pair.discretization.grid,
         account=account,
     )
     radius = pair.body_1.reference_radius_mm

@@ -13,7 +13,7 @@ from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import sweep_of
 from flankload.result.geometry import pair_geometry
-from flankload.scene.resolution import position_tolerance
+from flankload.scene.discretization import position_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
     from flankload.mechanisms.stage_clock import StageClock
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 
@@ -86,7 +86,7 @@ def flank_states(
     ContactError
         If a position has no state; PremiseError where a part of the torque breaks a premise.
     """
-    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.resolution.grid)
+    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
     with clock.stage("sweep") as account:
         swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
         try:

@@ -1,14 +1,13 @@
-"""The effects that a scene can call for, as one table; what it does not call for is not computed.
+"""The effects that a scene can call for: a record for each, and what follows from the records.
 
-A row of the table says which keys call for an effect, what it adds to a run, in which counters that
-shows and how its size is found before the run (`Effect`). What other rooms read is one truth value
-a row (`Effects`), and on request because of which key it is so (`Switch`).
+A record says which keys call for an effect and which it is refused with, what it adds to a run, in
+which counters that shows and how its size is found before the run (`Effect`). Other modules read
+one truth value an effect (`Effects`), and on request because of which key it is so (`Switch`).
 """
 
-from flankload.scene.effects.called_for import Effects, effects_of, switches_of, work_in
-from flankload.scene.effects.effect import Effect, SizeBy, Switch, Work
+from flankload.scene.effects.record import Effect, SizeBy, Switch, Work
+from flankload.scene.effects.records import EFFECTS, Effects, effects_of, switches_of, work_in
 from flankload.scene.effects.switches import MODIFICATIONS
-from flankload.scene.effects.table import EFFECTS
 
 __all__ = [
     "EFFECTS",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flankload.mechanisms.belt.drive import default_element_mm
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import ComplianceBody, MeshBody, SplineShaft
-from flankload.scene.resolution import DEFAULT
+from flankload.scene.discretization import DEFAULT
 from flankload.setting import Setting
 from flankload.steering.knobs import default_length, most_modes
 

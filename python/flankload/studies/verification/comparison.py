@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.api import solve
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
+from flankload.mechanisms import run_once
 from flankload.plan import choose_effects
 from flankload.steering import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
@@ -222,7 +222,7 @@ def _result(scene: Scene, position: int) -> Result:
         raise SceneError(
             file=scene.file, key="load.torque_Nm", expected="a torque to hold", found="0"
         )
-    found = solve(scene)
+    found = run_once(scene)
     result = max(found, key=lambda r: r.torque_Nm) if isinstance(found, tuple) else found
     count = result.position_rad.size
     if not 0 <= position < count:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Material
     from flankload.flank import FlankCurve
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
 
     Floats = NDArray[np.float64]
 

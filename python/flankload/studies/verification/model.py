@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies import Body
-    from flankload.mechanisms.flank_pair.assembly import BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.verification.contact_places import Place
@@ -64,7 +64,7 @@ def check_bodies(scene: Scene) -> None:
     ------
     SceneError
     """
-    if scene.body_2.kind == "cam":
+    if not scene.body_2.has_teeth:
         raise SceneError(
             file=scene.file,
             key="body_2.kind",
@@ -87,7 +87,7 @@ def check_bodies(scene: Scene) -> None:
             found="true",
         )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
-        if spec.kind == "compliance":
+        if spec.brings_compliance:
             raise SceneError(
                 file=scene.file,
                 key=f"{key}.kind",
@@ -214,7 +214,7 @@ def _coarse_bodies(scene: Scene) -> BodyPair:
     )
     if module is None:
         return build_bodies(scene)
-    part = COARSE_SPLINE_PART if scene.body_1.kind == "spline_shaft" else COARSE_PART
+    part = COARSE_SPLINE_PART if scene.body_1.conforms else COARSE_PART
     accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
     try:
         return build_bodies(replace(scene, accuracy=accuracy))

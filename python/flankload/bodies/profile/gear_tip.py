@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.involute.involute import Involute, InvoluteFlank, Modifications
+from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, Place
 

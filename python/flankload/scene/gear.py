@@ -1,9 +1,13 @@
-"""The tables of bodies with involute teeth: gears, rings, splines."""
+"""The tables of bodies with involute teeth (gears, rings, splines), and the rules of their keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from math import cos, pi, radians
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_ERRORS,
     USUAL_MODIFICATION,
@@ -22,6 +26,11 @@ from flankload.scene.table import (
     YoungModulus,
     about,
 )
+
+#: Bore over tip diameter: a body that is held in a point turns about it without resistance.
+LEAST_BORE = 1e-3
+#: Pitch error over base pitch: beyond it the teeth of one space would change places.
+LARGEST_PITCH_ERROR = 0.1
 
 
 class InvoluteKeys(Table, frozen=True, kw_only=True):
@@ -70,6 +79,16 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         about("um", "profile crowning, normal to the involute", usual=USUAL_MODIFICATION),
     ] = None
 
+    @property
+    def flank_keys(self) -> tuple[str, Table | None]:
+        """The keys of the flank stand in this table."""
+        return "", self
+
+    @property
+    def base_pitch_mm(self) -> float:
+        """Distance of neighbouring flanks along the base tangent."""
+        return pi * self.module_mm * cos(radians(self.pressure_angle_deg))
+
 
 class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     """Keys of the profile of an external gear: its root is that of a generating rack."""
@@ -100,9 +119,17 @@ class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
         """Teeth, as every kind of body has them."""
         return self.teeth
 
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse teeth beside their places, a tip that contradicts itself, a bore beyond it."""
+        check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
+        check_tip(self, given, key)
+        _check_bore(self, key)
+
 
 class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
     """Keys of a body whose teeth stand inwards."""
+
+    called: ClassVar[str] = "ring"
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     profile_shift: Annotated[
@@ -128,6 +155,12 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
     def number_of_teeth(self) -> int:
         """Teeth, as every kind of body has them."""
         return self.teeth
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse teeth beside their places, a tip that contradicts itself, circles out of order."""
+        check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
+        check_tip(self, given, key, inwards=True)
+        _check_ring(self, key)
 
 
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
@@ -163,6 +196,9 @@ SPLINE_FILLET = 0.16
 class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
     """An involute spline on a shaft, held at its bore; its root is that of a generating rack."""
 
+    partner: ClassVar[str | None] = "spline_hub"
+    conforms: ClassVar[bool] = True
+
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     pressure_angle_deg: SplineAngle = 30.0
     root_diameter_mm: Annotated[
@@ -190,6 +226,12 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
         """Teeth, as every kind of body has them."""
         return self.teeth
 
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse teeth beside their places, a tip that contradicts itself, a bore beyond it."""
+        check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
+        check_tip(self, given, key)
+        _check_bore(self, key)
+
     @property
     def dedendum_factor(self) -> float:
         """Dedendum, in modules, of the rack that cuts this root circle."""
@@ -198,6 +240,10 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
 
 class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
     """An involute spline in a hub, held at the outside of its rim."""
+
+    partner: ClassVar[str | None] = "spline_shaft"
+    called: ClassVar[str] = "hub"
+    conforms: ClassVar[bool] = True
 
     pressure_angle_deg: SplineAngle = 30.0
     root_fillet_radius_mm: Annotated[
@@ -210,3 +256,87 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
         ),
     ] = None
     pitch_errors_um: IndexErrors = ()
+
+
+def check_pitch_errors(
+    errors_um: Sequence[float], teeth: int, base_pitch_mm: float, key: str
+) -> None:
+    """One entry per tooth; no tooth stands beside its place by more than a part of the pitch."""
+    if errors_um and len(errors_um) != teeth:
+        refuse(
+            f"{key}.pitch_errors_um",
+            f"one entry per tooth: {teeth}, as in {key}.teeth",
+            f"{len(errors_um)} entries",
+        )
+    most = LARGEST_PITCH_ERROR * 1000 * base_pitch_mm
+    for i, error in enumerate(errors_um):
+        if base_pitch_mm and abs(error) > most:
+            refuse(
+                f"{key}.pitch_errors_um[{i}]",
+                f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um",
+                error,
+            )
+
+
+def check_tip(
+    body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
+) -> None:
+    """A tip has a rounding or a chamfer, a relief has depth and start."""
+    if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
+        refuse(
+            f"{key}.tip_radius_mm",
+            f"nothing beside {key}.tip_chamfer_mm: a tip has one or the other",
+            f"{body.tip_radius_mm:g} and {body.tip_chamfer_mm:g}",
+        )
+    start = body.tip_relief_start_diameter_mm
+    if body.tip_relief_um is None:
+        for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
+            if name in given:
+                refuse(
+                    f"{key}.tip_relief_um",
+                    f"a number >= 0, since there is a {key}.{name}",
+                    "nothing",
+                )
+    elif start is None:
+        refuse(
+            f"{key}.tip_relief_start_diameter_mm",
+            f"a number > 0, since there is a {key}.tip_relief_um",
+            "nothing",
+        )
+    elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
+        side = "more" if inwards else "less"
+        refuse(
+            f"{key}.tip_relief_start_diameter_mm",
+            f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
+            start,
+        )
+
+
+def _check_bore(body: Gear | SplineShaft, key: str) -> None:
+    """The bore lies within the tip circle, and is no point."""
+    if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
+        refuse(
+            f"{key}.bore_diameter_mm",
+            f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
+            f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is held there",
+            body.bore_diameter_mm,
+        )
+    if body.bore_diameter_mm >= body.tip_diameter_mm:
+        refuse(
+            f"{key}.bore_diameter_mm",
+            f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
+            body.bore_diameter_mm,
+        )
+
+
+def _check_ring(ring: RingKeys, key: str) -> None:
+    """Tip circle, root circle and outside of the rim follow each other outwards."""
+    circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
+    for inner, outer in pairwise(circles):
+        if getattr(ring, outer) <= getattr(ring, inner):
+            refuse(
+                f"{key}.{outer}",
+                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of a "
+                f"{ring.called} stand inwards",
+                getattr(ring, outer),
+            )

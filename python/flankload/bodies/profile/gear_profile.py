@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.involute.basic_rack import BasicRack, basic_rack
-from flankload.bodies.involute.gear_tip import (
+from flankload.bodies.profile.basic_rack import BasicRack, basic_rack
+from flankload.bodies.profile.gear_tip import (
     FormPoint,
     flank_and_tip,
     following_fillet,
     modifications_of,
 )
-from flankload.bodies.involute.involute import (
+from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
     Modifications,
@@ -32,7 +32,7 @@ from flankload.flank import CurvePiece, FlankCurve, Place, fit_flank_curve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.involute.gear_tip import GearGeometry
+    from flankload.bodies.profile.gear_tip import GearGeometry
 
     Floats = NDArray[np.float64]
 

@@ -1,10 +1,9 @@
-"""The table of effects."""
+"""The table [effects]: the keys by which a scene calls for effects."""
 
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from msgspec import Meta
 
-from flankload.scene.belt_tables import LandFriction, LandLift
 from flankload.scene.table import Table, about
 
 LARGEST_COEFFICIENT = 2.0
@@ -154,8 +153,18 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "active flanks alone carry",
         ),
     ] = True
-    land_friction: LandFriction = 0.0
-    land_lift: LandLift = False
+    land_friction: Annotated[
+        Annotated[float, Meta(ge=-1, le=1)],
+        about(
+            "-",
+            "coefficient of friction between the lands of a belt and its pulley, all of them "
+            "sliding; positive: helps the teeth, negative: opposes them",
+        ),
+    ] = 0.0
+    land_lift: Annotated[
+        bool,
+        about("", "true: the lands of a belt may lift off its pulley; needs body_2.prestress_N"),
+    ] = False
     beyond_limits: Annotated[
         bool,
         about(
@@ -164,3 +173,15 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "the same, its error estimates marked as outside the model's limits",
         ),
     ] = False
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether flanks slide with friction anywhere: a coefficient that is not 0."""
+        return has_amount(self.friction_coefficient)
+
+
+def has_amount(value: float | tuple[Any, ...] | None) -> bool:
+    """Whether a number, one of a list, or the second one of a row is not 0."""
+    if not isinstance(value, tuple):
+        return bool(value)
+    return any(row[1] if isinstance(row, tuple) else row for row in value)

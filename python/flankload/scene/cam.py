@@ -1,9 +1,11 @@
-"""The tables of a cam and its follower."""
+"""The tables of a cam and its follower, and the rules of their keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_SIZE,
     EvenBody,
@@ -15,6 +17,8 @@ from flankload.scene.table import (
     about,
 )
 
+ROLLER = ("arm_mm", "roller_radius_mm")
+FLAT = ("flat_offset_mm", "flat_from_mm", "flat_to_mm")
 #: One row of a cam's table.
 ProfileRow = tuple[
     Annotated[float, Meta(ge=-360, le=720)],
@@ -24,6 +28,8 @@ ProfileRow = tuple[
 
 class CamKeys(EvenBody, frozen=True, kw_only=True):
     """What a cam and its follower have in common."""
+
+    has_teeth: ClassVar[bool] = False
 
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, which is fixed", usual=USUAL_SIZE)
@@ -40,6 +46,8 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
 
 class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
     """A disc cam by the table of its profile, held at its bore."""
+
+    partner: ClassVar[str | None] = "follower"
 
     profile: Annotated[
         tuple[ProfileRow, ...] | None,
@@ -67,12 +75,24 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
         ),
     ] = "clockwise"
 
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse a cam without a table, and one with two."""
+        tables = [name for name in ("profile", "profile_file") if getattr(self, name) is not None]
+        if len(tables) != 1:
+            refuse(
+                f"{key}.profile",
+                f"a table of angles and radii, here or in {key}.profile_file",
+                "both" if tables else "nothing",
+            )
+
 
 Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
 
 
 class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
     """A lever that turns about its own axis and follows a cam with a roller or a flat."""
+
+    partner: ClassVar[str | None] = "cam"
 
     arm_mm: Annotated[
         Length | None,
@@ -111,3 +131,40 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
     def has_roller(self) -> bool:
         """Whether it follows with a roller, not with a flat."""
         return self.roller_radius_mm is not None
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse neither or both of roller and flat, and parts that do not go into each other."""
+        present = [name for name in (*ROLLER, *FLAT) if getattr(self, name) is not None]
+        wanted = ROLLER if self.has_roller or "arm_mm" in present else FLAT
+        for name in wanted:
+            if name not in present:
+                refuse(
+                    f"{key}.{name}",
+                    "a number: a follower has a roller ("
+                    + ", ".join(ROLLER)
+                    + ") or a flat ("
+                    + ", ".join(FLAT)
+                    + ")",
+                    "nothing",
+                )
+        for name in present:
+            if name not in wanted:
+                refuse(
+                    f"{key}.{name}",
+                    f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat",
+                    f"{getattr(self, name):g}",
+                )
+        ascending = [("bore_diameter_mm", "hub_diameter_mm")]
+        ascending += (
+            [("roller_radius_mm", "arm_mm")]
+            if wanted is ROLLER
+            else [("flat_from_mm", "flat_to_mm")]
+        )
+        for small, large in ascending:
+            less, more = getattr(self, small), getattr(self, large)
+            if more is not None and more <= less:
+                refuse(
+                    f"{key}.{large}",
+                    f"more than {key}.{small} ({less:g})",
+                    f"{more:g}",
+                )

@@ -1,10 +1,13 @@
-"""The tables of bodies that come from files: a mesh, or a compliance computed before."""
+"""The tables of bodies that come from files (a mesh, a compliance), and the rules of their keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from math import pi
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.gear_tables import Geometry
+from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
+from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
     USUAL_SIZE,
     BodyTable,
@@ -12,6 +15,7 @@ from flankload.scene.table import (
     PitchErrors,
     PoissonRatio,
     Rigid,
+    Table,
     Teeth,
     Text,
     YoungModulus,
@@ -31,6 +35,8 @@ class Profile(Geometry, frozen=True, kw_only=True):
 
 class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
     """A body as a mesh file: one sector with its cut faces, or the whole body with many flanks."""
+
+    from_file: ClassVar[bool] = True
 
     file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
     teeth: Annotated[
@@ -80,9 +86,36 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
         """Teeth as given, or as many as there are flanks."""
         return self.teeth or len(self.flank_sets or ())
 
+    @property
+    def flank_keys(self) -> tuple[str, Table | None]:
+        """The keys of the flank stand in the profile, where there is one."""
+        return "profile.", self.profile
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Refuse sets of a sector beside those of a whole body, and a profile of other teeth."""
+        _check_sets(self, given, key)
+        teeth, profile = self.number_of_teeth, self.profile
+        reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
+        base_pitch = reference if profile is None else profile.base_pitch_mm
+        check_pitch_errors(self.pitch_errors_um, teeth, base_pitch, key)
+        if profile is None:
+            if self.reference_radius_mm is None:
+                refuse(
+                    f"{key}.reference_radius_mm",
+                    f"a number > 0, since there is no {key}.profile to take it from",
+                    "nothing",
+                )
+            return
+        check_tip(profile, given["profile"], f"{key}.profile")
+        if profile.teeth not in (None, teeth):
+            refuse(f"{key}.profile.teeth", f"{teeth} as in {key}.teeth, or nothing", profile.teeth)
+
 
 class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
     """A body whose flank and compliance come from a file, computed before, here or elsewhere."""
+
+    from_file: ClassVar[bool] = True
+    brings_compliance: ClassVar[bool] = True
 
     file: Annotated[
         Text,
@@ -90,3 +123,32 @@ class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
     ]
     rigid: Rigid = False
     pitch_errors_um: Annotated[PitchErrors, about("um", "absent = those of the file")] = ()
+
+
+def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
+    """A sector has two cut faces, a whole body a set for each flank."""
+    if body.flank_sets is None:
+        if body.teeth is None:
+            refuse(
+                f"{key}.teeth",
+                f"an integer >= 3, since there is no {key}.flank_sets to count",
+                "nothing",
+            )
+        if body.cut_sets[0] == body.cut_sets[1]:
+            refuse(f"{key}.cut_sets", "two different names", shown(list(body.cut_sets)))
+        return
+    for name in ("cut_sets", "flank_set"):
+        if name in given:
+            refuse(
+                f"{key}.{name}",
+                f"nothing beside {key}.flank_sets: those are of a whole body",
+                shown(given[name]),
+            )
+    for k, name in enumerate(body.flank_sets):
+        if name in body.flank_sets[:k]:
+            refuse(f"{key}.flank_sets[{k}]", "each set once", shown(name))
+    count = len(body.flank_sets)
+    if body.teeth is None and count < 3:
+        refuse(f"{key}.teeth", "an integer >= 3, since few flanks are named", "nothing")
+    if body.teeth is not None and body.teeth < count:
+        refuse(f"{key}.teeth", f"at least {count}, as many as in {key}.flank_sets", f"{body.teeth}")

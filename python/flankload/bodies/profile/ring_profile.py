@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.involute.gear_tip import (
+from flankload.bodies.profile.gear_tip import (
     FlankGeometry,
     FormPoint,
     flank_and_tip,
     following_fillet,
     modifications_of,
 )
-from flankload.bodies.involute.involute import (
+from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
     involute_function,

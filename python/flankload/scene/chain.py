@@ -1,17 +1,23 @@
-"""The tables of roller chains and their sprockets."""
+"""The tables of roller chains and their sprockets, and the rules between their keys."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from math import degrees, pi
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.table import EvenBody, Length, about
+from flankload.scene.drive import DriveTable, WrappedTable
+from flankload.scene.refusal import refuse
+from flankload.scene.table import BodyTable, Length, about
 
 Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
 
 
-class Sprocket(EvenBody, frozen=True, kw_only=True, tag="sprocket"):
+class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
     """A rigid sprocket for roller chains, ISO 606."""
+
+    partner: ClassVar[str | None] = "chain"
 
     teeth: Annotated[
         Annotated[int, Meta(ge=6, le=1000)],
@@ -57,8 +63,17 @@ class Sprocket(EvenBody, frozen=True, kw_only=True, tag="sprocket"):
         return True
 
 
-class Chain(EvenBody, frozen=True, kw_only=True, tag="chain"):
+class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
     """A roller chain around a sprocket, its tight strand held."""
+
+    partner: ClassVar[str | None] = "sprocket"
+    known: ClassVar[Mapping[str, frozenset[str]]] = {
+        "positions": frozenset({"count", "angles_deg", "pitches"}),
+        "accuracy": frozenset({"tolerance", "estimate"}),
+    }
+    no_pair: ClassVar[str] = (
+        "a chain lies on its sprocket, and its contacts yield by body_2.contact_stiffness_N_per_mm"
+    )
 
     pitch_mm: Pitch
     roller_diameter_mm: RollerDiameter
@@ -91,3 +106,22 @@ class Chain(EvenBody, frozen=True, kw_only=True, tag="chain"):
     def rigid(self) -> bool:
         """A chain yields."""
         return False
+
+    def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
+        """Refuse another pitch or roller than that of the sprocket, and strands that meet."""
+        assert isinstance(body_1, Sprocket)
+        for key in ("pitch_mm", "roller_diameter_mm"):
+            own, other = getattr(body_1, key), getattr(self, key)
+            if own != other:
+                refuse(
+                    f"body_2.{key}",
+                    f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
+                    f"{other:g}",
+                )
+        most = degrees(2 * pi) * (1 - 1 / body_1.teeth)
+        if self.wrap_angle_deg > most:
+            refuse(
+                "body_2.wrap_angle_deg",
+                f"at most {most:g}: all teeth of body_1 but one",
+                f"{self.wrap_angle_deg:g}",
+            )

@@ -1,4 +1,4 @@
-"""How finely a scene is resolved: the knobs that it names, the rest by default."""
+"""How fine the elements, pressure modes and contact cells of a scene are."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Resolution:
-    """The knobs of accuracy.
+class Discretization:
+    """How fine a run is.
 
     Attributes
     ----------
@@ -58,13 +58,13 @@ class Resolution:
 #: The knobs of a scene that names none. Measured on the FZG type C pair (module 4.5) against 0.2
 #: mm, 9 modes, 40 and 120 strips; largest error of the rotation at interior / tip-corner positions,
 #: of the load share there, of the peak pressure: 0.03 / 0.22 %, 0.25 points, 0.10 %.
-DEFAULT = Resolution(1.0 / 4.5, 5, Grid())
+DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
 #: Part of the scene's tolerance that positions may use up: solving a few more costs little.
 POSITIONS_PART = 0.3
 
 
-def choose_resolution(scene: Scene) -> Resolution:
+def choose_discretization(scene: Scene) -> Discretization:
     """Knobs for a scene.
 
     Parameters
@@ -73,11 +73,11 @@ def choose_resolution(scene: Scene) -> Resolution:
 
     Returns
     -------
-    Resolution
+    Discretization
         What [accuracy] names; the rest by default.
     """
     accuracy, grid = scene.accuracy, DEFAULT.grid
-    return Resolution(
+    return Discretization(
         flank_element_parts=DEFAULT.flank_element_parts,
         modes=accuracy.modes or DEFAULT.modes,
         grid=Grid(

@@ -1,0 +1,1 @@
+"""Plane finite-element meshes: blocks, defects, report; `io` reads and writes files."""

@@ -1,0 +1,1 @@
+"""Two bodies on their axes: ratio, sites, path of contact, interference, friction, period."""

@@ -1,0 +1,42 @@
+"""The table of accuracy: the tolerance, and the discretization where the scene names it."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from flankload.scene.table import Length, Table, about
+
+Strips = Annotated[float, Meta(ge=2, le=200)]
+
+
+class Accuracy(Table, frozen=True, kw_only=True):
+    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
+
+    tolerance: Annotated[
+        Annotated[float, Meta(ge=1e-4, le=0.1)],
+        about(
+            "-",
+            "wanted relative error of transmission error, load share, peak pressure off sharp "
+            "corners and secant stiffness; named, it decides on the knobs that are not",
+        ),
+    ] = 0.01
+    plane: Annotated[
+        Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
+    ] = "strain"
+    estimate: Annotated[bool, about("", "false skips the error estimate")] = True
+    flank_element_mm: Annotated[
+        Length | None, about("mm", "length of the finite elements along the flank")
+    ] = None
+    modes: Annotated[
+        Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
+    ] = None
+    strips_per_half_width: Annotated[
+        Strips | None, about("-", "contact strips per Hertz half-width")
+    ] = None
+    corner_strips_per_half_width: Annotated[
+        Strips | None, about("-", "the same where a sharp tip corner carries")
+    ] = None
+    zone_half_widths: Annotated[
+        Annotated[float, Meta(gt=1, le=20)] | None,
+        about("-", "half-width of the strips' zone in Hertz half-widths"),
+    ] = None

@@ -1,0 +1,270 @@
+"""The tables of timing belts and their pulleys, and the rules between their keys."""
+
+from collections.abc import Mapping
+from math import pi, radians, sqrt, tan
+from typing import Annotated, Any, ClassVar, Literal
+
+from msgspec import Meta
+
+from flankload.scene.drive import DriveTable, WrappedTable
+from flankload.scene.refusal import refuse
+from flankload.scene.table import (
+    USUAL_SIZE,
+    BodyTable,
+    Deviation,
+    Force,
+    Length,
+    Modulus,
+    PoissonRatio,
+    YoungModulus,
+    about,
+)
+
+Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
+FlankAngle = Annotated[float, Meta(ge=0, le=45)]
+#: Beyond this the belt is none for the pulley.
+LARGEST_PITCH_DIFFERENCE = 0.02
+#: A tooth of the belt is no wider than this part of the pitch: there must be a land.
+WIDEST_TOOTH = 0.9
+#: A groove of an elastic pulley keeps this part of its width at its bottom.
+LEAST_BOTTOM = 0.1
+#: What the scene of an elastic pulley may name beside.
+ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
+
+
+class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
+    """A pulley for timing belts: rigid, or a ring that is held at its bore."""
+
+    partner: ClassVar[str | None] = "belt"
+
+    teeth: Annotated[
+        Annotated[int, Meta(ge=6, le=1000)],
+        about("-", "number of grooves"),
+    ]
+    pitch_mm: Pitch
+    profile: Annotated[
+        Literal["T", "HTD"],
+        about(
+            "",
+            "teeth of the belt and grooves: 'T' are trapezoids, 'HTD' are round at the tip, their "
+            "sides straight where they are higher than half as wide",
+        ),
+    ] = "T"
+    groove_width_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "width of the grooves at the land; what it is more than that of the belt's teeth is "
+            "clearance; absent = none",
+        ),
+    ] = None
+    groove_depth_mm: Annotated[
+        Length | None,
+        about(
+            "mm", "depth of the grooves; absent = any that is enough; elastic: as the belt's teeth"
+        ),
+    ] = None
+    groove_angle_deg: Annotated[
+        FlankAngle | None,
+        about("deg", "between flank and centre line of a groove, 'T' only; absent = as the belt's"),
+    ] = None
+    rigid: Annotated[
+        bool,
+        about(
+            "",
+            "true: the pulley does not yield; false: it does, needs bore_diameter_mm; per mm of "
+            "width, as wide as the belt",
+        ),
+    ] = True
+    bore_diameter_mm: Annotated[
+        Length | None,
+        about(
+            "mm", "diameter of the bore, which is fixed; elastic pulleys need it", usual=USUAL_SIZE
+        ),
+    ] = None
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Teeth, as every kind of body has them."""
+        return self.teeth
+
+
+class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
+    """A timing belt around a pulley, its tight strand held."""
+
+    partner: ClassVar[str | None] = "pulley"
+    known: ClassVar[Mapping[str, frozenset[str]]] = {
+        "positions": frozenset({"count", "angles_deg", "pitches"}),
+        "accuracy": frozenset({"tolerance", "estimate", "flank_element_mm"}),
+    }
+    no_pair: ClassVar[str] = "a belt has body_2.width_mm and lies on its pulley"
+
+    pitch_mm: Pitch
+    wrapped_teeth: Annotated[
+        Annotated[int, Meta(ge=1, le=200)],
+        about("-", "teeth of the belt that lie in grooves"),
+    ]
+    width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
+    cord_stiffness_N_per_mm: Annotated[
+        Annotated[float, Meta(ge=1e-3, le=1e9)],
+        about("N/mm", "tension of the cord over its strain, per mm of width"),
+    ]
+    land_distance_mm: Annotated[
+        Length, about("mm", "from the land between the teeth to the pitch line, where the cord is")
+    ]
+    back_mm: Annotated[Length, about("mm", "thickness from the land to the back")]
+    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth over the land")]
+    tooth_width_mm: Annotated[
+        Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round")
+    ]
+    flank_angle_deg: Annotated[
+        FlankAngle | None,
+        about("deg", "between flank and centre line of a tooth, 'T' only, needed there"),
+    ] = None
+    young_modulus_MPa: Annotated[
+        Modulus,
+        # from soft rubber to filled polyurethane
+        about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
+    ]
+    poisson_ratio: Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson ratio")] = (
+        0.45
+    )
+    pitch_difference_um: Annotated[
+        Deviation,
+        about("um", "pitch of the belt without load, minus body_1.pitch_mm", usual=(0.1, 2000.0)),
+    ] = 0.0
+    prestress_N: Annotated[
+        Force,
+        about(
+            "N",
+            "mean tension of the cord, which holds it straight; half of tight and slack tension "
+            "together is a good one",
+        ),
+    ] = 0.0
+
+    @property
+    def rigid(self) -> bool:
+        """A belt yields."""
+        return False
+
+    def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
+        """Refuse a pulley of another pitch, teeth without lands, a pulley that is cut through."""
+        assert isinstance(body_1, Pulley)
+        _check_pitch(body_1, self)
+        _check_tooth(body_1, self)
+        _check_elastic(body_1, self, given)
+
+
+def _check_pitch(pulley: Pulley, belt: Belt) -> None:
+    if belt.wrapped_teeth >= pulley.teeth:
+        refuse(
+            "body_2.wrapped_teeth",
+            f"less than body_1.teeth ({pulley.teeth})",
+            f"{belt.wrapped_teeth}",
+        )
+    difference = belt.pitch_mm - pulley.pitch_mm
+    part = 100 * LARGEST_PITCH_DIFFERENCE
+    if abs(difference) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
+        refuse(
+            "body_2.pitch_mm",
+            f"body_1.pitch_mm ({pulley.pitch_mm:g}) to {part:g} %",
+            f"{belt.pitch_mm:g}",
+        )
+    whole = difference + belt.pitch_difference_um / 1000.0
+    if abs(whole) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
+        refuse(
+            "body_2.pitch_difference_um",
+            f"at most {part:g} % of body_1.pitch_mm ({pulley.pitch_mm:g})",
+            f"{belt.pitch_difference_um:g}",
+        )
+    land = pulley.teeth * pulley.pitch_mm / (2 * pi) - belt.land_distance_mm
+    if belt.land_distance_mm >= belt.back_mm:
+        refuse(
+            "body_2.land_distance_mm",
+            f"less than body_2.back_mm ({belt.back_mm:g}): the cord lies in the belt",
+            f"{belt.land_distance_mm:g}",
+        )
+    if belt.tooth_height_mm >= 0.5 * land:
+        refuse(
+            "body_2.tooth_height_mm",
+            f"less than half of the pulley's radius ({0.5 * land:.4g})",
+            f"{belt.tooth_height_mm:g}",
+        )
+    widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
+    if belt.tooth_width_mm > widest:
+        refuse(
+            "body_2.tooth_width_mm",
+            f"at most {widest:.4g}: lands between the teeth",
+            f"{belt.tooth_width_mm:g}",
+        )
+
+
+def _check_tooth(pulley: Pulley, belt: Belt) -> None:
+    trapezoid = pulley.profile == "T"
+    for key, value in (
+        ("body_1.groove_angle_deg", pulley.groove_angle_deg),
+        ("body_2.flank_angle_deg", belt.flank_angle_deg),
+    ):
+        if not trapezoid and value is not None:
+            refuse(key, "nothing with body_1.profile 'HTD'", f"{value:g}")
+    if trapezoid:
+        if belt.flank_angle_deg is None:
+            refuse("body_2.flank_angle_deg", "a number with body_1.profile 'T'", "nothing")
+        tip = belt.tooth_width_mm - 2 * belt.tooth_height_mm * tan(radians(belt.flank_angle_deg))
+        if tip < 0.1 * belt.tooth_width_mm:
+            refuse(
+                "body_2.flank_angle_deg",
+                "so small that a tooth keeps a tenth of its width at the tip",
+                f"{belt.flank_angle_deg:g}",
+            )
+    elif belt.tooth_height_mm < 0.4 * belt.tooth_width_mm:
+        refuse(
+            "body_2.tooth_height_mm",
+            f"at least 0.4 of body_2.tooth_width_mm ({belt.tooth_width_mm:g}) with body_1.profile "
+            "'HTD'",
+            f"{belt.tooth_height_mm:g}",
+        )
+    for key, groove, tooth in (
+        ("groove_width_mm", pulley.groove_width_mm, "tooth_width_mm"),
+        ("groove_depth_mm", pulley.groove_depth_mm, "tooth_height_mm"),
+    ):
+        least = getattr(belt, tooth)
+        if groove is not None and groove < least:
+            refuse(f"body_1.{key}", f"at least body_2.{tooth} ({least:g})", f"{groove:g}")
+
+
+def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None:
+    """A pulley that yields has a bore, and teeth between its grooves."""
+    named = [key for key in ELASTIC if key in given]
+    if named and "rigid" not in given:
+        refuse("body_1.rigid", f"true or false beside body_1.{named[0]}", "nothing")
+    if pulley.rigid:
+        return
+    if pulley.bore_diameter_mm is None:
+        refuse("body_1.bore_diameter_mm", "a number with body_1.rigid = false", "nothing")
+    land = pulley.teeth * pulley.pitch_mm / (2 * pi) - belt.land_distance_mm
+    width = pulley.groove_width_mm or belt.tooth_width_mm
+    widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
+    if width > widest:
+        refuse("body_1.groove_width_mm", f"at most {widest:.4g}: teeth between", f"{width:g}")
+    deeper = 0.5 * (width - belt.tooth_width_mm) if pulley.profile == "HTD" else 0.0
+    depth = max(pulley.groove_depth_mm or 0.0, belt.tooth_height_mm + deeper)
+    if pulley.profile == "T":
+        angle = pulley.groove_angle_deg
+        angle = angle if angle is not None else belt.flank_angle_deg
+        assert angle is not None
+        if width - 2 * depth * tan(radians(angle)) < LEAST_BOTTOM * width:
+            refuse(
+                "body_1.groove_depth_mm",
+                "so small that a groove keeps a tenth of its width at the bottom",
+                f"{depth:g}",
+            )
+    bottom = 2 * (sqrt(land**2 - (0.5 * width) ** 2) - depth)
+    if pulley.bore_diameter_mm >= bottom:
+        refuse(
+            "body_1.bore_diameter_mm",
+            f"less than the diameter below the grooves ({bottom:.4g})",
+            f"{pulley.bore_diameter_mm:g}",
+        )

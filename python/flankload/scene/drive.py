@@ -1,0 +1,89 @@
+"""What the tables of chain and belt drives have in common, and the rules that hold for both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import BodyTable, EvenBody
+
+if TYPE_CHECKING:
+    from flankload.scene.scene_file import SceneFile
+
+
+class DriveTable(EvenBody, frozen=True, kw_only=True):
+    """A part of a chain or belt drive."""
+
+    is_drive: ClassVar[bool] = True
+
+
+class WrappedTable(DriveTable, frozen=True, kw_only=True):
+    """A chain or a belt, which lies around body 1.
+
+    Attributes
+    ----------
+    known : mapping of str to frozenset of str
+        Keys of [positions] and of [accuracy] that the drive knows.
+    no_pair : str
+        Why there is no [pair].
+    """
+
+    known: ClassVar[Mapping[str, frozenset[str]]] = {}
+    no_pair: ClassVar[str] = ""
+
+    def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
+        """Refuse what does not fit the wheel that this table lies around.
+
+        Parameters
+        ----------
+        body_1 : Sprocket or Pulley
+        given : mapping
+            The keys of body 1 that the scene names.
+
+        Raises
+        ------
+        SceneError
+        """
+
+
+def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Refuse keys that a drive does not know, and keys that only a drive knows.
+
+    Parameters
+    ----------
+    asked : SceneFile
+    given : mapping
+        The scene as it stands in the file.
+
+    Raises
+    ------
+    SceneError
+    """
+    body_1, body_2, slack = asked.body_1, asked.body_2, asked.load.slack_tension_N
+    if not isinstance(body_2, WrappedTable):
+        if slack is not None:
+            kind = body_2.kind
+            refuse("load.slack_tension_N", f"nothing: a {kind} has no slack strand", f"{slack:g}")
+        if asked.pair is None:
+            refuse("pair", "a table", "nothing")
+        return
+    body_2.check_around(body_1, given.get("body_1", {}))
+    if slack is None:
+        refuse(
+            "load.slack_tension_N",
+            f"a number > 0: what the slack strand of the {body_2.kind} pulls with",
+            "nothing",
+        )
+    if asked.pair is not None:
+        refuse("pair", f"nothing: {body_2.no_pair}", "a table")
+    for table, known in body_2.known.items():
+        for key, value in given.get(table, {}).items():
+            if key == "plane" and not body_1.rigid:
+                continue  # of the elements of body 1
+            if key not in known:
+                refuse(
+                    f"{table}.{key}",
+                    f"nothing: a {body_2.kind} and its {body_1.kind} do not know it",
+                    shown(value),
+                )

@@ -1,0 +1,324 @@
+"""The effects: one record for each. What a scene does not call for is not computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+from flankload.scene.effects.record import Effect, Switch, Work
+from flankload.scene.effects.switches import (
+    MODIFICATIONS,
+    has_several_torques,
+    is_elastic,
+    is_misplaced,
+    is_modified,
+)
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
+
+BODIES = ("compliance body 1", "compliance body 2")
+SWEEPS = ("sweep", "tangent", "estimate")
+#: Kinds of bodies whose coast flanks are not known, and why.
+ONE_FLANK = {
+    "mesh": "of whose teeth a file names one flank",
+    "compliance": "of whose teeth a file names one flank",
+    "cam": "which has one flank",
+    "follower": "which has one flank",
+    "sprocket": "whose pockets hold rollers",
+    "chain": "which has no teeth",
+}
+IN_MODES = (
+    "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by small forces"
+)
+
+
+def _effect(title: str, **record: Any) -> Any:
+    """A field of `Effects` with its record."""
+    return field(metadata={"title": title, **record})
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What a scene calls for: a truth value for each effect, beside its record (`Effect`)."""
+
+    elastic_body_1: bool = _effect(
+        "body 1 yields",
+        keys=("body_1.rigid",),
+        called_for=is_elastic(1),
+        needs_load=True,
+        stages=("compliance body 1",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+    )
+    elastic_body_2: bool = _effect(
+        "body 2 yields",
+        keys=("body_2.rigid",),
+        called_for=is_elastic(2),
+        needs_load=True,
+        stages=("compliance body 2",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+    )
+    segment: bool = _effect(
+        "a segment of the teeth with held cuts",
+        on={"body": "segment", "segment_teeth": 5},
+        stages=BODIES,
+        size_by="compliance",
+        of_teeth=True,
+        coarser=True,
+    )
+    single_tooth: bool = _effect(
+        "a single tooth with held cuts",
+        on={"body": "tooth", "segment_teeth": None},
+        stages=BODIES,
+        size_by="compliance",
+        of_teeth=True,
+        coarser=True,
+    )
+    tooth_coupling: bool = _effect(
+        "coupling between teeth",
+        on={"tooth_coupling": True},
+        stages=BODIES,
+        size_by="compliance",
+        of_teeth=True,
+    )
+    nodal_near_field: bool = _effect(
+        "near field from plain nodes",
+        on={"near_field": "nodes"},
+        stages=(*BODIES, *SWEEPS),
+        counters=("unit_loads_nodal",),
+        size_by="spacing",
+        coarser=True,
+        refused_with={
+            "thermal_growth": "'analytic' with effects.temperature_rise_K: growth is known in "
+            "modes alone",
+            "centrifugal_growth": "'analytic' with effects.speed_rpm: growth is known in modes "
+            "alone",
+            "coast_flanks": IN_MODES,
+        },
+        refused_for={
+            "cam": "'analytic' with body_2.kind 'cam': a closed flank has no first and last node"
+        },
+    )
+    finite_influence: bool = _effect(
+        "influence numbers of finite force",
+        on={"influence": "finite"},
+        stages=(*BODIES, *SWEEPS),
+        work=Work(tangential_loads=1, columns=2, solves=2),
+        counters=("unit_loads_tangential", "finite_solutions"),
+        size_by="levers",
+        refused_with={"coast_flanks": IN_MODES},
+    )
+    lumped_contact: bool = _effect(
+        "lumped Hertz contact",
+        on={"contact": "lumped"},
+        stages=SWEEPS,
+        work=Work(columns=-1, solves=-1),
+        size_by="places",
+        coarser=True,
+        refused_with={
+            "nodal_near_field": "'pairs' with effects.near_field 'nodes': forces there have places",
+            "finite_influence": "'pairs' with effects.influence 'finite': forces there have places",
+            "coast_flanks": "'pairs' with effects.coast_flank: lumped contact has working flanks "
+            "only",
+        },
+        refused_for={
+            "spline_shaft": "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and "
+            "touch over a length instead of at a place"
+        },
+    )
+    tip_contact: bool = _effect(
+        "tip and fillet contact",
+        on={"tip_contact": True},
+        stages=SWEEPS,
+        size_by="places",
+        of_teeth=True,
+    )
+    coast_flanks: bool = _effect(
+        "contact on the coast flanks",
+        on={"coast_flank": True},
+        stages=(*BODIES, *SWEEPS),
+        work=Work(coast_readings=1),
+        counters=("coast_readings",),
+        size_by="places",
+        of_teeth=True,
+        refused_for={
+            kind: f"false with {{body}}.kind '{kind}', {why}" for kind, why in ONE_FLANK.items()
+        },
+    )
+    flank_modifications: bool = _effect(
+        "flank modifications",
+        keys=tuple(f"body_*.{key}" for key in MODIFICATIONS),
+        called_for=is_modified,
+        stages=("bodies",),
+        size_by="gaps",
+        of_teeth=True,
+    )
+    pitch_errors: bool = _effect(
+        "pitch errors",
+        keys=("body_*.pitch_errors_um",),
+        called_for=is_misplaced,
+        stages=("bodies",),
+        size_by="gaps",
+        of_teeth=True,
+    )
+    thermal_growth: bool = _effect(
+        "thermal growth",
+        keys=(
+            "effects.temperature_rise_K",
+            "effects.thermal_expansion_per_K",
+            "effects.support_expansion_per_K",
+        ),
+        on={"temperature_rise_K": 50.0},
+        stages=(*BODIES, *SWEEPS),
+        work=Work(growth_loads=1),
+        counters=("fe_load_cases_growth",),
+        size_by="gaps",
+    )
+    centrifugal_growth: bool = _effect(
+        "centrifugal expansion",
+        keys=("effects.speed_rpm", "effects.density_kg_m3"),
+        on={"speed_rpm": 3000.0},
+        stages=(*BODIES, *SWEEPS),
+        work=Work(growth_loads=1),
+        counters=("fe_load_cases_growth",),
+        size_by="gaps",
+        refused_for={
+            "cam": "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not "
+            "turn"
+        },
+    )
+    friction: bool = _effect(
+        "friction",
+        on={"friction_coefficient": 0.1},
+        stages=(*BODIES, *SWEEPS),
+        work=Work(tangential_loads=1, columns=1),
+        counters=("unit_loads_tangential",),
+        size_by="levers",
+    )
+    power_loss: bool = _effect(
+        "power loss",
+        on={"friction_coefficient": 0.1},
+        stages=("result",),
+    )
+    root_stress: bool = _effect(
+        "stress in the tooth roots",
+        on={"root_stress": True},
+        needs_load=True,
+        stages=(*BODIES, "result"),
+        work=Work(recoveries=1),
+        counters=("stress_recoveries",),
+        of_teeth=True,
+        refused_with={
+            "coast_flanks": "false with effects.coast_flank: stress is known of forces on the "
+            "working flanks only"
+        },
+        refused_for={"cam": "nothing: a cam and its follower have no tooth roots"},
+    )
+    several_torques: bool = _effect(
+        "several torques",
+        keys=("load.torque_Nm",),
+        called_for=has_several_torques,
+        stages=SWEEPS,
+        work=Work(columns=1, solves=1),
+    )
+    large_displacement: bool = _effect(
+        "rollers of a chain followed to where they stand",
+        on={"large_displacement": True},
+        stages=("sweep",),
+        work=Work(columns=10, solves=10),
+        size_by="places",
+        only_for="chain",
+    )
+    land_friction: bool = _effect(
+        "friction on the lands of a belt",
+        on={"land_friction": 0.1},
+        stages=(*BODIES, "sweep", "estimate"),
+        work=Work(tangential_loads=1),
+        counters=("unit_loads_tangential",),
+        size_by="levers",
+        only_for="belt",
+    )
+    land_lift: bool = _effect(
+        "lands of a belt that lift off",
+        on={"land_lift": True},
+        stages=("compliance body 2", "sweep"),
+        work=Work(normal_loads=1, columns=1),
+        size_by="places",
+        refused_with={
+            "land_friction": "false with effects.land_friction: lands that lift do not rub as all "
+            "others do"
+        },
+        only_for="belt",
+    )
+
+
+def _records() -> tuple[Effect, ...]:
+    """The records with their keys; what refuses the other is excluded both ways."""
+    rows = {item.name: dict(item.metadata) for item in fields(Effects)}
+    for row in rows.values():
+        on = row.get("on", {})
+        row.setdefault("keys", tuple(f"effects.{key}" for key in on if on[key] is not None))
+    pairs = {(name, other) for name, row in rows.items() for other in row.get("refused_with", ())}
+    return tuple(
+        Effect(
+            name=name,
+            excludes=tuple(b for b in rows if (name, b) in pairs or (b, name) in pairs),
+            **row,
+        )
+        for name, row in rows.items()
+    )
+
+
+EFFECTS = _records()
+
+
+def effects_of(scene: Scene) -> Effects:
+    """Effects that a scene calls for.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Effects
+    """
+    return Effects(**{effect.name: effect.switch(scene).on for effect in EFFECTS})
+
+
+def switches_of(scene: Scene) -> dict[str, Switch]:
+    """Effects that a scene calls for, each with the key that says so.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to Switch
+        In the order of the records.
+    """
+    return {effect.name: effect.switch(scene) for effect in EFFECTS}
+
+
+def work_in(stage: str, effects: Effects) -> Work:
+    """What all effects that are called for add to a stage.
+
+    Parameters
+    ----------
+    stage : str
+    effects : Effects
+
+    Returns
+    -------
+    Work
+        Sum of their records.
+    """
+    work = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
+    return Work(
+        **{item.name: sum(getattr(row, item.name) for row in work) for item in fields(Work)}
+    )

@@ -1,0 +1,244 @@
+"""Effects that do not go together, or not with these bodies: one refusal at a time, both keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from flankload.scene.belt import Belt
+from flankload.scene.drive import DriveTable
+from flankload.scene.effects.keys import LARGEST_COEFFICIENT
+from flankload.scene.effects.records import EFFECTS
+from flankload.scene.mesh import ComplianceBody, MeshBody
+from flankload.scene.refusal import refuse, shown
+
+if TYPE_CHECKING:
+    from flankload.scene.effects.record import Effect
+    from flankload.scene.scene_file import BodySpec, SceneFile
+
+RECORDS = {effect.name: effect for effect in EFFECTS}
+#: Strain up to which growth is linear, far beyond what any machine bears.
+LARGEST_STRAIN = 0.02
+
+
+def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Refuse combinations of effects and bodies that have no meaning.
+
+    Parameters
+    ----------
+    asked : SceneFile
+    given : mapping
+        The scene as it stands in the file.
+
+    Raises
+    ------
+    SceneError
+        Names the key, and in what it expects the other one.
+    """
+    named = [effect for effect in EFFECTS if effect.is_named(asked.effects)]
+    _check_known(asked, given.get("effects", {}))
+    _check_friction(asked)
+    _check_extent(asked)
+    _check_teeth(asked, given.get("effects", {}))
+    _check_growth(asked)
+    for effect in named:
+        _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
+    _check_levels(asked)
+    _check_forces(asked)
+    for effect in named:
+        for other, expected in effect.refused_with.items():
+            if RECORDS[other] in named:
+                refuse(f"effects.{effect.key}", expected, _value(effect, asked))
+
+
+def check_coast_kinds(kind_1: str, kind_2: str) -> None:
+    """Check that both flanks of every tooth of body 1, of body 2 are known.
+
+    Raises
+    ------
+    SceneError
+    """
+    _check_kinds(RECORDS["coast_flanks"], kind_1, kind_2, found="true")
+
+
+def _value(effect: Effect, asked: SceneFile) -> str:
+    return shown(getattr(asked.effects, effect.key or ""))
+
+
+def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec]]:
+    return ("body_1", asked.body_1), ("body_2", asked.body_2)
+
+
+def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """A drive knows its own effects only, and no other bodies know them."""
+    kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
+    for drive in dict.fromkeys(effect.only_for for effect in EFFECTS if effect.only_for):
+        own = [effect.key for effect in EFFECTS if effect.only_for == drive]
+        for key, value in given.items():
+            if drive == kind_2 and key not in own:
+                expected = f"nothing: a {kind_2} and its {kind_1} do not know it"
+                refuse(f"effects.{key}", expected, shown(value))
+            if drive != kind_2 and key in own:
+                refuse(f"effects.{key}", f"nothing, unless body_2.kind is '{drive}'", shown(value))
+
+
+def _check_kinds(effect: Effect, kind_1: str, kind_2: str, *, found: str) -> None:
+    for body, kind in (("body_1", kind_1), ("body_2", kind_2)):
+        if kind in effect.refused_for:
+            refuse(f"effects.{effect.key}", effect.refused_for[kind].format(body=body), found)
+
+
+def _check_friction(asked: SceneFile) -> None:
+    """A list has one number per tooth, or rows of ascending roll position and coefficient."""
+    given, key = asked.effects.friction_coefficient, "effects.friction_coefficient"
+    if given and not asked.body_2.has_teeth:
+        expected = "nothing: this version knows no friction between a cam and its follower"
+        refuse(key, expected, "a coefficient")
+    if not isinstance(given, tuple):
+        return
+    rows = [row for row in given if isinstance(row, tuple)]
+    if rows and len(rows) < len(given):
+        refuse(key, "numbers, one per tooth, or rows of roll position and coefficient", "both")
+    for i, (roll, coefficient) in enumerate(rows):
+        if not 0.0 <= coefficient <= LARGEST_COEFFICIENT:
+            refuse(f"{key}[{i}][1]", f"a number from 0 to {LARGEST_COEFFICIENT:g}", coefficient)
+        if i and roll <= rows[i - 1][0]:
+            refuse(
+                f"{key}[{i}][0]",
+                f"more than the roll position of the row before, {rows[i - 1][0]:g}",
+                roll,
+            )
+
+
+def _check_extent(asked: SceneFile) -> None:
+    """A segment has an odd number of sectors, and the bodies have as many."""
+    body, segment_teeth = asked.effects.body, asked.effects.segment_teeth
+    key = "effects.segment_teeth"
+    if body != "segment" and segment_teeth is not None:
+        refuse(key, "nothing, unless effects.body is 'segment'", segment_teeth)
+    if body == "whole":
+        return
+    if body == "segment" and (segment_teeth is None or segment_teeth % 2 == 0):
+        refuse(
+            key,
+            "an odd number from 3, since effects.body is 'segment': as many teeth on both sides "
+            "of the one in its middle",
+            segment_teeth,
+        )
+    for name, spec in _bodies(asked):
+        if spec.rigid or isinstance(spec, DriveTable):
+            continue
+        if isinstance(spec, ComplianceBody):
+            why = f"{name}.kind is 'compliance': its file says how much of the body it is"
+        elif not spec.has_teeth:
+            why = f"{name}.kind is '{spec.kind}', which has one flank"
+        elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
+            why = f"{name}.flank_sets names the flanks of a whole body, not of one of its sectors"
+        elif segment_teeth is not None and segment_teeth > spec.number_of_teeth:
+            teeth = spec.number_of_teeth
+            refuse(
+                key, f"at most {teeth}, as many teeth as {name} has ({name}.teeth)", segment_teeth
+            )
+        else:
+            continue
+        refuse("effects.body", f"'whole', since {why}", shown(body))
+
+
+def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """One tooth alone has no neighbours to move; a cam has no teeth, and no tips to leave out."""
+    effects, key = asked.effects, "effects.tooth_coupling"
+    if effects.body == "tooth" and given.get("tooth_coupling"):
+        why = "of a tooth by itself no other moves"
+        refuse(key, f"false or nothing, since effects.body is 'tooth': {why}", True)
+    if asked.body_2.has_teeth:
+        return
+    if not effects.tooth_coupling:
+        why = "cam and follower have one flank each"
+        refuse(key, f"true, since body_2.kind is 'cam': {why}", False)
+    if not effects.tip_contact:
+        expected = "true with body_2.kind 'cam', which has neither tips nor fillets"
+        refuse("effects.tip_contact", expected, False)
+
+
+def _check_growth(asked: SceneFile) -> None:
+    """No key of growth without its cause, no large strain, no elements where there are none."""
+    effects = asked.effects
+    for key, other in (
+        ("thermal_expansion_per_K", "temperature_rise_K"),
+        ("support_expansion_per_K", "temperature_rise_K"),
+        ("density_kg_m3", "speed_rpm"),
+    ):
+        if getattr(effects, key) is not None and getattr(effects, other) is None:
+            expected = f"nothing, unless there is an effects.{other}"
+            refuse(f"effects.{key}", expected, getattr(effects, key))
+    for expansion in ("thermal_expansion_per_K", "support_expansion_per_K"):
+        rises, per_K = _of_both(effects.temperature_rise_K), _of_both(getattr(effects, expansion))
+        for rise, strain_per_K in zip(rises, per_K, strict=True):
+            if abs(rise * strain_per_K) > LARGEST_STRAIN:
+                refuse(
+                    "effects.temperature_rise_K",
+                    f"so few K that they stretch the bodies by {LARGEST_STRAIN:g} at most, with "
+                    f"effects.{expansion} {strain_per_K:g}",
+                    rise,
+                )
+    for key in ("speed_rpm", "support_expansion_per_K"):
+        if getattr(effects, key) is not None:
+            _check_elements(asked, key)
+
+
+def _check_elements(asked: SceneFile, key: str) -> None:
+    """Growth beside what holds a body, or by its speed, is a load of finite elements."""
+    if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
+        why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
+        refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+    for name, spec in _bodies(asked):
+        if isinstance(spec, ComplianceBody) and not spec.rigid:
+            why = f"{name}.kind is 'compliance': its file does not say how it grows"
+            refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
+
+
+def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
+    """A number for each body; 0 where there is none."""
+    return value if isinstance(value, tuple) else (value or 0.0,) * 2
+
+
+def _check_levels(asked: SceneFile) -> None:
+    """Lumped contact has no strips; nodes have no modes, and carry on the active flank only."""
+    accuracy = asked.accuracy
+    if asked.effects.contact == "lumped":
+        for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
+            if getattr(accuracy, name) is not None:
+                expected = "nothing with effects.contact 'lumped', which lays no strips"
+                refuse(f"accuracy.{name}", expected, getattr(accuracy, name))
+    if asked.effects.near_field != "nodes":
+        return
+    for name, body in _bodies(asked):
+        profile = body.profile if isinstance(body, MeshBody) else None
+        for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
+            if getattr(profile, rounding) is not None:
+                refuse(
+                    "effects.near_field",
+                    f"'analytic' with {name}.profile.{rounding}: the edges of a file's flank set "
+                    "that carry end where the tip turns",
+                    "'nodes'",
+                )
+    if accuracy.modes is not None:
+        expected = (
+            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes"
+        )
+        refuse("accuracy.modes", expected, accuracy.modes)
+
+
+def _check_forces(asked: SceneFile) -> None:
+    """Something holds a belt off its pulley; something yields between flanks across a tooth."""
+    belt = asked.body_2
+    if asked.effects.land_lift and isinstance(belt, Belt) and belt.prestress_N == 0.0:
+        why = "what holds a belt straight off its pulley"
+        refuse("body_2.prestress_N", f"a number > 0 with effects.land_lift: {why}", "0")
+    if asked.effects.coast_flank and asked.body_1.rigid and asked.body_2.rigid:
+        refuse(
+            "effects.coast_flank",
+            "false with body_1.rigid and body_2.rigid: flanks that press on each other "
+            "across a tooth must yield",
+            "true",
+        )

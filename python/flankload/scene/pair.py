@@ -1,0 +1,217 @@
+"""The tables of what stands between two bodies (axes, load, positions), and their rules."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta
+
+from flankload.scene.refusal import refuse
+from flankload.scene.table import (
+    USUAL_SIZE,
+    Angles,
+    BodyTable,
+    Length,
+    Table,
+    Torque,
+    Torques,
+    about,
+)
+
+#: Fewer positions to begin with overlook pairs that carry on a part of a pitch only.
+LEAST_START = 8
+
+
+class Pair(Table, frozen=True, kw_only=True):
+    """How the bodies stand to each other."""
+
+    center_distance_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "distance of the two axes as they stand: a centre-distance error is part of it, while "
+            "teeth and flanks stay what they are; needed, but for splines",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    center_offset_mm: Annotated[
+        Annotated[float, Meta(ge=0, le=1e5)] | None,
+        about(
+            "mm",
+            "distance of a spline's two axes; absent = 0, they are one",
+            # a hundredth is usual, ten are what was meant as um
+            usual=(1e-5, 2.0),
+        ),
+    ] = None
+    face_width_mm: Annotated[
+        Length, about("mm", "width over which the flanks touch", usual=(0.05, 5000.0))
+    ]
+
+    @property
+    def axes_apart_mm(self) -> float:
+        """Distance of the two axes."""
+        return self.center_distance_mm or self.center_offset_mm or 0.0
+
+    def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
+        """Check that splines stand on an offset, all other bodies on a centre distance.
+
+        Raises
+        ------
+        SceneError
+        """
+        distance, offset = self.center_distance_mm, self.center_offset_mm
+        if body_1.conforms and distance is not None:
+            refuse(
+                "pair.center_distance_mm",
+                "nothing: a spline's axes stand on pair.center_offset_mm (absent = 0)",
+                distance,
+            )
+        if not body_1.conforms and offset is not None:
+            refuse(
+                "pair.center_offset_mm",
+                f"nothing: a {body_1.kind} and a {body_2.kind} stand on "
+                "pair.center_distance_mm, only splines on an offset",
+                offset,
+            )
+        if not body_1.conforms and distance is None:
+            refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
+
+
+class Load(Table, frozen=True, kw_only=True):
+    """What body 1 carries."""
+
+    torque_Nm: Annotated[
+        Torque | Torques,
+        about(
+            "N m", "torque on body 1, or a list: one result per torque; 0 is the unloaded motion"
+        ),
+    ]
+    slack_tension_N: Annotated[
+        Annotated[float, Meta(gt=0, le=1e9)] | None,
+        about("N", "tension of the slack strand of a chain or a belt"),
+    ] = None
+
+    @property
+    def torques_Nm(self) -> tuple[float, ...]:
+        """All torques, N m."""
+        torque = self.torque_Nm
+        return torque if isinstance(torque, tuple) else (float(torque),)
+
+
+class Positions(Table, frozen=True, kw_only=True):
+    """Where the pair is looked at."""
+
+    count: Annotated[
+        Annotated[int, Meta(ge=1, le=100000)],
+        about(
+            "-",
+            "positions per tooth pitch of body 1 (per turn of a cam), equally spaced; with "
+            "adaptive those to begin with; concentric splines have one",
+        ),
+    ] = 32
+    angles_deg: Annotated[
+        Angles | None,
+        about(
+            "deg", "angles of body 1 (of a cam: of the cam) from position zero, instead of count"
+        ),
+    ] = None
+    pitches: Annotated[
+        Annotated[int, Meta(ge=1, le=10000)] | Literal["hunting"],
+        about(
+            "-",
+            "tooth pitches of body 1 that the positions run over; 'hunting' = until all repeats: "
+            "with pitch errors on both bodies the least common multiple of their tooth numbers, "
+            "without any one pitch",
+        ),
+    ] = 1
+    adaptive: Annotated[
+        bool,
+        about(
+            "",
+            "true: more positions where the transmission error bends, the same for all torques, "
+            "until its harmonics 1 to 3 and its peak to peak are known to the tolerance",
+        ),
+    ] = False
+    tolerance: Annotated[
+        Annotated[float, Meta(ge=1e-5, le=0.1)] | None,
+        about(
+            "-",
+            "with adaptive: what the positions may leave in doubt of a harmonic (of a tenth of "
+            "the largest, where it is smaller) and of the peak to peak; absent = 0.3 of "
+            "accuracy.tolerance",
+        ),
+    ] = None
+    max_count: Annotated[
+        Annotated[int, Meta(ge=1, le=100000)] | None,
+        about(
+            "-",
+            "with adaptive: most positions per tooth pitch; where they do not suffice a warning "
+            "says what is left in doubt; absent = 8 count",
+        ),
+    ] = None
+    driver: Annotated[
+        Literal["body_1", "body_2"], about("", "the driving body; decides the sliding direction")
+    ] = "body_1"
+
+    @property
+    def most_per_pitch(self) -> int:
+        """Most adaptive positions per tooth pitch."""
+        return self.max_count or 8 * self.count
+
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Check that angles stand alone, and that keys of adaptive positions stand with them.
+
+        Parameters
+        ----------
+        given : mapping
+            The keys that the scene names.
+
+        Raises
+        ------
+        SceneError
+        """
+        if self.angles_deg is not None:
+            for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
+                if key in given:
+                    refuse(
+                        "positions.angles_deg",
+                        f"nothing beside positions.{key}: one of the two",
+                        self.angles_deg,
+                    )
+        if not self.adaptive:
+            for key in ("tolerance", "max_count"):
+                if key in given:
+                    refuse(
+                        f"positions.{key}", "nothing, unless positions.adaptive is true", given[key]
+                    )
+            return
+        if self.count < LEAST_START:
+            refuse(
+                "positions.count",
+                f"at least {LEAST_START} to begin adaptive positions with",
+                self.count,
+            )
+        if self.max_count is not None and self.max_count < self.count:
+            refuse(
+                "positions.max_count",
+                f"at least positions.count ({self.count})",
+                self.max_count,
+            )
+
+
+def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
+    """Refuse one of two kinds that go together and with no other.
+
+    Raises
+    ------
+    SceneError
+    """
+    kinds = body_1.kind, body_2.kind
+    for wanted in ((body_1.kind, body_1.partner), (body_2.partner, body_2.kind)):
+        if None not in wanted and kinds != wanted:
+            refuse(
+                "body_2.kind",
+                "'{1}' with body_1.kind '{0}': the two go together and with no other".format(
+                    *wanted
+                ),
+                f"'{body_2.kind}' with body_1.kind '{body_1.kind}'",
+            )

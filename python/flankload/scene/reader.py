@@ -1,0 +1,70 @@
+"""A scene from a TOML file."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from flankload.errors import SceneError
+from flankload.scene.scene import Scene
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path : path
+        TOML file; mesh files in it are relative to its folder.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, is no TOML, or asks for something impossible.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise SceneError(
+            file=path, key="file", expected="a scene file to read", found=_reason(error)
+        ) from None
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            file=path,
+            key="file",
+            expected="text in UTF-8",
+            found=_strange_byte(error),
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(
+            file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
+        ) from None
+    except (RecursionError, ValueError) as error:
+        # What tomllib hands on from Python itself.
+        expected, found = (
+            ("numbers of a few digits", "one of thousands of digits")
+            if isinstance(error, ValueError)
+            else ("lists of a few levels", "too many levels")
+        )
+        raise SceneError(file=path, key="file", expected=expected, found=found) from None
+    return Scene.from_dict(tables, file=path)
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or type(error).__name__).lower()
+
+
+def _strange_byte(error: UnicodeDecodeError) -> str:
+    line = error.object.count(b"\n", 0, error.start) + 1
+    return f"line {line}: byte 0x{error.object[error.start]:02x}"
+
+
+def _syntax_error(message: str) -> str:
+    """What tomllib says, with the place in front: "line 3, column 7: unclosed string"."""
+    text, _, place = message.partition(" (at ")
+    return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()
