@@ -2,8 +2,8 @@
  *
  * Everything goes by reference; matrices stand column by column, as in Fortran; pairs are counted
  * from 1. Nothing is kept between calls, printed or opened: any number of threads may call at once.
- * What each argument means stands in README.md and flat/ of share/doc/flankload (in the sources: of
- * fortran/).
+ * What each argument means stands in fortran.md and flat/ of share/doc/flankload (in the sources:
+ * docs/reference/ and fortran/flat/).
  */
 #ifndef FLANKLOAD_H
 #define FLANKLOAD_H

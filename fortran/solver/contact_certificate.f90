@@ -70,10 +70,12 @@ contains
             & tiny(1.0_wp))
         result%backward_error = max(maxval(abs(lacking)/load_sizes), &
             & maxval(max(-forces, 0.0_wp))/largest)
-        degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
         result%margin = minval(forces/largest, mask=active)
-        call look_at_rows(problem, compliance, forces, whole_motion, rows, sizes, result, &
-            & degenerate)
+        call look_at_rows(problem, compliance, forces, whole_motion, pairs, rows, sizes, result)
+        degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
+        if (size(pairs) > 0) then
+            degenerate = degenerate .or. any(.not. active .and. rows <= row_tolerance*sizes)
+        end if
         if (problem%definite) then
             result%unique = energy_bounds_rows(problem, compliance, forces, recession)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
@@ -85,29 +87,26 @@ contains
     end subroutine certify
 
     !> How well rows are met, and how far open ones are from contact.
-    pure subroutine look_at_rows(problem, compliance, forces, motion, rows, sizes, result, &
-            & degenerate)
+    pure subroutine look_at_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n), and motion from zero, shape (n_motions)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: motion(:)
-        !> Gaps of these, and the least that the size of each row can be, shape (n)
+        !> Pairs with forces
+        integer, intent(in) :: pairs(:)
+        !> Gaps of all, and the least that the size of each row can be, shape (n)
         real(wp), intent(in) :: rows(:)
         real(wp), intent(inout) :: sizes(:)
         !> Backward error and margin of forces and loads, then of the rows too
         type(contact_result), intent(inout) :: result
-        !> Some pair has neither force nor gap
-        logical, intent(inout) :: degenerate
 
         type(contact_problem), allocatable :: original
         integer :: i
-        integer, allocatable :: pairs(:)
         real(wp) :: wrong
         logical :: active
 
-        pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
         do i = 1, problem%n
             active = abs(forces(i)) > 0.0_wp
             ! Only where it could matter: the size without cancellation. A row without any size (no
@@ -126,9 +125,7 @@ contains
             end if
             wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active)
             result%backward_error = max(result%backward_error, wrong/sizes(i))
-            if (active) cycle
-            result%margin = min(result%margin, rows(i)/sizes(i))
-            degenerate = degenerate .or. (size(pairs) > 0 .and. rows(i) <= row_tolerance*sizes(i))
+            if (.not. active) result%margin = min(result%margin, rows(i)/sizes(i))
         end do
         result%margin = max(0.0_wp, result%margin)
     end subroutine look_at_rows

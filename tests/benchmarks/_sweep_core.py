@@ -115,8 +115,9 @@ def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.
         (pair.body_1, pair.body_2), job.compliances, pair.pairing, job.scene.pair.face_width_mm
     )
     for z, argument in enumerate(arguments):
+        # neither nodes nor shifts
         breaks, coefficients, corners, angles, deviations, span, kernel, smooth, block = (
-            np.asarray(part) for part in argument
+            np.asarray(part) for part in argument[:9]
         )
         head = [
             *(breaks.size, len(coefficients) - 1, angles.size, len(smooth), smooth.shape[2]),

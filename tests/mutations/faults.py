@@ -222,7 +222,7 @@ _FORTRAN = (
 
 _PYTHON = (
     *_in(
-        "bodies/involute/involute.py",
+        "bodies/profile/involute.py",
         # the others refine a curve whose derivatives are wrong without end
         "unit/bodies/test_gear_profile.py::"
         "test_derivatives_of_modifications_are_those_of_the_metal_taken_off",
@@ -230,7 +230,7 @@ _PYTHON = (
         ("first = 2 * self.crowning_mm * x / half", "first = self.crowning_mm * x / half"),
     ),
     *_in(
-        "bodies/involute/involute.py",
+        "bodies/profile/involute.py",
         "unit/bodies/test_gear_profile.py::test_flank_is_the_involute "
         "unit/bodies/test_gear_profile.py::"
         "test_derivatives_of_a_modified_flank_are_those_of_its_places",

@@ -12,6 +12,7 @@ from tests.benchmarks import effects
 from tests.benchmarks._instructions import read_profile
 from tests.benchmarks._packages import PACKAGES, Package, scale
 from tests.benchmarks._rivals import EXACT_ENOUGH, Measured, least_ratio, measure_package
+from tests.benchmarks._sweep_core import Job, _numbers
 from tests.support.cylinder_problem import Problem, cylinder, residual
 from tests.support.paths import ROOT
 from tests.support.tolerances import ROUND_OFF, SOLVER
@@ -151,3 +152,11 @@ def test_instructions_are_summed_by_procedure_without_those_that_find_memory() -
 def test_bench_of_effects_knows_all_that_a_scene_can_call_for() -> None:
     known = {**effects.ON, **effects.OFF}
     assert {row.name for row in effects.readable()} - set(known) == set()
+
+
+def test_the_compiled_bench_of_a_sweep_is_handed_a_scene() -> None:
+    """What it does not read (nodes, shifts) stood in its way."""
+    job = Job(fl.read_scene(ROOT / "examples" / "scenes" / "external_gear.toml"))
+    numbers = _numbers(job, 3, 1000.0, job.bodies.resolution.grid)
+    np.testing.assert_array_equal(numbers[:2], [3.0, 1000.0])
+    assert np.isfinite(numbers).all()
