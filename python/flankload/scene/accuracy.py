@@ -1,4 +1,4 @@
-"""The table of accuracy: the tolerance, and the discretization where the scene names it."""
+"""The table [accuracy]: the tolerance, and the discretization as far as the scene sets it."""
 
 from typing import Annotated, Literal
 
@@ -10,7 +10,7 @@ Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
-    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
+    """Tolerance and discretization; a key that is absent follows from the tolerance."""
 
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-4, le=0.1)],

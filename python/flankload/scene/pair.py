@@ -1,4 +1,4 @@
-"""The tables of what stands between two bodies (axes, load, positions), and their rules."""
+"""The tables [pair], [load] and [positions] and their rules."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -17,12 +17,12 @@ from flankload.scene.table import (
     about,
 )
 
-#: Fewer positions to begin with overlook pairs that carry on a part of a pitch only.
+#: With fewer initial positions, contact pairs that carry during part of a pitch are missed.
 LEAST_START = 8
 
 
 class Pair(Table, frozen=True, kw_only=True):
-    """How the bodies stand to each other."""
+    """Relative position of the two axes, and the face width."""
 
     center_distance_mm: Annotated[
         Length | None,
@@ -48,11 +48,11 @@ class Pair(Table, frozen=True, kw_only=True):
 
     @property
     def axes_apart_mm(self) -> float:
-        """Distance of the two axes."""
+        """Distance of the two axes, mm."""
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines stand on an offset, all other bodies on a centre distance.
+        """Check that splines have a centre offset and all other bodies a centre distance.
 
         Raises
         ------
@@ -77,7 +77,7 @@ class Pair(Table, frozen=True, kw_only=True):
 
 
 class Load(Table, frozen=True, kw_only=True):
-    """What body 1 carries."""
+    """Load of body 1."""
 
     torque_Nm: Annotated[
         Torque | Torques,
@@ -98,7 +98,7 @@ class Load(Table, frozen=True, kw_only=True):
 
 
 class Positions(Table, frozen=True, kw_only=True):
-    """Where the pair is looked at."""
+    """Positions at which the contact is computed."""
 
     count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)],
@@ -154,16 +154,16 @@ class Positions(Table, frozen=True, kw_only=True):
 
     @property
     def most_per_pitch(self) -> int:
-        """Most adaptive positions per tooth pitch."""
+        """Largest number of adaptive positions per tooth pitch."""
         return self.max_count or 8 * self.count
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Check that angles stand alone, and that keys of adaptive positions stand with them.
+        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`.
 
         Parameters
         ----------
         given : mapping
-            The keys that the scene names.
+            Keys that the scene sets.
 
         Raises
         ------
@@ -199,7 +199,7 @@ class Positions(Table, frozen=True, kw_only=True):
 
 
 def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
-    """Refuse one of two kinds that go together and with no other.
+    """Refuse bodies whose kind requires a partner of another kind.
 
     Raises
     ------
