@@ -17,7 +17,7 @@ Place = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 DEGREE = 5
 
-#: Gauss rule for the arc length of an interval; 12 points suffice, since intervals are short.
+#: Gauss rule for the arc length of an interval; the intervals are short.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 #: Largest distance of a fit from the exact curve, relative to the length of all pieces …

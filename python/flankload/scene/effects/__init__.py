@@ -1,4 +1,4 @@
-"""The effects that a scene can request: one record for each effect, and functions of the records.
+"""The effects that a scene can request: one record for each, and queries of the records.
 
 A record lists the keys that switch an effect on and the keys with which it is refused, the work it
 adds to a run, the counters that show this work, and the method that estimates its size before the
