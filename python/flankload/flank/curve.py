@@ -158,7 +158,7 @@ class FlankCurve:
         high = samples[np.minimum(nearest + 1, samples.size - 1)]
         s = samples[nearest]
         for _ in range(50):
-            # Newton's method for the derivative of half the squared distance, between the neighbours
+            # Newton's method for the derivative of half the squared distance, within [low, high]
             point, first, second = self.derivatives(s)
             away = point - wanted
             slope = (away * first).sum(axis=1)
