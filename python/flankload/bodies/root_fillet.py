@@ -5,8 +5,8 @@ strain,
 
     sigma = E/(1 - nu²) t·du/ds   (plane strain; E t·du/ds in plane stress),
 
-with the unit tangent t. The strain of quadratic elements is most accurate at the two Gauss points of
-an element's edge; these are the points. The local stress under a force that acts on the fillet
+with the unit tangent t. The strain of quadratic elements is most accurate at the two Gauss points
+of an element's edge; these are the points. The local stress under a force that acts on the fillet
 itself is not included.
 under it, which is not part of this.
 """

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
 #: Pressure modes relative to those of a gear's flank, per element: five elements per harmonic.
 MODES_PER_ELEMENT = 8.2 / 96
-#: First layer relative to the length of the elements, and growth of the layers towards the bore. The
-#: first layer is thin, since short waves of pressure decay within a third of the element length
+#: First layer relative to the length of the elements, and growth of the layers towards the bore.
+#: The first layer is thin, since short waves of pressure decay within a third of the element length
 #: (a factor of 1 leaves 0.5 % of the wind-up of a thin cam).
 FIRST_LAYER, GROWTH = 0.3, 1.4
 LEAST_LAYERS = 3

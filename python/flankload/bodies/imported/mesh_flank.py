@@ -80,8 +80,11 @@ def in_order(edges: Numbers) -> Numbers:
 
 
 def faces_clockwise(nodes: Floats, edges: Numbers, *, inwards: bool) -> bool:
-    """Whether a flank is that of the mirrored body: with the material on its right, it runs from
-    tip to root. The radius decreases towards the tip of internal teeth."""
+    """Whether a flank is that of the mirrored body.
+
+    Such a flank runs from tip to root with the material on its right. The radius decreases towards
+    the tip of internal teeth.
+    """
     middle = nodes[edges[len(edges) // 2]]
     return (float(middle.mean(axis=0) @ (middle[1] - middle[0])) < 0.0) != inwards
 
