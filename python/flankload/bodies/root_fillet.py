@@ -8,7 +8,6 @@ strain,
 with the unit tangent t. The strain of quadratic elements is most accurate at the two Gauss points
 of an element's edge; these are the points. The local stress under a force that acts on the fillet
 itself is not included.
-under it, which is not part of this.
 """
 
 from __future__ import annotations

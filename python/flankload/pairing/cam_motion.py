@@ -73,7 +73,7 @@ class CamMotion:
         return np.pi + self.sense * np.asarray(position_rad, dtype=float)
 
     def stand(self, position_rad: Floats) -> Stand:
-        """Compute the follower's angles.
+        """Angles and contact points of the follower on the cam.
 
         Parameters
         ----------

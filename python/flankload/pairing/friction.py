@@ -92,7 +92,7 @@ class FrictionArguments:
         return self.table[0].size > 0
 
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
-        """Speeds and coefficients at some of the positions, in the order of the core's interface."""
+        """Speeds and coefficients at some positions, in the order of the core's interface."""
         speeds = self.speeds[:, which] if self.present else self.speeds
         return speeds.shape[1], speeds.ravel(order="F"), *self.table
 
@@ -108,7 +108,7 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
 
     Returns
     -------
-    Friction, or None where the scene has none or all its coefficients are 0
+    Friction, or None if the scene has none or all its coefficients are 0
 
     Raises
     ------
@@ -127,8 +127,8 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
         rows = np.array(asked, dtype=float)
         places, values = _along_flank(rows, body_1, pairing)
         return Friction(places, values[:, None] * ones, sense)
-    # entry k belongs to the k-th tooth that comes into contact, as for pitch errors; for a spline to
-    # tooth k
+    # entry k belongs to the k-th tooth that comes into contact, as for pitch errors; for a spline
+    # to tooth k
     entries = pairing.sites if pairing.whole_circle else -pairing.sites
     by_tooth = np.array(coefficients_by_tooth(scene, body_1))
     return Friction(np.zeros(1), by_tooth[entries % body_1.teeth][None], sense)

@@ -38,7 +38,7 @@ class Pair(Table, frozen=True, kw_only=True):
         about(
             "mm",
             "distance of a spline's two axes; absent = 0, they are one",
-            # a hundredth is usual, ten are what was meant as um
+            # a hundredth is usual; ten probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None

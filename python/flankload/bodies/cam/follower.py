@@ -31,7 +31,7 @@ LEAST_RISE = 0.03
 #: Default number of elements along a roller, and its modes relative to those of a gear.
 ROLLER_ELEMENTS = 24
 ROLLER_MODES_PART = 2.0
-#: The same for a flat, partly per width of the arm.
+#: The same for a flat: elements per arm width; modes as a constant plus a number per arm width.
 FLAT_ELEMENTS_PER_WIDTH = 5.0
 FLAT_MODES_PART = 1.6
 FLAT_MODES_PER_WIDTH = 0.5

@@ -80,7 +80,7 @@ def fit_flank(
     key : str
         Key that names the flank's set, without the body's.
     nodes : (N, 2) array
-        Of the body, mirrored if necessary.
+        Mesh of the body, mirrored if necessary.
     edges : (m, 3) array
         Edges of the flank in order.
 

@@ -41,7 +41,7 @@ def sector_of(
     source : MeshSource
     spec : MeshBody
     nodes, cells
-        Of the body, mirrored if necessary.
+        Mesh of the body, mirrored if necessary.
     flank : (m, 3) array
         Edges of the flank in order.
     fixed : array

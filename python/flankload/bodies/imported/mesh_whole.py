@@ -53,7 +53,7 @@ def whole_of(
     source : MeshSource
     spec : MeshBody
     nodes, cells
-        Of the body, mirrored if necessary.
+        Mesh of the body, mirrored if necessary.
     flanks : list of (m, 3) arrays
         Edges of the flanks in order, tooth 0 first.
     fixed : array

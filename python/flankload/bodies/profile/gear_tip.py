@@ -1,6 +1,6 @@
 """A flank from the form circle to the tip: modifications, tip rounding or chamfer.
 
-Used for the teeth of gears and of rings; `Involute.outward` tells on which side the tip is.
+Used for the teeth of gears and of rings; `Involute.outward` gives the side of the tip.
 """
 
 from __future__ import annotations

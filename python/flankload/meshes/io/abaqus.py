@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 PLANE_OF = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
 #: Number of nodes of elements that only carry names.
 LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
-#: Corners, hence edges S1, S2, …, of plane elements; the middle node of edge k is corners + k.
+#: Number of corners, hence of edges S1, S2, …; the middle node of edge k is node corners + k.
 EDGE_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4}
 #: Longest credible generated set; longer ones come from a damaged file.
 LONGEST_RANGE = 10**7

@@ -42,7 +42,7 @@ class Work:
     Attributes
     ----------
     factorisations, growth_loads : float
-        Per body with finite elements; the growth loads are the load cases of body forces.
+        Per body with finite elements; growth loads are load cases of expansion.
     normal_loads, tangential_loads, coast_readings : float
         Per pressure mode of each loaded flank.
     recoveries : float
