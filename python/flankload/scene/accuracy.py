@@ -10,7 +10,7 @@ Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
-    """Tolerance and discretization; a key that is absent follows from the tolerance."""
+    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
 
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-4, le=0.1)],

@@ -33,7 +33,7 @@ ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
 
 
 class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
-    """A pulley for timing belts: rigid, or an elastic ring that is fixed at its bore."""
+    """A pulley for timing belts: rigid, or a ring that is held at its bore."""
 
     partner: ClassVar[str | None] = "belt"
 
@@ -92,7 +92,7 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
 
 
 class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
-    """A timing belt around a pulley; the end of its tight strand is fixed."""
+    """A timing belt around a pulley, its tight strand held."""
 
     partner: ClassVar[str | None] = "pulley"
     known: ClassVar[Mapping[str, frozenset[str]]] = {

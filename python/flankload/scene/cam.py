@@ -45,7 +45,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
 
 
 class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
-    """A disc cam given by a table of its profile, fixed at its bore."""
+    """A disc cam by the table of its profile, held at its bore."""
 
     partner: ClassVar[str | None] = "follower"
 
@@ -90,7 +90,7 @@ Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
 
 
 class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
-    """A lever that turns about its own axis and follows a cam with a roller or a flat face."""
+    """A lever that turns about its own axis and follows a cam with a roller or a flat."""
 
     partner: ClassVar[str | None] = "cam"
 

@@ -15,7 +15,7 @@ RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=
 
 
 class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
-    """A rigid sprocket for roller chains (ISO 606)."""
+    """A rigid sprocket for roller chains, ISO 606."""
 
     partner: ClassVar[str | None] = "chain"
 
@@ -64,7 +64,7 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
 
 
 class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
-    """A roller chain around a sprocket; the end of its tight strand is fixed."""
+    """A roller chain around a sprocket, its tight strand held."""
 
     partner: ClassVar[str | None] = "sprocket"
     known: ClassVar[Mapping[str, frozenset[str]]] = {

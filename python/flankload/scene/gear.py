@@ -103,7 +103,7 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
 
 
 class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
-    """An external spur gear with a generated root fillet, fixed at its bore."""
+    """An external spur gear with a generated root fillet, held at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     bore_diameter_mm: Annotated[
@@ -164,7 +164,7 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
 
 
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
-    """An internal spur gear, fixed at the outside of its rim."""
+    """An internal spur gear, held at the outside of its rim."""
 
     root_fillet_radius_mm: Annotated[
         Length | None,
@@ -194,7 +194,7 @@ SPLINE_FILLET = 0.16
 
 
 class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
-    """An involute spline on a shaft, fixed at its bore; a generating rack cuts its root."""
+    """An involute spline on a shaft, held at its bore; its root is that of a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
     conforms: ClassVar[bool] = True
@@ -239,7 +239,7 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
 
 
 class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
-    """An involute spline in a hub, fixed at the outside of its rim."""
+    """An involute spline in a hub, held at the outside of its rim."""
 
     partner: ClassVar[str | None] = "spline_shaft"
     called: ClassVar[str] = "hub"

@@ -24,7 +24,7 @@ from flankload.scene.table import (
 
 
 class Profile(Geometry, frozen=True, kw_only=True):
-    """The exact profile of a body imported as a mesh: the geometry keys of a gear."""
+    """The exact profile of a body that comes as a mesh: the geometry keys of a gear."""
 
     kind: Annotated[Literal["gear"], about("", "kind of the profile")] = "gear"
     teeth: Annotated[
@@ -34,7 +34,7 @@ class Profile(Geometry, frozen=True, kw_only=True):
 
 
 class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
-    """A body from a mesh file: one sector with cut faces, or the whole body with all flanks."""
+    """A body as a mesh file: one sector with its cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
 
@@ -112,7 +112,7 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
 
 
 class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
-    """A body whose flank and compliance are imported from a file computed earlier."""
+    """A body whose flank and compliance come from a file, computed before, here or elsewhere."""
 
     from_file: ClassVar[bool] = True
     brings_compliance: ClassVar[bool] = True

@@ -22,7 +22,7 @@ LEAST_START = 8
 
 
 class Pair(Table, frozen=True, kw_only=True):
-    """Relative position of the two axes, and the face width."""
+    """How the bodies stand to each other."""
 
     center_distance_mm: Annotated[
         Length | None,
@@ -77,7 +77,7 @@ class Pair(Table, frozen=True, kw_only=True):
 
 
 class Load(Table, frozen=True, kw_only=True):
-    """Load of body 1."""
+    """What body 1 carries."""
 
     torque_Nm: Annotated[
         Torque | Torques,
@@ -98,7 +98,7 @@ class Load(Table, frozen=True, kw_only=True):
 
 
 class Positions(Table, frozen=True, kw_only=True):
-    """Positions at which the contact is computed."""
+    """Where the pair is looked at."""
 
     count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)],

@@ -80,7 +80,7 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
         rows = np.array(spec.profile, dtype=float).reshape(-1, 2)
     angle, radius = _one_turn(rows, name)
     place = _closed_spline(angle, radius)
-    # clockwise: from the angle of the last row, one turn down to that of the first
+    # clockwise: from one turn beyond the first row's angle down to that angle
     pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
     _check_kinks(place, angle, name)
     # the length is that of a whole turn; the radius is closer to the size of a flank

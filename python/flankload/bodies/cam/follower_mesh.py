@@ -59,7 +59,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     centre = np.array([head.arm_mm, 0.0])  # type: ignore[union-attr]
     width = lever.arm_mm[1] - lever.arm_mm[0]
     inner = INNER_PART * flank_element_mm
-    # the outer end of the roller has the same number of elements
+    # the outer end of the roller has the same number of elements as the arm's width
     most = width * min(1 / LEAST_ACROSS, flank_element_mm / (2 * OUTER_ANGLE * radius))
     part = _between_corners(width, width, most, finer)
     over = max(LEAST_ACROSS, round_up((upper - OUTER_ANGLE) * radius / flank_element_mm))

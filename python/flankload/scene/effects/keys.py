@@ -20,7 +20,7 @@ PerBody = Annotated[tuple[Number, ...], Meta(min_length=2, max_length=2)]
 
 
 class EffectsAsked(Table, frozen=True, kw_only=True):
-    """Effects beyond elastic bodies and ideal geometry; an absent effect is not simulated."""
+    """Effects beyond elastic bodies and their given geometry; what is absent is not simulated."""
 
     choose: Annotated[
         Literal["auto"] | None,
