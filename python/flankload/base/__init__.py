@@ -1,1 +1,1 @@
-"""Small tools that every room uses: rounding of ties, atomic files, read-only arrays, archives."""
+"""Small tools that every package uses: rounding, atomic file writes, read-only arrays, archives."""

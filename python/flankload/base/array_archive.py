@@ -1,7 +1,7 @@
-"""Archives of arrays (.npz): what is in them is known before anything is unpacked.
+"""Read .npz archives of arrays; all checks are made before anything is unpacked.
 
-An archive of a few kilobytes can unpack to gigabytes. Names, types, shapes and sizes stand in the
-table of the archive and in the heads of its members.
+An archive of a few kilobytes can unpack to gigabytes. Names, types, shapes and sizes are read from
+the archive's directory and from the headers of its members.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-#: Of all arrays of a file together, unpacked.
+#: Largest total size of all arrays of a file, unpacked, in bytes.
 MOST_BYTES = 2**31
 MOST_ARRAYS = 100
 SUFFIX = ".npy"
 
 
 class BadArchive(Exception):  # noqa: N818 - not an error of flankload's users yet
-    """An archive that is none, or that holds what is refused.
+    """A file that is not an archive of arrays, or that contains something refused.
 
     Parameters
     ----------
     name : str or None
-        Of the array.
+        Name of the array, if known.
     found : str
     """
 
@@ -43,14 +43,14 @@ class BadArchive(Exception):  # noqa: N818 - not an error of flankload's users y
 
 @dataclass(frozen=True)
 class Member:
-    """An array of a file that is not read yet.
+    """An array of a file, not read yet.
 
     Attributes
     ----------
     shape : tuple of int
     dtype : dtype
     read : callable
-        Gives the array; raises `BadArchive`.
+        Returns the array; raises `BadArchive`.
     """
 
     shape: tuple[int, ...]
@@ -59,7 +59,7 @@ class Member:
 
 
 def read_members(path: Path) -> dict[str, Member]:
-    """Read names, types and shapes of an archive.
+    """Read names, types and shapes of the arrays in an archive, without their values.
 
     Parameters
     ----------
@@ -72,8 +72,8 @@ def read_members(path: Path) -> dict[str, Member]:
     Raises
     ------
     BadArchive
-        If it is no archive, holds pickled objects, more or larger arrays than any such file has, or
-        an array whose size is not that of its shape.
+        If the file is not an archive, contains pickled objects, too many or too large arrays, or an
+        array whose size does not match its shape.
     """
     name = None
     members: dict[str, Member] = {}
@@ -90,7 +90,7 @@ def read_members(path: Path) -> dict[str, Member]:
                 members[name] = _member(archive, part, name)
     except BadArchive:
         raise
-    except Exception as error:  # whatever zip files and heads can be made to raise
+    except Exception as error:  # damaged zip files and headers raise many kinds of exception
         raise BadArchive(name, _reason(error)) from None
     return members
 

@@ -1,4 +1,4 @@
-"""Writing of files, whole or not at all; whatever the package writes goes through here."""
+"""Atomic writing of files; every file that the package writes goes through this module."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from pathlib import Path
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> None:
-    """Write a file so that it is there whole or not at all.
+    """Write a file atomically: completely or not at all.
 
-    Threads and processes may write into one folder, even to one file: each writes a file of its
-    own beside the target, which then takes the target's name in one step.
+    Several threads and processes may write into one folder, even to one file: each writes a
+    temporary file next to the target and then renames it to the target in one step.
 
     Parameters
     ----------
     path : path
-        The file to which a link points is written, and the link stays; a file that is replaced
-        keeps its mode. A device or a pipe is written to and stays what it is.
+        If the path is a symbolic link, the file it points to is written and the link stays. A
+        file that is replaced keeps its mode. A device or a pipe is written to, not replaced.
     content : str or bytes
         Text is written as UTF-8.
 
     Raises
     ------
     OSError
-        If it cannot be written; the former content stays.
+        If the file cannot be written; the former content stays.
     """
     path = Path(path)
     data = content.encode("utf-8") if isinstance(content, str) else content
@@ -33,7 +33,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
             stream.write(data)
         return
     target = Path(os.path.realpath(path))
-    # The name is known before the file is there: an interrupt at any moment finds what to remove.
+    # The name is fixed before the file exists, so an interrupt at any time can remove the file.
     part = target.with_name(f".flankload.{os.urandom(8).hex()}.part")
     try:
         mode = _mode_of(path)
@@ -44,20 +44,20 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     except BaseException as error:
         part.unlink(missing_ok=True)
         if isinstance(error, OSError) and error.errno is not None:
-            # The file that was asked for, not the one beside it.
+            # The error names the requested file, not the temporary one.
             raise OSError(error.errno, error.strerror, str(path)) from None
         raise
 
 
 def is_stream(path: Path) -> bool:
-    """Whether a path names a device or a pipe: to be written to, never to be replaced."""
+    """Whether a path is a device or a pipe, which is written to but never replaced."""
     if not path.exists() or path.is_dir():
         return False
     return not path.is_file() or str(path) in ("/dev/stdout", "/dev/stderr")
 
 
 def _mode_of(path: Path) -> int | None:
-    """Mode of the file at a path, through links; None where there is none."""
+    """Mode of the file at a path, symbolic links followed; None if there is no file."""
     try:
         return stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Read-only arrays that stay so in copies and out of pickles."""
+"""A base class whose read-only arrays stay read-only in copies and after unpickling."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 class KeepsReadOnly:
-    """Base of classes with read-only arrays: pickles and deep copies of numpy lose that flag."""
+    """Base of classes with read-only arrays; NumPy's pickles and deep copies lose that flag."""
 
     def __getstate__(self) -> tuple[dict[str, Any], tuple[str, ...]]:
         values = dict(vars(self))

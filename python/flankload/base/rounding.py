@@ -1,8 +1,8 @@
-"""Decisions on quotients that are whole numbers in exact arithmetic.
+"""Rounding of quotients that are whole numbers in exact arithmetic.
 
-A flank is three elements long, a position half a pitch on, a strand ends where a land does: on
-which side of the whole number such a quotient comes out is a matter of rounding, and no number of
-elements, sites or teeth may hang on that.
+Examples: a flank is exactly three elements long, a position is exactly half a pitch away, a strand
+ends exactly where a land ends. Rounding errors decide on which side of the whole number such a
+quotient falls; the number of elements, sites or teeth must not depend on that.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Quotients this near to a whole number are that number: far above what rounding leaves of them,
-#: far below what anything could show.
+#: A quotient within this distance of a whole number counts as that number: far above rounding
+#: errors, far below any difference that matters.
 TIE = 1e-9
 
 
@@ -24,7 +24,7 @@ def round_down(quotient: float) -> int: ...
 @overload
 def round_down(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
 def round_down(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Floor, where whole numbers that rounding has made a little less are whole.
+    """Floor; a quotient that is a whole number up to `TIE` gives that number.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def round_up(quotient: float) -> int: ...
 @overload
 def round_up(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
 def round_up(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Ceiling, where whole numbers that rounding has made a little more are whole.
+    """Ceiling; a quotient that is a whole number up to `TIE` gives that number.
 
     Parameters
     ----------

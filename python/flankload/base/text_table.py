@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-#: Follows a number and hangs into the space between columns.
+#: A mark behind a number; it is printed in the space between two columns.
 MARK = "*"
 #: Cell of a number that does not exist.
 NONE = "-"
 
 
 def number(value: float, form: str) -> str:
-    """A number as a cell.
+    """Format a number as a cell; `NONE` if it is not finite.
 
     Parameters
     ----------
@@ -36,15 +36,16 @@ def text_table(rows: Iterable[Sequence[str]], *, left: int = 0) -> list[str]:
     Parameters
     ----------
     rows : iterable of sequence of str
-        Heads first. A row may end early. A mark hangs into the space behind its column.
+        Header first. Rows may be shorter than others. A mark is printed in the space behind its
+        column.
     left : int
-        Columns that are aligned to the left, from the first on; the others are aligned to the
+        Number of leading columns that are aligned to the left; the others are aligned to the
         right.
 
     Returns
     -------
     list of str
-        Lines, two spaces between columns, none at their ends.
+        Lines, with two spaces between columns and no trailing spaces.
     """
     table = [
         [

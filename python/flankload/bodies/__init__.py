@@ -1,4 +1,4 @@
-"""Bodies: from the keys of a scene to flank curve, sector mesh and material; one file per kind."""
+"""Bodies: flank curve, sector mesh and material from the keys of a scene; one module per kind."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 #: `flank_element_parts` of the default discretization.
 DEFAULT_PARTS = 1.0 / 4.5
-#: Flanks of splines are about half as high, in modules, as those of gears.
+#: Flank elements of splines relative to those of gears: their flanks are about half as high.
 SPLINE_PART = 0.45
 
 
@@ -28,22 +28,22 @@ def build_body(
     flank_element_parts: float,
     flank_nodes_mm: float | None = None,
 ) -> Body:
-    """Build the body that a table of a scene asks for.
+    """Build the body that a table of a scene describes.
 
     Parameters
     ----------
     spec : Gear, Ring, SplineShaft, SplineHub, Cam, Follower, MeshBody or ComplianceBody
     key : str
-        Key of the table in the scene, for messages.
+        Dotted path of the table in the scene, for messages.
     folder : Path
-        Folder that the files of bodies are relative to.
+        Folder to which the bodies' files are relative.
     flank_element_mm : float or None
         Largest length of a finite element along the flank of a parametric body.
     flank_element_parts : float
-        The same in modules, where `flank_element_mm` is None; cams and followers, which have no
-        module, have a number of elements along their flank in proportion.
+        The same in modules, if `flank_element_mm` is None; for cams and followers, which have no
+        module, the number of elements along the flank is scaled in proportion.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -53,8 +53,8 @@ def build_body(
     Raises
     ------
     SceneError
-        If the body cannot be made; names the key. MeshError or ComplianceFileError where a
-        file is at fault.
+        If the body is impossible; names the key. MeshError or ComplianceFileError if a file is
+        faulty.
     """
     from flankload.scene import (
         Belt,

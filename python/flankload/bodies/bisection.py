@@ -1,4 +1,4 @@
-"""Where a function changes its sign, by halving: to the last bit, and nothing large to load."""
+"""Sign change of a function by bisection to machine precision, without importing SciPy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def sign_change(function: Callable[[float], float], low: float, high: float) -> float:
-    """Place between two others where a function changes its sign.
+    """Bracketed point at which a function changes its sign.
 
     Parameters
     ----------
@@ -20,12 +20,12 @@ def sign_change(function: Callable[[float], float], low: float, high: float) -> 
     Returns
     -------
     float
-        An end itself where the function is 0 there.
+        Exactly an end if the function is 0 there.
 
     Raises
     ------
     ValueError
-        If the signs at the ends are alike.
+        If the signs at the ends are equal.
     """
     at_low, at_high = function(low), function(high)
     if at_low == 0.0 or at_high == 0.0:

@@ -1,4 +1,4 @@
-"""What every kind of body hands over to the rooms behind: its flank curve, mesh and material."""
+"""The common interface of all bodies: flank curve, mesh and material."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Material:
-    """Linear elastic, isotropic.
+    """A linear elastic, isotropic material.
 
     Attributes
     ----------
@@ -37,23 +37,24 @@ class SectorMesh:
     Attributes
     ----------
     nodes : (N, 2) array
-        Places in the frame of the body, mm.
+        Coordinates in the frame of the body, mm.
     cells : tuple of (str, (E, k) array)
-        Type of element and its nodes, both as meshio has them: "quad9", "quad8", "triangle6".
+        Element type and node numbers in meshio's names and order: "quad9", "quad8", "triangle6".
     flank_edges : (m, 3) array
-        First, last and middle node of the edges that carry pressure modes, by ascending arc length.
+        First, last and middle node of the edges with pressure modes, by ascending arc length.
     flank_arc_length : (N,) array
         Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
     fixed_nodes : array
-        Nodes that are held.
+        Nodes with fixed displacements.
     left_nodes, right_nodes : arrays of equal size
-        Nodes of the cut at the smaller and at the greater polar angle, without those that are held;
-        right node k is left node k turned by one pitch.
+        Nodes of the cuts at the smaller and the larger polar angle, without fixed nodes; right
+        node k is left node k rotated by one pitch.
     teeth : int
         Number of equal sectors.
     tip_edges, tip_arc_length : (k, 3) arrays
-        Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
-        of their nodes, mm: modes end before them, forces at nodes go on. Empty without.
+        Edges of a tip rounding or chamfer, in the form of and following those of the flank, and
+        the arc lengths of their nodes, mm. Pressure modes end before these edges, nodal forces do
+        not. Empty without rounding or chamfer.
     """
 
     nodes: NDArray[np.float64]
@@ -69,22 +70,22 @@ class SectorMesh:
 
     @property
     def flank_elements(self) -> int:
-        """Elements along the flank."""
+        """Number of elements along the flank."""
         return len(self.flank_edges)
 
 
 @dataclass(frozen=True)
 class MeshedFlank:
-    """One flank of a whole body; together with the nodes what pressure modes need.
+    """One flank of a whole body, with the data that pressure modes need.
 
     Attributes
     ----------
     tooth : int
-        Its place on the body: tooth k stands k pitches counter-clockwise of tooth 0.
+        Tooth number: tooth k is k pitches counter-clockwise of tooth 0.
     nodes : (N, 2) array
-        Of the whole body, mm.
+        Nodes of the whole body, mm.
     flank_edges : (m, 3) array
-        First, last and middle node of the edges that carry pressure modes, by ascending arc length.
+        First, last and middle node of the edges with pressure modes, by ascending arc length.
     flank_arc_length : (N,) array
         Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
     """
@@ -104,7 +105,7 @@ class WholeMesh:
     nodes, cells, fixed_nodes
         As in `SectorMesh`.
     flanks : tuple of MeshedFlank
-        By ascending tooth, that of tooth 0 first.
+        By ascending tooth number, tooth 0 first.
     """
 
     nodes: NDArray[np.float64]
@@ -114,21 +115,21 @@ class WholeMesh:
 
     @property
     def flank_elements(self) -> int:
-        """Elements along the flank that has fewest."""
+        """Number of elements along the flank that has the fewest."""
         return min(len(flank.flank_edges) for flank in self.flanks)
 
 
 @dataclass(frozen=True)
 class FlankNodes:
-    """How a flank curve through nodes follows from them.
+    """Nodes through which a flank curve is fitted.
 
     Attributes
     ----------
     count : int
     spacing_mm : float
-        Largest distance of neighbours.
+        Largest distance of neighbouring nodes.
     deviation_mm : float
-        Estimated distance of the curve from the true profile; infinite where that cannot be told.
+        Estimated distance of the curve from the true profile; infinite if it cannot be estimated.
     """
 
     count: int
@@ -138,15 +139,15 @@ class FlankNodes:
 
 @dataclass(frozen=True)
 class Roller:
-    """How a follower touches its cam: with a roller.
+    """Roller of a follower.
 
     Attributes
     ----------
     arm_mm : float
-        Distance of its centre from the axis, along x of the follower's frame.
+        Distance of the roller's centre from the axis, along x of the follower's frame.
     radius_mm : float
     angles_rad : (float, float)
-        Polar angles about its centre between which it is free to touch.
+        Polar angles about the roller's centre between which it can touch the cam.
     """
 
     arm_mm: float
@@ -156,14 +157,14 @@ class Roller:
 
 @dataclass(frozen=True)
 class Flat:
-    """How a follower touches its cam: with a flat along x of the follower's frame.
+    """Flat face of a follower, parallel to x of the follower's frame.
 
     Attributes
     ----------
     offset_mm : float
-        Of its line from the axis, towards the cam.
+        Distance of the flat's line from the axis, positive towards the cam.
     ends_mm : (float, float)
-        Places along it, from the foot of the axis, both positive.
+        Start and end along the line, from the foot of the axis, both positive.
     """
 
     offset_mm: float
@@ -172,59 +173,59 @@ class Flat:
 
 @dataclass(frozen=True)
 class Body:
-    """A body of equal teeth: its curve, its sites and what its compliance is made from.
+    """A body of equal teeth: its flank curve, and the data for its sites and its compliance.
 
-    The axis is the origin. The working flank of tooth 0 is `curve`; tooth k is tooth 0 turned by k
-    pitches, counter-clockwise. From root to tip the radius grows, or falls where the teeth stand
-    inwards.
+    The axis is the origin. `curve` is the working flank of tooth 0; tooth k is tooth 0 rotated by
+    k pitches counter-clockwise. From root to tip the radius increases; it decreases for internal
+    teeth.
 
     Attributes
     ----------
     kind : str
         "gear", "ring", "spline_shaft", "spline_hub", "cam", "follower", "mesh" or "compliance".
     curve : FlankCurve
-        From root to tip.
+        Working flank of tooth 0 from root to tip.
     teeth : int
     material : Material
     rigid : bool
     mesh : SectorMesh, WholeMesh or None
-        None for a rigid body, and for one that brings its compliance along.
+        None for a rigid body and for a body with an imported compliance.
     mode_range_mm : (float, float)
-        Arc lengths between which pressure modes live.
+        Arc lengths between which pressure modes are defined.
     reference_radius_mm : float
-        Turns a rotation into a transmission error; gears: the base radius;
-        splines: the pitch radius; followers: the arm, or the middle of the flat.
+        Radius by which a rotation is multiplied to give a transmission error. Gears: base radius;
+        splines: pitch radius; followers: length of the arm, or distance of the middle of the flat.
     involute : Involute or None
-        Radii and angles of an involute flank; None where the profile is not known.
+        Radii and angles of an involute flank; None if the profile is unknown.
     flank_angle_known : bool
-        True: pairing turns the body so that pair 0 stands in the pitch point. False: the body
-        stands as it is.
+        True: pairing rotates the body so that pair 0 is at the pitch point. False: the body keeps
+        the angle that it has in its file.
     mirrored : bool
-        The flank in its file faces the other way round: the body is taken in its mirror image.
+        The flank in the file faces the opposite way: the mirror image of the body is used.
     pitch_errors_um : tuple of float
         Empty, or one per tooth.
     outline : (k, 2) array
         Toothed contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
     bore_radius_mm : float
-        Radius at which the body is held: its bore, or the outside of a ring; for pictures.
+        Radius at which the body is fixed: its bore, or the outside of a ring; for pictures.
     notes : tuple of str
-        What a user must know of the body.
+        Remarks on the body for the user.
     flank_turns_rad : tuple of float
-        Empty, or by how much each tooth's flank stands counter-clockwise of its equal share.
+        Empty, or the angle of each tooth's flank from its equal share, counter-clockwise.
     named_teeth : tuple of int
-        Empty where every tooth has its flank; else those that have one, ascending.
+        Empty if every tooth has a flank; else the teeth that have one, ascending.
     flank_nodes : FlankNodes or None
-        Where the curve goes through nodes.
+        Nodes of a curve through nodes; None if the exact profile is known.
     given : ModalCompliance, NodalCompliance or None
-        The compliance, where it comes with the body.
+        Imported compliance, if any.
     modes_part : float
-        Pressure modes over those of a gear's flank.
+        Number of pressure modes relative to that of a gear's flank.
     touches : Roller, Flat or None
-        What a follower touches its cam with.
+        The part of a follower that touches the cam.
     turns_clockwise : bool
-        Of a cam.
+        Sense of rotation of a cam.
     active_range_mm : (float, float) or None
-        Arc lengths, two breaks of the curve, between which the flank may touch; None: anywhere.
+        Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
     """
 
     kind: str
@@ -253,33 +254,33 @@ class Body:
 
     @property
     def is_parametric(self) -> bool:
-        """Whether keys of a scene make its involute profile."""
+        """Whether the involute profile is defined by keys of a scene."""
         return self.kind in ("gear", "ring", "spline_shaft", "spline_hub")
 
     @property
     def conforms(self) -> bool:
-        """Whether it is a spline, whose flanks fit those of the other body."""
+        """Whether the body is a spline, whose flanks conform to those of the other body."""
         return self.kind in ("spline_shaft", "spline_hub")
 
     @property
     def outward(self) -> int:
-        """1 where the flank's tip stands further from the axis than its root, -1 where nearer."""
+        """1 if the flank's tip is farther from the axis than its root, else -1."""
         root, tip = (self.curve.point([s])[0] for s in (0.0, self.curve.length_mm))
         return 1 if tip @ tip > root @ root else -1
 
     @property
     def base_radius_mm(self) -> float | None:
-        """Base radius of an involute flank."""
+        """Base radius of an involute flank, mm."""
         return None if self.involute is None else self.involute.base_radius_mm
 
     @property
     def tip_radius_mm(self) -> float | None:
-        """Radius of the tip circle, where the profile is known."""
+        """Radius of the tip circle, mm, if the profile is known."""
         return None if self.involute is None else self.involute.tip_radius_mm
 
     @property
     def root_radius_mm(self) -> float | None:
-        """Radius of the root circle, where the profile is known."""
+        """Radius of the root circle, mm, if the profile is known."""
         return None if self.involute is None else self.involute.root_radius_mm
 
 
@@ -289,7 +290,7 @@ def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> 
     Raises
     ------
     SceneError
-        If there is another number of them.
+        If there is another number of entries.
     """
     if errors_um and len(errors_um) != teeth:
         raise SceneError(

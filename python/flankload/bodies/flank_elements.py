@@ -1,4 +1,4 @@
-"""Line elements along a flank: what nodal loads and nodal displacements mean between the nodes."""
+"""Line elements along a flank, which interpolate nodal loads and displacements."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ GAUSS_POINTS = 8
 
 
 def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Floats]:
-    """Gauss points of all elements, and the shape functions there.
+    """Gauss points of all elements, with the shape functions there.
 
     Parameters
     ----------
     nodes : (n,) array
         Arc lengths of the nodes, ascending, mm.
     quadratic : bool
-        Every second node is the middle of an element (n odd).
+        Every second node is the middle node of an element (n odd).
 
     Returns
     -------
     places, weights : (g,) arrays
-        Arc lengths and weights of an integral over them, mm.
+        Arc lengths of the Gauss points and weights of an integral over arc length, mm.
     shapes : (g, n) array
-        Value of each node's shape function.
+        Values of the nodes' shape functions.
     """
     points, weights = leggauss(GAUSS_POINTS)
     if quadratic:
@@ -51,6 +51,6 @@ def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Flo
 
 
 def mass_matrix(nodes: Floats, *, quadratic: bool) -> Floats:
-    """Integrals (n, n) of products of shape functions, mm: nodal pressures to nodal forces."""
+    """Mass matrix (n, n) of the shape functions, mm: converts nodal pressures to nodal forces."""
     _, weights, shapes = gauss_places(nodes, quadratic=quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * shapes))

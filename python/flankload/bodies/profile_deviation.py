@@ -1,4 +1,4 @@
-"""How far a flank lies from its involute, over the roll length: what a profile diagram shows."""
+"""Deviation of a flank from its involute over the roll length, as in a profile diagram."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Places in each interval of the curve.
+#: Points in each interval of the curve.
 PLACES = 8
 
-#: What begins at an interval of the curve, by its label.
+#: Names of features that begin at an interval of the curve, by its label.
 MARKS = {"relief": "relief", "tip_radius": "tip rounding", "tip_chamfer": "tip chamfer"}
 
 
@@ -29,14 +29,14 @@ class ProfileDeviation:
     Attributes
     ----------
     roll_length_mm : (m,) array
-        Length of the involute's normal from the base circle, ascending (from root to tip, in a ring
-        from tip to root).
+        Length of the involute's normal from the base circle, ascending (from root to tip; for a
+        ring from tip to root).
     deviation_um : (m,) array
-        Along that normal; negative where metal is missing.
+        Deviation along that normal; negative where material is missing.
     base_radius_mm : float
     marks : tuple of (str, float)
-        Where something begins or ends, with its roll length, mm: form circle, relief, tip rounding
-        or chamfer, tip circle.
+        Features and their roll lengths, mm: form circle, relief, tip rounding or chamfer, tip
+        circle.
     """
 
     roll_length_mm: Floats
@@ -46,33 +46,33 @@ class ProfileDeviation:
 
 
 def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
-    """Roll length and deviation of places near an involute.
+    """Roll length and deviation of points near an involute.
 
-    A place of the involute is r_b e_r(a) + r_b t e_theta(a) with a = th0 - t; whatever lies on its
-    normal has another length on the same e_theta(a).
+    A point of the involute is r_b e_r(a) + r_b t e_theta(a) with a = th0 - t; the points on its
+    normal differ only in the length along the same e_theta(a).
 
     Parameters
     ----------
     involute : Involute
     places : (m, 2) array
-        In the frame of the body, not inside the base circle, mm.
+        Points in the frame of the body, not inside the base circle, mm.
 
     Returns
     -------
     roll_length, deviation : (m,) arrays
-        r_b t and how far material stands beyond it, mm.
+        r_b t, and the distance of the point from the involute, positive for extra material, mm.
     """
     base = involute.base_radius_mm
     reach = np.sqrt(np.maximum(np.sum(places**2, axis=1) - base**2, 0.0))
     polar = np.arctan2(places[:, 1], places[:, 0]) - involute.turn_rad
     polar = (polar + np.pi) % (2 * np.pi) - np.pi
     roll_length = base * (involute.base_half_angle_rad - polar + np.arctan(reach / base))
-    # the material of a ring lies on the other side of its involute
+    # the material of a ring is on the other side of its involute
     return roll_length, involute.outward * (reach - roll_length)
 
 
 def profile_deviation(body: Body) -> ProfileDeviation | None:
-    """Deviation of a body's flank between fillet and tip rounding.
+    """Deviation of a body's flank between root fillet and tip rounding.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def profile_deviation(body: Body) -> ProfileDeviation | None:
     Returns
     -------
     ProfileDeviation or None
-        None where no involute is known.
+        None if the involute is unknown.
     """
     involute, curve = body.involute, body.curve
     if involute is None:

@@ -1,12 +1,13 @@
-"""Places on the root fillets where stress is read, and how it follows from nodal displacements.
+"""Points on the root fillets for tooth root stress, and the stress from nodal displacements.
 
-A fillet is a free surface: its only stress runs along it, and follows from the strain there alone,
+A fillet is a free surface: its only stress component is tangential and follows from the tangential
+strain,
 
     sigma = E/(1 - nu²) t·du/ds   (plane strain; E t·du/ds in plane stress),
 
-t being the unit tangent. The strain of quadratic elements is most exact at both Gauss points of an
-element's edge; these are the places. A force that stands in the fillet itself leaves its own stress
-under it, which is not part of this.
+with the unit tangent t. The strain of quadratic elements is most accurate at the two Gauss points
+of an element's edge; these are the points. The local stress under a force that acts on the fillet
+itself is not included.
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Key of a scene that asks for stress in the root.
+#: Key of the scene that requests the tooth root stress.
 KEY = "effects.root_stress"
-#: Edges of the mesh lie on the fillet to this part of their length: on an arc of 25 degrees, the
-#: most that one element turns, a chord's middle is off by half of it.
+#: Largest distance of edges of the mesh from the fillet, relative to their length. On an arc of 25
+#: degrees, the largest turn of one element, the middle of a chord has half this distance.
 ON_FILLET = 0.06
-#: Edges that are found must cover the fillet to this part of its length.
+#: Least part of the fillet's length that the edges found must cover.
 LEAST_COVER = 0.98
 #: Gauss points of an edge on [-1, 1].
 GAUSS = (-(3.0**-0.5), 3.0**-0.5)
@@ -42,20 +43,20 @@ GAUSS = (-(3.0**-0.5), 3.0**-0.5)
 
 @dataclass(frozen=True, eq=False)
 class RootPoints:
-    """Places on both root fillets of a tooth; q places, those of the working side first.
+    """Points on both root fillets of a tooth: q points, those of the working side first.
 
     Attributes
     ----------
     arc_length_mm : (q,) array
-        Along the profile from the root circle, ascending on either side.
+        Along the profile from the root circle, ascending on each side.
     radius_mm : (q,) array
     angle_rad : (q,) array
-        Polar angle from the tooth's centre line, positive on the working side of a tooth that
-        stands outwards.
+        Polar angle from the tooth's centre line, positive on the working side of an external
+        tooth.
     slant_rad : (q,) array
         Angle of the fillet's tangent to the tooth's centre line.
     working : (q,) array of bool
-        Whether the place is on the side of the working flank.
+        Whether the point is on the side of the working flank.
     """
 
     arc_length_mm: Floats
@@ -67,15 +68,15 @@ class RootPoints:
 
 @dataclass(frozen=True, eq=False)
 class RootFillets:
-    """What reads the stress of a body's fillets.
+    """Linear map from nodal displacements to the strains of a body's fillets.
 
     Attributes
     ----------
     points : RootPoints
-        Of any tooth.
+        Points of any tooth.
     degrees, strains : tuples of (m,) and (m, q) arrays
-        By flank of the mesh (one of a sector): degrees of freedom of the fillets' nodes, and what
-        makes tangential strains from their displacements.
+        By flank of the mesh (one for a sector): degrees of freedom of the fillets' nodes, and the
+        matrix from their displacements to tangential strains.
     """
 
     points: RootPoints
@@ -95,7 +96,7 @@ def root_fillets(body: Body, key: str) -> RootFillets:
     Parameters
     ----------
     body : Body
-        With a mesh.
+        Body with a mesh.
     key : str
         "body_1" or "body_2", for messages.
 
@@ -106,7 +107,7 @@ def root_fillets(body: Body, key: str) -> RootFillets:
     Raises
     ------
     SceneError
-        If the profile of the body is not known, or its mesh does not hold both fillets of a tooth.
+        If the profile of the body is unknown, or its mesh does not contain both fillets of a tooth.
     """
     mesh = body.mesh
     if mesh is None or body.involute is None or "fillet" not in body.curve.labels:
@@ -136,11 +137,11 @@ def root_fillets(body: Body, key: str) -> RootFillets:
 def _both_sides(
     mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
 ) -> tuple[RootPoints, Floats]:
-    """Gauss points of both fillets of the tooth that stands turned by `turn`, and their strains."""
+    """Gauss points of both fillets of the tooth rotated by `turn`, and their strains."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
     own = _turned(mesh.nodes, -turn)
-    # the other side of the tooth is the working side of its mirror image
+    # the other side of the tooth is the working side of the mirrored tooth
     images = (own, _turned(_turned(own, -center) * [1.0, -1.0], center))
     parts = []
     for image in images:
@@ -167,7 +168,7 @@ def _both_sides(
 def _edges_on_fillet(
     nodes: Floats, edges: NDArray[np.int64], curve: FlankCurve, form: float, key: str
 ) -> NDArray[np.int64]:
-    """Which edges lie on the fillet of a curve."""
+    """Edges on the fillet of a curve."""
     ends = curve.point([0.0, form])
     reach = float(np.linalg.norm(ends[1] - ends[0])) + form
     near = np.linalg.norm(nodes[edges[:, 2]] - ends.mean(axis=0), axis=1) < reach
@@ -194,16 +195,16 @@ def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tupl
     nodes : (N, 2) array
         mm.
     image : (N, 2) array
-        The same nodes, turned or mirrored, where the places are wanted.
+        The same nodes, rotated or mirrored, in the frame of the returned points.
     edges : (m, 3) array
         First, last, middle node.
 
     Returns
     -------
     places : (2 m, 2) array
-        In the image.
+        Gauss points in the frame of `image`.
     strains : (2N, 2 m) array
-        Columns that read t·du/ds from displacements 2*node + component.
+        Columns that give t·du/ds from displacements numbered 2*node + component.
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
     for g, x in enumerate(GAUSS):
@@ -219,7 +220,7 @@ def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tupl
 
 
 def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
-    """Columns of a tooth at the places of the first one: linear between its own Gauss points."""
+    """Columns of a tooth at the points of the first one, interpolated from its own Gauss points."""
     if np.array_equal(wanted.arc_length_mm, found.arc_length_mm):
         return rows
     columns = []

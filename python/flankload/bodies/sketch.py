@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def sketched_tooth(flank: Floats, teeth: int) -> Floats:
-    """Contour of a tooth: its flank and the mirror image, a quarter pitch to each side.
+    """Contour of a tooth: the flank and its mirror image, a quarter pitch apart from the centre.
 
     Parameters
     ----------
     flank : (n, 2) array
-        Places from root to tip, mm; the teeth stand inwards where the radius falls.
+        Points from root to tip, mm; the teeth are internal if the radius decreases.
     teeth : int
 
     Returns

@@ -1,8 +1,8 @@
-"""A flank as a plane curve by arc length: root fillet, active flank and tip in one.
+"""A flank as a plane curve by arc length: root fillet, active flank and tip in one curve.
 
-Every body hands over this form: quintic polynomials over intervals of arc length s [mm], from the
-root (s = 0) to the tip. Along growing s the material lies on the right: with the unit tangent t,
-n = (-t_y, t_x) is the unit normal out of the material.
+Every body provides its flank in this form: quintic polynomials over intervals of arc length s [mm]
+from the root (s = 0) to the tip. In the direction of increasing s the material is on the right:
+with the unit tangent t, n = (-t_y, t_x) is the unit normal that points out of the material.
 """
 
 from flankload.flank.curve import FlankCurve

@@ -1,4 +1,4 @@
-"""The curve: place, tangent, normal and curvature by arc length, and closest places."""
+"""The flank curve: points, tangents, normals and curvature by arc length, closest points."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
-#: The ends of a closed curve are one place to this part of its length, one direction to this
-#: angle, rad.
+#: Relative distance (of the length) and angle (rad) within which the ends of a curve coincide, so
+#: that the curve counts as closed.
 SAME_PLACE = 1e-9
 SAME_DIRECTION = 1e-6
 
 
 @dataclass(frozen=True)
 class FlankCurve:
-    """A curve by its own arc length, piecewise quintic.
+    """A plane curve by its own arc length, piecewise quintic.
 
     Attributes
     ----------
     breaks : (n + 1,) array
-        Arc length at the ends of the intervals, mm; ascending, of a whole curve from 0.
+        Arc length at the ends of the intervals, mm; ascending; a whole curve begins at 0.
     coefficients : (n, 2, degree + 1) array
-        Ascending powers of s - breaks[k], for x and y in mm.
+        Coefficients of ascending powers of s - breaks[k], for x and y in mm.
     labels : tuple of n str
-        What each interval is.
+        Label of each interval.
     corners : (n + 1,) bool array
-        True at breaks with a sharp corner; at the last one where the curve ends in a corner.
+        True at breaks with a sharp corner; the last entry: the curve ends in a corner.
     """
 
     breaks: Floats
@@ -39,7 +39,7 @@ class FlankCurve:
 
     @property
     def length_mm(self) -> float:
-        """Arc length of the whole curve."""
+        """Arc length of the whole curve, mm."""
         return float(self.breaks[-1])
 
     @property
@@ -55,12 +55,12 @@ class FlankCurve:
         )
 
     def derivatives(self, s: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """Place and its first two derivatives by arc length, each (m, 2).
+        """Point and its first two derivatives by arc length, each (m, 2).
 
         Parameters
         ----------
         s : (m,) array_like
-            Arc length, mm; outside the curve the end interval goes on.
+            Arc length, mm; beyond the ends the end intervals are extrapolated.
         """
         places = np.atleast_1d(np.asarray(s, dtype=float))
         interval = np.clip(
@@ -76,7 +76,7 @@ class FlankCurve:
         return point, first, second
 
     def point(self, s: ArrayLike) -> Floats:
-        """Places at arc lengths s (m,): (m, 2), mm."""
+        """Points at arc lengths s (m,): (m, 2), mm."""
         return self.derivatives(s)[0]
 
     def tangent(self, s: ArrayLike) -> Floats:
@@ -85,7 +85,7 @@ class FlankCurve:
         return first / np.linalg.norm(first, axis=1, keepdims=True)
 
     def normal(self, s: ArrayLike) -> Floats:
-        """Unit normals out of the material at arc lengths s (m,): (m, 2)."""
+        """Outward unit normals at arc lengths s (m,): (m, 2)."""
         tangent = self.tangent(s)
         return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
 
@@ -96,12 +96,12 @@ class FlankCurve:
         return (first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]) / speed**3
 
     def rotated(self, angle: float) -> FlankCurve:
-        """Return the same curve, turned counter-clockwise about the origin by an angle in rad."""
+        """Return the curve, rotated counter-clockwise about the origin by an angle in rad."""
         turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
         return replace(self, coefficients=np.einsum("ij,njk->nik", turn, self.coefficients))
 
     def range_of(self, *labels: str) -> tuple[float, float]:
-        """Arc lengths between which all intervals with one of the labels lie.
+        """Start and end of the range of arc length that contains all intervals with the labels.
 
         Raises
         ------
@@ -116,7 +116,7 @@ class FlankCurve:
         return float(self.breaks[found[0]]), float(self.breaks[found[-1] + 1])
 
     def cut(self, low: float, high: float) -> FlankCurve:
-        """Return the part between two breaks, by the same arc lengths, with corners at its ends.
+        """Return the part between two breaks, with the same arc lengths and corners at its ends.
 
         Parameters
         ----------
@@ -134,17 +134,17 @@ class FlankCurve:
         )
 
     def arc_length_of(self, points: ArrayLike) -> tuple[Floats, Floats]:
-        """Closest places on the curve.
+        """Closest points of the curve.
 
         Parameters
         ----------
         points : (m, 2) array_like
-            Places near the curve, mm.
+            Points near the curve, mm.
 
         Returns
         -------
         s, distance : (m,) arrays
-            Arc length of the closest place of the curve and its distance (>= 0), mm.
+            Arc length of the closest point of the curve, and its distance (>= 0), mm.
         """
         wanted = np.atleast_2d(np.asarray(points, dtype=float))
         parts = np.arange(8) / 8
@@ -158,7 +158,7 @@ class FlankCurve:
         high = samples[np.minimum(nearest + 1, samples.size - 1)]
         s = samples[nearest]
         for _ in range(50):
-            # Newton on the derivative of half the squared distance, kept between the neighbours
+            # Newton's method for the derivative of half the squared distance, within [low, high]
             point, first, second = self.derivatives(s)
             away = point - wanted
             slope = (away * first).sum(axis=1)

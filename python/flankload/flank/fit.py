@@ -1,4 +1,4 @@
-"""From exact pieces to a curve by arc length."""
+"""Fit of exact profile pieces by a curve in arc length."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flankload.flank.curve import FlankCurve
 
 Floats = NDArray[np.float64]
 
-#: u (m,) -> place, first and second derivative by u, each (m, 2).
+#: u (m,) -> point, first and second derivative by u, each (m, 2).
 Place = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 DEGREE = 5
@@ -20,19 +20,19 @@ DEGREE = 5
 #: Gauss rule for the arc length of an interval; the intervals are short.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 
-#: A fit stays this near to the exact curve, in parts of the length of all pieces …
+#: Largest distance of a fit from the exact curve, relative to the length of all pieces …
 TOLERANCE = 1e-11
-#: … or of the distance from the axis, where that is so large that rounding comes to more.
+#: … or to the distance from the axis, where that is so large that rounding errors are larger.
 ROUNDING = 256 * float(np.finfo(float).eps)
 
-#: Parts of an interval at which a fit is compared with the exact curve.
+#: Relative positions in an interval at which a fit is compared with the exact curve.
 _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 
 #: Newton's steps to a place at a given arc length end here, in parts of the interval: a parabola
 #: over the rest is off by its cube.
 _NEAR = 1e-4
 
-#: Halvings of a piece before it is refused: such a piece has a jump.
+#: Largest number of halvings of a piece; a piece that needs more has a jump and is refused.
 _MOST_HALVINGS = 50
 
 
@@ -42,16 +42,15 @@ class CurvePiece(NamedTuple):
     Attributes
     ----------
     label : str
-        What the piece is: "fillet", "flank", "relief", "tip_radius", "tip_chamfer".
+        Kind of the piece: "fillet", "flank", "relief", "tip_radius", "tip_chamfer".
     place : callable
-        u (m,) -> place, first and second derivative by u, each (m, 2), mm.
+        u (m,) -> point, first and second derivative by u, each (m, 2), mm.
     u_start, u_end : float
-        Ends of the parameter, in the direction from root to tip.
+        Parameter at the ends, in the direction from root to tip.
     corner_before : bool
-        The curve has a sharp corner where the piece begins.
+        The curve has a sharp corner at the start of the piece.
     knots : (k,) array
-        Values of the parameter inside the piece, in its direction, at which a higher derivative
-        jumps.
+        Parameters inside the piece, in its direction, at which a higher derivative jumps.
     """
 
     label: str
@@ -67,17 +66,17 @@ def fit_flank_curve(
 ) -> FlankCurve:
     """Fit exact pieces by quintics in arc length.
 
-    Each interval takes place, unit tangent and curvature vector of the exact curve at its ends
-    (quintic Hermite) and is halved until it is within the tolerance of the exact curve, place by
-    place at equal arc length.
+    Each interval matches point, unit tangent and curvature vector of the exact curve at its ends
+    (quintic Hermite). It is halved until its distance from the exact curve, measured at equal arc
+    length, is within the tolerance.
 
     Parameters
     ----------
     pieces : sequence of CurvePiece
-        In order from root to tip; each begins where the one before ends.
+        In order from root to tip; each begins at the end of the previous one.
     tolerance_mm : float, optional
-        Largest distance of the fit from the exact curve; absent: a part of the curve's length, so
-        that curves of all sizes are cut into the same intervals.
+        Largest distance of the fit from the exact curve. Default: proportional to the length of
+        the curve, so that curves of all sizes are divided into the same intervals.
     corner_at_end : bool
         The curve ends in a sharp corner.
 
@@ -111,7 +110,7 @@ def fit_flank_curve(
 
 
 def _tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
-    """How near a fit shall come, by the size of the curve."""
+    """Default tolerance of a fit, from the size of the curve, mm."""
     ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
     length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
     far = max(
@@ -175,7 +174,7 @@ def _lengths_and_ends(
 
 
 def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
-    """Quintics (m, 2, 6) in arc length with the places, tangents and curvatures of the ends."""
+    """Quintics (m, 2, 6) in arc length that match points, tangents and curvatures of the ends."""
     sign = 1.0 if piece.u_end > piece.u_start else -1.0
     point, first, second = piece.place(ends.T.ravel())
     speed = np.linalg.norm(first, axis=1, keepdims=True)
@@ -184,7 +183,7 @@ def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
     bent = (second - along * tangent) / speed**2
     (p0, p1), (t0, t1), (k0, k1) = (np.split(at, 2) for at in (point, sign * tangent, bent))
     h = lengths[:, None]
-    # what the Taylor polynomial of the near end leaves over at the far end
+    # remainders at the far end of the Taylor polynomial about the near end
     place = (p1 - p0 - h * (t0 + 0.5 * h * k0)) / h**3
     slope = (t1 - t0 - h * k0) / h**2
     bend = (k1 - k0) / h

@@ -1,4 +1,4 @@
-"""Curves through the nodes of a mesh, where no exact profile is known."""
+"""Curves through the nodes of a mesh, for flanks without a known exact profile."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ def curve_through_nodes(
 ) -> FlankCurve:
     """Smooth curve through the nodes of a mesh flank.
 
-    A quintic spline over the chord length (not-a-knot ends) through all points, mid-side nodes
-    included (cubic below 6 points), then the same curve by its own arc length.
+    Quintic spline over the chord length (not-a-knot ends) through all points, including mid-side
+    nodes (cubic for fewer than 6 points), refitted by its own arc length.
 
     Parameters
     ----------
     points : (m, 2) array_like
         Nodes in order from root to tip, at least 4, mm.
     label : str
-        What the curve is.
+        Label of the curve.
     corner_at_end : bool
         The curve ends in a sharp corner.
 
@@ -45,10 +45,11 @@ def curve_through_nodes(
 
 
 def nodes_deviation(points: ArrayLike) -> float:
-    """Estimate how far `curve_through_nodes` lies from the true profile, mm.
+    """Estimate the distance of `curve_through_nodes` from the true profile, mm.
 
-    The curve through every second node is compared at the left-out nodes; the curve through all is
-    at least of fourth order in their spacing, so its own distance is a 2^4 - 1 = 15th (Richardson).
+    The curve through every second node is compared with the omitted nodes. The error of the curve
+    through all nodes is at least of fourth order in their spacing, hence 1/(2^4 - 1) = 1/15 of
+    that distance (Richardson).
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def nodes_deviation(points: ArrayLike) -> float:
     Returns
     -------
     float
-        Largest estimated distance; infinite where the nodes are too few to tell (below 7).
+        Largest estimated distance; infinite for fewer than 7 nodes, which are too few.
     """
     nodes = _checked_nodes(points)
     if nodes.shape[0] < 7:

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
 
 
-#: Nodes of a block and parts of a line: beyond them a mesh would fill the memory.
+#: Largest number of nodes of a block and of parts of a line, to limit the memory of a mesh.
 MOST_NODES, MOST_PARTS = 1_000_000, 50_000
 
 
 def check_count(count: float, most: int, what: str) -> None:
-    """Refuse elements so small that there would be more of something than `most`."""
+    """Refuse elements so small that a count would exceed `most`."""
     if count > most:
         raise SceneError(
             key="accuracy.flank_element_mm",
@@ -40,7 +40,7 @@ def with_middles(breaks: Floats) -> Floats:
 
 
 def even_breaks(start: float, end: float, largest: float, least_count: int = 1) -> Floats:
-    """Equal parts of [start, end], none longer than `largest`."""
+    """Divide [start, end] into equal parts, none longer than `largest`."""
     parts = (end - start) / largest
     check_count(parts, MOST_PARTS, "elements along a line")
     count = max(least_count, round_up(parts))
@@ -48,16 +48,16 @@ def even_breaks(start: float, end: float, largest: float, least_count: int = 1) 
 
 
 def growing_breaks(length: float, first: float, growth: float, caps: Floats | None) -> Floats:
-    """Parts of [0, 1] that begin near first/length and grow by at most `growth`.
+    """Divide [0, 1] into parts that begin near first/length and grow by at most `growth`.
 
     Parameters
     ----------
     length : float
-        Length of the whole, mm.
+        Total length, mm.
     first : float
-        Wanted length of the first part, mm.
+        Desired length of the first part, mm.
     growth : float
-        Largest ratio of neighbours.
+        Largest ratio of neighbouring parts.
     caps : (2, m) array or None
         Largest length of a part (second row) at distances from the start (first row), mm.
     """
@@ -70,14 +70,14 @@ def growing_breaks(length: float, first: float, growth: float, caps: Floats | No
         check_count(len(ends), MOST_PARTS, "elements along a line")
         ends.append(ends[-1] + part)
         part *= growth
-    # the last part that sticks out is spread over all, unless leaving it out is nearer
+    # an excess of the last part is distributed over all, unless the length without it is closer
     if len(ends) > 3 and ends[-1] - length > length - ends[-2] + rounding:
         ends.pop()
     return np.array(ends) / ends[-1]
 
 
 def symmetric_breaks(width: float, first: float, growth: float, largest: float) -> Floats:
-    """Parts of [0, 1], fine at both ends, at least four and even in number."""
+    """Divide [0, 1] symmetrically, fine at both ends, into an even number of parts (at least 4)."""
     half = growing_breaks(0.5 * width, first, growth, np.array([[0.0], [largest]]))
     if half.size < 3:
         half = np.array([0.0, 0.4, 1.0])
@@ -85,7 +85,7 @@ def symmetric_breaks(width: float, first: float, growth: float, largest: float) 
 
 
 def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y: Floats) -> Floats:
-    """Places inside four edges (Coons).
+    """Points inside four edges (Coons patch).
 
     Parameters
     ----------
@@ -94,16 +94,16 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
     left, right : (n, 2) arrays
         Edges from bottom to top.
     x : (2, m) array
-        Parts of the way along bottom and top.
+        Relative positions along bottom and top.
     y : (2, n) array
-        Parts of the way along left and right.
+        Relative positions along left and right.
 
     Returns
     -------
     (n, m, 2) array
     """
     check_count(x.shape[1] * y.shape[1], MOST_NODES, "nodes")
-    # both weights go over from one edge to the opposite one; two passes suffice
+    # both coordinates are interpolated between opposite edges; two passes suffice
     across = np.broadcast_to(x[0], (y.shape[1], x.shape[1]))
     for _ in range(2):
         up = (1 - across) * y[0][:, None] + across * y[1][:, None]
@@ -123,13 +123,13 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
 
 @dataclass
 class BlockMesh:
-    """Grids of nodes being put together; edges that blocks share have the same nodes.
+    """A mesh of blocks under construction; blocks share the nodes of common edges.
 
     Attributes
     ----------
     places : list of (m, 2) arrays
     cells : list of (E, 9) arrays
-        meshio's "quad9".
+        Nodes in the order of meshio's "quad9".
     """
 
     places: list[Floats] = field(default_factory=list)
@@ -142,11 +142,10 @@ class BlockMesh:
         Parameters
         ----------
         grid : (n, m, 2) array
-            Places, rows from bottom to top, columns from left to right; n and m odd. The block
+            Points, rows from bottom to top, columns from left to right; n and m odd. The block
             must be right-handed.
         known : dict
-            Numbers of nodes that stand already, by edge: "bottom", "top" (m,), "left",
-            "right" (n,).
+            Numbers of existing nodes, by edge: "bottom", "top" (m,), "left", "right" (n,).
         """
         edges = {"bottom": (0, slice(None)), "top": (-1, slice(None))}
         edges |= {"left": (slice(None), 0), "right": (slice(None), -1)}  # type: ignore[dict-item]

@@ -1,7 +1,7 @@
-"""What can be wrong with a plane mesh, each as one line; and a mesh that is right, put in order.
+"""Defects of a plane mesh, one line each, and conversion of a sound mesh to standard form.
 
-Every check answers with what was expected and what was found. `check` of the command line prints
-them all, a body from a mesh raises the first.
+Every check returns the expected and the found state. The command `check` prints all defects; a body
+from a mesh raises an error at the first one.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Two nodes nearer than this part of the shortest edge stand at the same place.
+#: Two nodes closer than this part of the shortest edge coincide.
 SAME_PLACE = 1e-3
-#: A middle node may stand this far from the middle, along its edge, in parts of the edge; from a
-#: quarter on the element turns over at its corner.
+#: Largest distance of a middle node from the middle of its edge, along the edge, in edge lengths;
+#: from a quarter on the element is inverted at its corner.
 MIDDLE_TOLERANCE = 0.15
 
 
 @dataclass(frozen=True)
 class Defect:
-    """What is wrong with a mesh.
+    """A defect of a mesh.
 
     Attributes
     ----------
     expected, found : str
-        Each the end of a sentence.
+        Each is the end of a sentence.
     """
 
     expected: str
@@ -55,17 +55,17 @@ class Defect:
 
 @dataclass(frozen=True)
 class PlaneBody:
-    """A sound mesh in order: quadratic elements, counter-clockwise.
+    """A sound mesh in standard form: quadratic elements, counter-clockwise.
 
     Attributes
     ----------
     nodes : (N, 2) array
-        Those of the file first.
+        Nodes of the file first.
     cells : ((kind, (E, k) array), ...)
     edges : (m, 3) array
-        The boundary: first, last, middle node, the material on the left.
+        The boundary: first, last and middle node; the material is on the left.
     linear : bool
-        The elements were linear.
+        The elements in the file are linear.
     notes : tuple of str
     """
 
@@ -77,7 +77,7 @@ class PlaneBody:
 
 
 def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBody:
-    """Put a mesh in order.
+    """Convert a mesh to standard form.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
     key : str
         The scene's key that names the file, for messages.
     one_material : bool
-        Groups of elements are one material all the same.
+        Groups of elements do not mean different materials.
 
     Returns
     -------
@@ -113,13 +113,13 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
 
 
 def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect]:
-    """Everything that is wrong with a mesh; what hides the rest comes alone.
+    """All defects of a mesh; a defect that prevents further checks is the only one.
 
     Parameters
     ----------
     raw : RawMesh
     one_material : bool
-        Groups of elements are one material all the same.
+        Groups of elements do not mean different materials.
 
     Yields
     ------
@@ -156,7 +156,7 @@ def _mixed_orders(raw: RawMesh) -> Defect | None:
 
 
 def _edge_lengths(nodes: Floats, cells: Cells) -> Floats:
-    """Lengths of all edges, corner to corner."""
+    """Lengths of all edges, from corner to corner."""
     parts = []
     for kind, data in cells:
         corners = data[:, : 3 if kind.startswith("triangle") else 4]
@@ -200,7 +200,7 @@ def _double_elements(raw: RawMesh) -> Defect | None:
 
 
 def _middles_off(raw: RawMesh) -> Defect | None:
-    """Middle nodes far from the middle of their edges: wrong order of nodes, or moved nodes."""
+    """Middle nodes far from the middle of their edges: wrong node order, or moved nodes."""
     off, total, first = 0, 0, -1
     for kind, data in raw.cells:
         if kind in CORNERS:
@@ -222,7 +222,7 @@ def _middles_off(raw: RawMesh) -> Defect | None:
 
 
 def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
-    """Elements that turn over in themselves, whichever way round they are numbered."""
+    """Elements that are inverted somewhere, in either direction of numbering."""
     count, total, where = 0, 0, ""
     for kind, data in cells:
         determinants = jacobians(nodes, kind, data)
@@ -240,7 +240,7 @@ def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
 
 
 def _folded(nodes: Floats, cells: Cells) -> Defect | None:
-    """Elements that lie on their neighbours: both pass their common edge the same way."""
+    """Elements that overlap: both neighbours have their common edge in the same direction."""
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
     _, first, count = np.unique(edges[:, :2], axis=0, return_index=True, return_counts=True)
     if (count == 1).all():
@@ -254,7 +254,7 @@ def _folded(nodes: Floats, cells: Cells) -> Defect | None:
 
 
 def _loose_parts(cells: Cells) -> Defect | None:
-    """One connected body; a part that nothing holds would fly away."""
+    """Check that the body is connected; a part without a support would be free to move."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -268,7 +268,7 @@ def _loose_parts(cells: Cells) -> Defect | None:
         ]
     )
     _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
-    # elements and edges as one graph: an element hangs on each of its edges
+    # elements and edges as one graph: each element is connected to its edges
     edge = edge.ravel() + numbers[-1]
     size = int(edge.max()) + 1
     graph = coo_array((np.ones(edge.size), (element, edge)), shape=(size, size))

@@ -1,4 +1,4 @@
-"""Plane elements as such: their edges, their middle nodes, their quality."""
+"""Plane elements: their edges, middle nodes and quality."""
 
 from __future__ import annotations
 
@@ -11,26 +11,27 @@ if TYPE_CHECKING:
 
     Cells = tuple[tuple[str, NDArray[np.int64]], ...]
 
-#: Edges of the quadratic elements (first, last, middle), counter-clockwise, meshio's node order.
+#: Edges of the quadratic elements (first, last, middle), counter-clockwise, in meshio's node order.
 EDGES = {
     "triangle6": ((0, 1, 3), (1, 2, 4), (2, 0, 5)),
     "quad9": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
 }
-#: Corners of linear elements and of those whose nodes are completed.
+#: Number of corners of linear elements.
 CORNERS = {"triangle": 3, "quad": 4}
-#: Points lie on a circle to this part of its radius.
+#: Relative distance (of the radius) within which points lie on a circle.
 ROUND = 1e-6
-#: Order of the nodes of an element that was numbered clockwise.
+#: Node order that makes a clockwise element counter-clockwise.
 REVERSED = {"triangle6": [0, 2, 1, 5, 4, 3], "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
 def raise_to_quadratic(
     nodes: NDArray[np.float64], cells: Cells
 ) -> tuple[NDArray[np.float64], Cells]:
-    """Bring every element to "triangle6" or "quad9".
+    """Convert every element to "triangle6" or "quad9".
 
-    Linear elements get middle nodes on their straight edges, "quad8" gets the centre that its own
-    shape functions have there (half the sum of the middles minus a quarter of the corners).
+    Linear elements get middle nodes on their straight edges. "quad8" gets a centre node at the
+    place given by its own shape functions (half the sum of the middle nodes minus a quarter of
+    the sum of the corners).
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def raise_to_quadratic(
     Returns
     -------
     nodes : (N', 2) array
-        The old nodes first.
+        The given nodes first.
     cells : ((kind, (E, k) array), ...)
     """
     places = [nodes]
@@ -72,7 +73,7 @@ def raise_to_quadratic(
 
 
 def boundary_edges(cells: Cells) -> NDArray[np.int64]:
-    """Edges that belong to one element only.
+    """Edges that belong to only one element.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def boundary_edges(cells: Cells) -> NDArray[np.int64]:
     Returns
     -------
     (m, 3) array
-        First, last, middle node; the material lies on the left.
+        First, last, middle node; the material is on the left.
     """
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
     _, first, count = np.unique(
@@ -94,7 +95,7 @@ def boundary_edges(cells: Cells) -> NDArray[np.int64]:
 def jacobians(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Jacobian determinants of quadratic elements at their corners, middles and centre.
+    """Jacobian determinants of quadratic elements at their corners, middle nodes and centre.
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, 
     -------
     cells : ((kind, (E, k) array), ...)
     turned : int
-        How many were numbered clockwise.
+        Number of elements that were numbered clockwise.
     """
     done = []
     turned = 0
@@ -140,7 +141,7 @@ def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, 
 def scaled_jacobians(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Least sine of the angle between the element's own directions, scaled to its best shape.
+    """Least sine of the angle between the element's coordinate lines, scaled to its ideal shape.
 
     Parameters
     ----------
@@ -152,7 +153,7 @@ def scaled_jacobians(
     Returns
     -------
     (E,) array
-        1 for a rectangle and an equilateral triangle, 0 where the element collapses.
+        1 for a rectangle and an equilateral triangle, 0 for a collapsed element.
     """
     along_x, along_y = _tangents(nodes, kind, data)
     area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
@@ -169,7 +170,7 @@ def scaled_jacobians(
 def aspect_ratios(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Longest edge over shortest edge of elements, corner to corner: (E,)."""
+    """Ratio of longest to shortest edge of elements, from corner to corner: (E,)."""
     corners = data[:, : 3 if kind.startswith("triangle") else 4]
     steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
     lengths = np.linalg.norm(steps, axis=2)
@@ -180,14 +181,14 @@ def aspect_ratios(
 def _tangents(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Derivatives of the place by both reference coordinates at the places of `jacobians`."""
+    """Derivatives of the position by both reference coordinates at the places of `jacobians`."""
     if kind == "quad9":
         x, y = (axis.ravel() for axis in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]))
         lx, ly = (
             np.stack([(2 * c - 1) * (c - 1), 4 * c * (1 - c), c * (2 * c - 1)], 1) for c in (x, y)
         )
         dx, dy = (np.stack([4 * c - 3, 4 - 8 * c, 4 * c - 1], 1) for c in (x, y))
-        # places of meshio's nodes in the 3 x 3 grid
+        # positions of meshio's nodes in the 3 x 3 grid
         column = np.array([0, 2, 2, 0, 1, 2, 1, 0, 1])
         row = np.array([0, 0, 2, 2, 0, 1, 2, 1, 1])
         by_x, by_y = dx[:, column] * ly[:, row], lx[:, column] * dy[:, row]
@@ -203,7 +204,7 @@ def _tangents(
 
 
 def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Sort edges into consecutive runs.
+    """Sort edges into consecutive chains.
 
     Parameters
     ----------
@@ -213,7 +214,7 @@ def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     Returns
     -------
     list of (k, 3) arrays
-        Each run from one of its ends to the other; closed runs start anywhere.
+        Each chain from one end to the other; a closed chain may start anywhere.
     """
     by_start = {int(edge[0]): edge for edge in edges}
     starts = set(by_start) - {int(edge[1]) for edge in edges}
@@ -230,7 +231,7 @@ def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
 
 
 def circle_through(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:
-    """Circle on which points lie.
+    """Circle through points.
 
     Parameters
     ----------
@@ -239,8 +240,8 @@ def circle_through(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], fl
     Returns
     -------
     centre (2,) and radius, or None
-        None where the points are fewer than 4, lie on no circle (to `ROUND` of its radius), or on
-        one that is larger than where they stand.
+        None for fewer than 4 points, for points that are not on a circle (to `ROUND` of its
+        radius), and for a radius much larger than the points' coordinates.
     """
     if len(points) < 4:
         return None

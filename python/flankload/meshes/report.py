@@ -1,4 +1,4 @@
-"""What there is to say of a plane mesh without knowing what it is for: size, quality, sets."""
+"""Description of a plane mesh independent of its use: size, quality, sets."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
     Rows = list[tuple[str, str]]
 
-#: A body smaller than this, mm, is likely to be in metres; a larger one than the second in µm.
+#: Sizes in mm: a smaller body is probably given in metres, a larger one in micrometres.
 SMALL_MM, LARGE_MM = 1.0, 1e4
-#: Radii that agree to this part are one.
+#: Relative difference up to which radii count as equal.
 SAME_RADIUS = 1e-6
-#: The error of an element grows as one over its scaled Jacobian, the sine of its worst angle: down
-#: to the first (angles of 30 to 150 degrees) it at most doubles, at the second it is five times as
-#: large.
+#: Limits of the scaled Jacobian (the sine of the worst angle). The error of an element grows as its
+#: inverse: at the first limit (angles of 30 to 150 degrees) it at most doubles, at the second it is
+#: five times as large.
 GOOD, USABLE = 0.5, 0.2
-#: Angles of sectors are whole parts of a turn to this many sectors.
+#: Tolerance on the number of sectors in a turn, which must be whole.
 WHOLE_SECTORS = 1e-3
 
 
 def quality_rows(nodes: Floats, cells: Cells) -> Rows:
-    """Least scaled Jacobian, with a verdict, and largest aspect ratio, with the worst one's place.
+    """Least scaled Jacobian with a verdict, largest aspect ratio, and their places.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def quality_rows(nodes: Floats, cells: Cells) -> Rows:
 
 
 def verdict(scaled_jacobian: float) -> str:
-    """What the least scaled Jacobian of a mesh, over the nodes of its elements, is worth."""
+    """Verdict on the least scaled Jacobian over the nodes of all elements of a mesh."""
     if scaled_jacobian >= GOOD:
         return "good"
     if scaled_jacobian >= USABLE:
@@ -109,7 +109,7 @@ def mesh_rows(raw: RawMesh) -> Rows:
 
 
 def set_rows(raw: RawMesh) -> Rows:
-    """What each named set is: a line of the boundary, an arc, all nodes, …
+    """Shape of each named set: a line of the boundary, an arc, all nodes, …
 
     Parameters
     ----------
@@ -129,13 +129,13 @@ def set_rows(raw: RawMesh) -> Rows:
 
 
 def natural(name: str) -> list[tuple[str, int]]:
-    """Key that sorts FLANK_2 before FLANK_10."""
+    """Sort key that puts FLANK_2 before FLANK_10."""
     parts = re.findall(r"(\D*)(\d*)", name)
     return [(text.casefold(), int(number or 0)) for text, number in parts]
 
 
 def hints(raw: RawMesh) -> Iterator[str]:
-    """What looks wrong, but may be meant.
+    """Properties that look wrong but may be intended.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def hints(raw: RawMesh) -> Iterator[str]:
 
 
 def _oriented(raw: RawMesh) -> tuple[Floats, Cells]:
-    """Quadratic elements, counter-clockwise where they can be; a bad mesh stays bad."""
+    """Quadratic elements, counter-clockwise if possible; a defective mesh stays defective."""
     nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
     done = []
     for kind, data in cells:
@@ -181,7 +181,7 @@ def _oriented(raw: RawMesh) -> tuple[Floats, Cells]:
 
 
 def _shape(nodes: Floats, edges: Numbers, members: Numbers) -> str:
-    """What a set looks like on the boundary."""
+    """Shape of a set on the boundary."""
     chosen = edges[np.isin(edges[:, :2], members).all(axis=1)]
     radii = np.hypot(*nodes[members].T)
     span = f"radii {radii.min():.4f} to {radii.max():.4f} mm"
@@ -200,7 +200,7 @@ def _shape(nodes: Floats, edges: Numbers, members: Numbers) -> str:
 
 
 def _sectors(raw: RawMesh) -> dict[tuple[str, str], int]:
-    """Pairs of sets that are one another turned about the origin, and how many make a turn."""
+    """Pairs of sets that match by a rotation about the origin, and the number of sectors."""
     found: dict[tuple[str, str], int] = {}
     lines = {}
     known = set()
@@ -226,5 +226,5 @@ def _sectors(raw: RawMesh) -> dict[tuple[str, str], int]:
             same_turn = np.abs(turns - turns.mean()).max() < 1e-5
             if same_turn and 3 <= whole <= 1000 and abs(count - whole) < WHOLE_SECTORS:
                 found[first, second] = whole
-    # many flanks of a whole body match one another: that says nothing of sectors
+    # many matching sets are the flanks of a whole body, which do not bound a sector
     return found if len(found) == 1 else {}

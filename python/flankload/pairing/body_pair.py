@@ -1,4 +1,4 @@
-"""Both bodies of a scene and how they stand to each other, before elements are solved."""
+"""The two bodies of a scene with their pairing and options, before finite elements are solved."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BodyPair:
-    """Both bodies and how they stand to each other.
+    """Two bodies with their relative position and the options of the run.
 
     Attributes
     ----------
@@ -29,23 +29,23 @@ class BodyPair:
     discretization : Discretization
     effects : Effects
     position_rad : (P,) array
-        Angles of body 1 from position zero; of adaptive positions those to begin with.
+        Angles of body 1 from position zero; for adaptive positions, the initial ones.
     pitches : int or None
-        Tooth pitches that the positions run over; None where they are single angles.
+        Tooth pitches that the positions cover; None for explicit angles.
     closed : bool
-        All repeats after them (with pitch errors one tooth pitch is no period).
+        The positions cover a whole period (with pitch errors, one tooth pitch is not a period).
     adaptive : bool
-        More positions are looked for.
+        Positions are added adaptively.
     notes : tuple of str
-        What a user must know of bodies and pair.
+        Remarks on the bodies and the pair for the user.
     friction : Friction or None
-        None where the scene has no friction.
+        None if the scene has no friction.
     fillets : two RootFillets or None
-        Where stress is asked for.
+        Root fillets of both bodies, if the root stress is requested.
     growth : two Growth or None
-        What makes the bodies grow.
+        Thermal and centrifugal expansion of both bodies, if any.
     standing_note : str or None
-        How far apart flanks stand whose place their files give.
+        Note on the distance of flanks whose angles are given by files.
     """
 
     body_1: Body
@@ -65,17 +65,17 @@ class BodyPair:
 
     @property
     def period_rad(self) -> float:
-        """Period of the curves: what the positions run over, where all repeats after it."""
+        """Period of the curves, rad: the range of the positions if it is a whole period."""
         if self.closed and self.pitches is not None:
             return self.pitches * self.pairing.pitch_rad
         return self.pairing.period_rad
 
     @property
     def turn_1(self) -> float:
-        """Turn of body 1's frame at position zero, rad."""
+        """Angle of body 1's frame at position zero, rad."""
         return self.pairing.turns_at_zero_rad[0]
 
     @property
     def turn_2(self) -> float:
-        """Turn of body 2's frame at position zero, rad."""
+        """Angle of body 2's frame at position zero, rad."""
         return self.pairing.turns_at_zero_rad[1]

@@ -1,9 +1,9 @@
-"""Motion of a follower that lies on its cam: where it stands at each angle of the cam.
+"""Motion of a follower on its cam: the follower's angle at each angle of the cam.
 
-The axis of the follower is O1 = (0, 0), that of the cam O2 = (centre distance, 0). The follower
-turns counter-clockwise onto the cam; the first place that it meets is where it stands. All
-candidates are places of the profile at which roller or flat would be tangent: the first of them on
-the way is met without overlap, whatever the profile does elsewhere.
+The follower's axis is O1 = (0, 0), the cam's axis O2 = (centre distance, 0). The follower turns
+counter-clockwise onto the cam and stops at the first contact. All candidates are points of the
+profile at which roller or flat would be tangent: the first one in the direction of motion is
+reached without overlap, whatever the shape of the profile elsewhere.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Positions that are looked at at once: bounds the memory.
+#: Positions that are processed at once, which limits the memory.
 BLOCK = 256
-#: Lever of the force about the follower's axis, over its distance from there: below, a force line
-#: passes too near to the axis to carry the torque.
+#: Least lever arm of the force about the follower's axis relative to the distance from there; below
+#: it, the line of force is too close to the axis to carry the torque.
 LEAST_LEVER = 0.1
-#: Part of its radius by which a roller must be smaller than the hollow it rolls in.
+#: Largest radius of a roller relative to the radius of the hollow in which it rolls.
 HOLLOW = 0.98
 
 
@@ -60,7 +60,7 @@ class CamMotion:
         In the frame of the follower.
     center_distance_mm : float
     sense : int
-        1 where the cam turns counter-clockwise, -1 where clockwise.
+        1 if the cam turns counter-clockwise, -1 if clockwise.
     """
 
     cam: FlankCurve
@@ -69,11 +69,11 @@ class CamMotion:
     sense: int
 
     def cam_turns(self, position_rad: Floats) -> Floats:
-        """Turns (P,) of the cam's frame: at position 0 its angle 0 points from O2 to O1."""
+        """Angles (P,) of the cam's frame: at position 0 its angle 0 points from O2 to O1."""
         return np.pi + self.sense * np.asarray(position_rad, dtype=float)
 
     def stand(self, position_rad: Floats) -> Stand:
-        """Where the follower stands.
+        """Angles and contact points of the follower on the cam.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class CamMotion:
         Raises
         ------
         SceneError
-            If at a position it meets no place of the cam, or only with an end of its flat.
+            If at a position it does not meet the cam, or meets it only with an end of its flat.
         """
         position = np.atleast_1d(np.asarray(position_rad, dtype=float))
         turn_2 = self.cam_turns(position)
@@ -129,23 +129,23 @@ class CamMotion:
 
     @cached_property
     def samples(self) -> Places:
-        """Places all around the cam, in its frame."""
+        """Points all around the cam, in its frame."""
         return samples_of(self.cam)
 
     def apart(self, turn_2: Floats) -> Floats:
-        """From O1 to O2 (P, 2) in the frame of the cam, mm."""
+        """Vector from O1 to O2 (P, 2) in the frame of the cam, mm."""
         return self.center_distance_mm * np.stack([np.cos(turn_2), -np.sin(turn_2)], axis=1)
 
     def _zeros(
         self, turn_2: Floats, rest: Callable[[Places], tuple[Floats, Floats]]
     ) -> tuple[NDArray[np.int64], Places]:
-        """Positions and places, seen from O1, at which a function changes its sign."""
+        """Positions, and points relative to O1, at which a function changes its sign."""
         apart = self.apart(turn_2)
         k, s = zeros_on(self.cam, self.samples, apart, rest)
         return k, places_of(self.cam, s).seen_from(apart[k])
 
     def _tangent_places(self, turn_2: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """Positions, arc lengths and turns of the follower of all places where it is tangent."""
+        """Positions, arc lengths and follower angles of all points at which it is tangent."""
         head = self.head
         if isinstance(head, Roller):
             radius, arm = head.radius_mm, head.arm_mm
@@ -169,7 +169,7 @@ class CamMotion:
         return k[there], at.s[there], polar(-at.tangent, turn_2[k])[there]
 
     def _end_places(self, turn_2: Floats, end: float) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """The same of all places where an end of the flat lies on the cam."""
+        """The same for all points at which an end of the flat is on the cam."""
         assert not isinstance(self.head, Roller)
         offset = self.head.offset_mm
 
@@ -182,16 +182,16 @@ class CamMotion:
 
 @dataclass(frozen=True)
 class Stand:
-    """Where a follower stands at P positions.
+    """Angles and contact points of a follower at P positions.
 
     Attributes
     ----------
     motion : CamMotion
     position_rad : (P,) array
     turn_1, turn_2 : (P,) arrays
-        Turns of both frames, rad.
+        Angles of both frames, rad.
     arc_length_mm : (P,) array
-        Place of contact on the cam.
+        Contact point on the cam.
     """
 
     motion: CamMotion
@@ -201,24 +201,24 @@ class Stand:
     arc_length_mm: Floats
 
     def contact(self) -> tuple[Floats, Floats]:
-        """Places (P, 2) of contact, from O1, and the cam's normals there, in the common frame."""
+        """Contact points (P, 2) from O1, and the cam's normals there, in the common frame."""
         at = places_of(self.motion.cam, self.arc_length_mm)
         point = at.point + self.motion.apart(self.turn_2)
         return turned(point, self.turn_2), turned(at.normal, self.turn_2)
 
     def rate(self) -> Floats:
-        """Turn (P,) of the follower for each rad of the cam's: along the normal both move alike."""
+        """Rotation (P,) of the follower per rad of the cam, from equal normal velocities."""
         point, normal = self.contact()
         centre = np.array([self.motion.center_distance_mm, 0.0])
         return self.motion.sense * cross(point - centre, normal) / cross(point, normal)
 
     def levers(self) -> Floats:
-        """Levers (P,) of the force on the follower about its axis, mm; it turns it clockwise."""
+        """Lever arms (P,) of the force about the follower's axis, mm; positive: clockwise."""
         point, normal = self.contact()
         return -cross(point, normal)
 
     def check(self) -> None:
-        """Refuse a follower whose force cannot hold a torque, or whose arm is in the way.
+        """Refuse a follower whose force cannot carry a torque, or whose arm touches the cam.
 
         Raises
         ------
@@ -248,7 +248,7 @@ class Stand:
 
 
 def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotion:
-    """Put a follower and its cam together.
+    """Combine a follower and its cam.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotio
     Raises
     ------
     SceneError
-        If the cam would sweep over the follower's axis, or the roller cannot follow a hollow.
+        If the cam would reach the follower's axis, or the roller does not fit into a hollow.
     """
     head = follower.touches
     assert head is not None

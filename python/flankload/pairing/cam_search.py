@@ -1,4 +1,4 @@
-"""Places of a closed profile at which something vanishes, at many positions at once."""
+"""Points of a closed profile at which a function vanishes, at many positions at once."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Samples on each interval of the profile, between which zeros are looked for.
+#: Samples in each interval of the profile, between which zeros are searched.
 SAMPLES = 4
 MOST_STEPS = 40
 
 
 @dataclass(frozen=True)
 class Places:
-    """Places of a profile, (m,) of them.
+    """Points of a profile, (m,) of them.
 
     Attributes
     ----------
     s : (m,) array
         Arc lengths, mm.
     point, tangent, normal : (m, 2) arrays
-        In the frame of the profile, from its axis or another point.
+        In the frame of the profile, relative to its axis or another point.
     curvature : (m,) array
         1/mm, positive where convex.
     """
@@ -42,11 +42,11 @@ class Places:
     curvature: Floats
 
     def seen_from(self, apart: Floats) -> Places:
-        """The same with points counted from another place: `apart` (m, 2) or (2,) is added."""
+        """The same points relative to another origin: `apart` (m, 2) or (2,) is added."""
         return Places(self.s, self.point + apart, self.tangent, self.normal, self.curvature)
 
     def repeated(self, count: int) -> Places:
-        """All places, so many times one after the other."""
+        """All points, repeated `count` times."""
         return Places(
             np.tile(self.s, count),
             np.tile(self.point, (count, 1)),
@@ -57,12 +57,12 @@ class Places:
 
 
 def places_of(curve: FlankCurve, s: Floats) -> Places:
-    """Places of a curve at arc lengths s (m,)."""
+    """Points of a curve at arc lengths s (m,)."""
     return Places(s, curve.point(s), curve.tangent(s), curve.normal(s), curve.curvature(s))
 
 
 def samples_of(curve: FlankCurve) -> Places:
-    """Places all around a closed curve, the last of which is the first."""
+    """Points all around a closed curve; the last one equals the first."""
     part = np.arange(SAMPLES) / SAMPLES
     inner = curve.breaks[:-1, None] + np.diff(curve.breaks)[:, None] * part
     return places_of(curve, np.append(inner.ravel(), curve.length_mm))
@@ -74,25 +74,26 @@ def zeros_on(
     apart: Floats,
     rest: Callable[[Places], tuple[Floats, Floats]],
 ) -> tuple[NDArray[np.int64], Floats]:
-    """Places at which a function changes its sign, at each position.
+    """Points at which a function changes its sign, at each position.
 
     Parameters
     ----------
     curve : FlankCurve
         Closed.
     samples : Places
-        Of the curve, from `samples_of`.
+        Samples of the curve from `samples_of`.
     apart : (P, 2) array
-        What is added to the points at each position.
+        Vector that is added to the points at each position.
     rest : callable
-        Places (m,) to the function and its growth with the arc length, each (m,).
+        Function of Places (m,) that returns the values and their derivatives by arc length, each
+        (m,).
 
     Returns
     -------
     position : (k,) array
-        Which of the P positions.
+        Index of the position.
     s : (k,) array
-        Arc length, to rounding.
+        Arc length, accurate to rounding.
     """
     count, n = len(apart), samples.s.size
     value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))
@@ -102,7 +103,7 @@ def zeros_on(
     low, high, below = samples.s[i], samples.s[i + 1], value[position, i] < 0
     s = 0.5 * (low + high)
     for _ in range(MOST_STEPS):
-        # Newton between two ends that enclose the zero, else the middle
+        # Newton's method in an interval that encloses the zero, with bisection as the fallback
         found, slope = rest(places_of(curve, s).seen_from(apart[position]))
         left = (found < 0) == below
         low, high = np.where(left, s, low), np.where(left, high, s)
@@ -119,7 +120,7 @@ def zeros_on(
 def first_of(
     count: int, position: NDArray[np.int64], s: Floats, turn: Floats
 ) -> tuple[Floats, Floats]:
-    """Arc length and turn of the least turn at each of `count` positions; NaN where is none."""
+    """Arc length and angle of the least angle at each of `count` positions; NaN if none."""
     order = np.lexsort((turn, position))
     known, first = np.unique(position[order], return_index=True)
     found = np.full((2, count), np.nan)
@@ -133,12 +134,12 @@ def wrapped(angle: Floats) -> Floats:
 
 
 def polar(vectors: Floats, turn: Floats) -> Floats:
-    """Polar angles in (-pi, pi] of vectors (m, 2) of a frame that is turned."""
+    """Polar angles in (-pi, pi] of vectors (m, 2) of a frame that is rotated by `turn`."""
     return wrapped(np.arctan2(vectors[:, 1], vectors[:, 0]) + turn)
 
 
 def turned(vectors: Floats, turn: Floats) -> Floats:
-    """Vectors (m, 2) turned by angles (m,)."""
+    """Vectors (m, 2) rotated by angles (m,)."""
     (x, y), c, s = vectors.T, np.cos(turn), np.sin(turn)
     return np.stack([c * x - s * y, s * x + c * y], axis=1)
 

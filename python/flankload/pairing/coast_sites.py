@@ -1,9 +1,9 @@
-"""Where coast flanks face each other, as a mirror along the line of centres shows it.
+"""Sites of coast flanks, described in the mirror image about the line of centres.
 
-In the mirror coast flanks are working flanks: of teeth that are alike on both sides the same curve,
-on bodies that turn the other way. A tooth of body 1 faces, with its coast flank, the tooth of body
-2 that meets the next one of body 1 with its working flank; where body 2 stands around body 1 it
-faces the other side of its own space.
+In the mirror image coast flanks are working flanks: for teeth with equal sides they are the same
+curve, on bodies that turn in the opposite direction. The coast flank of a tooth of body 1 faces the
+tooth of body 2 that meets the next tooth of body 1 with its working flank; if body 2 has internal
+teeth, it faces the other side of its own space.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CoastSites:
-    """Sites of coast flanks, S of them; each is named by the tooth of body 1, as a pair is.
+    """S sites of coast flanks; each is named by the tooth of body 1, like a pair.
 
     Attributes
     ----------
     site_teeth : two (S,) arrays
         Tooth of each body at each site.
     site_angles_rad : two (S,) arrays
-        Angle of that tooth in the mirrored frame of its body, from the one that its turn, taken the
-        other way, leads to.
+        Angle of that tooth in the mirrored frame of its body, relative to the negative of the
+        body's angle.
     """
 
     site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -39,15 +39,15 @@ class CoastSites:
 def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> CoastSites:
     """Sites of the coast flanks of some teeth of body 1.
 
-    Both flanks of a tooth are taken to be alike; pitch errors, which are said of working flanks,
-    leave coast flanks where they are.
+    Both flanks of a tooth are assumed to be equal. Pitch errors are defined for working flanks;
+    they do not move coast flanks.
 
     Parameters
     ----------
     numbers : (S,) array
         Pair numbers, which name the teeth of body 1.
     body_1, body_2 : Body
-        With involutes.
+        Bodies with involutes.
 
     Returns
     -------

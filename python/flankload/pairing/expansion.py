@@ -1,10 +1,10 @@
-"""How bodies grow before they touch: by heat, and by the speed with which they turn.
+"""Thermal and centrifugal expansion of the bodies.
 
-A temperature rise dT stretches a body by e = alpha dT in all directions; what holds it (the shaft
-in its bore, the housing around a ring) stretches by e_s in its plane and takes the held surface
-along. Both may grow along the axis as they like. Where e_s = e the body grows as a whole and no
-stress is left: its flanks stand on a figure larger by 1 + e. What e_s differs by, and the pull of
-rotation, are loads of the finite elements.
+A temperature rise dT expands a body by the strain e = alpha dT in all directions. The support that
+holds it (the shaft in its bore, the housing around a ring) expands by e_s in its plane together
+with the fixed surface; axial expansion is free. If e_s = e, the body expands uniformly without
+stress: its flanks are scaled by 1 + e. The difference e_s - e and the centrifugal force are loads
+on the finite elements.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flankload.pairing.pairing import Pairing
     from flankload.scene import Scene
 
-#: Of steel, where a scene names no other.
+#: Values of steel, used if a scene gives none.
 EXPANSION_PER_K = 11.5e-6
 DENSITY_KG_M3 = 7850.0
 #: kg/m³ in N s²/mm⁴.
@@ -29,14 +29,14 @@ KG_M3 = 1e-12
 
 @dataclass(frozen=True)
 class Growth:
-    """What makes a body grow.
+    """Causes of the expansion of a body.
 
     Attributes
     ----------
     strain : float
         alpha dT of the body.
     held_strain : float
-        The same of what holds it.
+        alpha dT of its support.
     speed_rad_per_s : float
     density_Ns2_per_mm4 : float
     """
@@ -48,17 +48,17 @@ class Growth:
 
     @property
     def needs_elements(self) -> bool:
-        """Whether it is more than growth as a whole."""
+        """Whether it is more than a uniform expansion."""
         return self.load_cases > 0
 
     @property
     def load_cases(self) -> int:
-        """One for each cause that is more than growth as a whole."""
+        """Number of load cases: one for each cause beyond a uniform expansion."""
         return (self.strain != self.held_strain) + (self.speed_rad_per_s > 0.0)
 
 
 def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | None]:
-    """What makes the bodies of a scene grow.
+    """Causes of the expansion of both bodies of a scene.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | N
     Returns
     -------
     two Growth or None
-        None for a body that does not grow. A rigid body grows by its own temperature alone.
+        None for a body that does not expand. A rigid body only expands by its own temperature.
     """
     asked = scene.effects
     rises = _of_both(asked.temperature_rise_K, 0.0)
@@ -93,14 +93,14 @@ def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | N
 
 
 def _of_both(asked: float | tuple[float, ...] | None, default: float) -> tuple[float, float]:
-    """A number for each body."""
+    """One number per body."""
     if isinstance(asked, tuple):
         return asked[0], asked[1]
     return (default if asked is None else asked,) * 2
 
 
 def growth_notes(scene: Scene) -> tuple[str, ...]:
-    """What a rigid body leaves out of its growth."""
+    """Notes on what the expansion of a rigid body does not include."""
     asked = scene.effects
     left_out = [
         (asked.speed_rpm, "its speed does not stretch it"),
@@ -115,7 +115,7 @@ def growth_notes(scene: Scene) -> tuple[str, ...]:
 
 
 def grown(body: Body, strain: float) -> Body:
-    """The body, larger by 1 + strain: its curve and the range of its modes.
+    """The body scaled by 1 + strain: its curve and the range of its modes.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def grown(body: Body, strain: float) -> Body:
     Returns
     -------
     Body
-        Mesh, radii and notes stay those of the body as it was made.
+        Mesh, radii and notes are those of the unscaled body.
     """
     if strain == 0.0:
         return body

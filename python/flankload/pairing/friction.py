@@ -1,4 +1,4 @@
-"""Friction of a scene at the sites of its pairing: coefficients along flank 1, and who drives."""
+"""Friction of a scene at the sites of its pairing: coefficients along flank 1, and the driver."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 KEY = "effects.friction_coefficient"
 
-#: A coefficient over the roll position is laid out over the arc length with so many steps between
-#: two rows: the arc length grows with the square of the roll position, lines become parabolas.
+#: Steps between two rows of coefficients over the roll position, for conversion to arc length: the
+#: arc length grows with the square of the roll position, so straight lines become parabolas.
 STEPS = 32
 
 
@@ -32,10 +32,10 @@ class Friction:
     places_mm : (n,) array
         Arc lengths on flank 1, ascending.
     coefficients : (n, S) array
-        At these places; linear between them, even beyond.
+        Coefficients at these arc lengths; linear between them, constant beyond.
     sense : int
-        1 where body 1 drives and turns in the sense of its torque, -1 where it is driven against
-        it.
+        1 if body 1 drives and turns in the sense of its torque, -1 if it is driven against its
+        torque.
     """
 
     places_mm: NDArray[np.float64]
@@ -44,22 +44,22 @@ class Friction:
 
     @property
     def driver(self) -> str:
-        """The body that drives."""
+        """The driving body."""
         return "body_1" if self.sense > 0 else "body_2"
 
     def speeds(self, pairing: Pairing, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Speeds (2, P) of both bodies, rad per rad of the position, as they really turn."""
+        """Speeds (2, P) of both bodies, rad per rad of the position, in their real direction."""
         return self.sense * np.array(pairing.speeds(position_rad))
 
 
 @dataclass(frozen=True)
 class FrictionArguments:
-    """Friction in the layout of the core's sweep; everything is empty without friction.
+    """Friction in the layout of the core's sweep; all arrays are empty without friction.
 
     Attributes
     ----------
     speeds : (2, P) array
-        Of both bodies, rad per rad of the position.
+        Speeds of both bodies, rad per rad of the position.
     table : (n,) and (n * S,) arrays
         Arc lengths on flank 1, mm, and coefficients there, site by site.
     """
@@ -79,7 +79,7 @@ class FrictionArguments:
             none = np.empty(0)
             return cls(np.empty((2, 0)), (none, none))
         coefficients = friction.coefficients
-        if pairing.coast is not None:  # the coast flank of a tooth is as rough as its working one
+        if pairing.coast is not None:  # the same coefficients as on the working flanks
             coefficients = np.hstack([coefficients, coefficients])
         return cls(
             friction.speeds(pairing, position_rad),
@@ -92,7 +92,7 @@ class FrictionArguments:
         return self.table[0].size > 0
 
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
-        """Speeds and coefficients at some of the positions, in the order of the core's door."""
+        """Speeds and coefficients at some positions, in the order of the core's interface."""
         speeds = self.speeds[:, which] if self.present else self.speeds
         return speeds.shape[1], speeds.ravel(order="F"), *self.table
 
@@ -108,13 +108,13 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
 
     Returns
     -------
-    Friction, or None where the scene has none or all its coefficients are 0
+    Friction, or None if the scene has none or all its coefficients are 0
 
     Raises
     ------
     SceneError
-        If a list has not one coefficient per tooth, or if a table over the roll position is given
-        for flanks that have none.
+        If the length of a list is not the number of teeth, or if a table over the roll position is
+        given for flanks without roll positions.
     """
     if not scene.has_friction:
         return None
@@ -127,15 +127,15 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
         rows = np.array(asked, dtype=float)
         places, values = _along_flank(rows, body_1, pairing)
         return Friction(places, values[:, None] * ones, sense)
-    # entry k is that of the k-th tooth to come into contact, as with pitch errors; on a spline of
-    # tooth k
+    # entry k belongs to the k-th tooth that comes into contact, as for pitch errors; for a spline
+    # to tooth k
     entries = pairing.sites if pairing.whole_circle else -pairing.sites
     by_tooth = np.array(coefficients_by_tooth(scene, body_1))
     return Friction(np.zeros(1), by_tooth[entries % body_1.teeth][None], sense)
 
 
 def coefficients_by_tooth(scene: Scene, body_1: Body) -> tuple[float, ...]:
-    """One coefficient per tooth of body 1, where the scene has such a list; else none.
+    """One coefficient per tooth of body 1, if the scene has such a list; else empty.
 
     Raises
     ------
@@ -172,13 +172,13 @@ def _along_flank(
     at_pitch_point = np.sqrt(max(0.0, pitch_radius**2 - base**2))
     radius = np.hypot(base, np.maximum(at_pitch_point + roll, 0.0))
     s = _arc_lengths(body, radius)
-    # rows beyond the flank's ends fall together there
+    # rows beyond the flank's ends all get the arc length of the end
     kept = np.append(True, np.diff(s) > 0.0)
     return s[kept], np.interp(steps, np.arange(len(rows)), rows[:, 1])[kept]
 
 
 def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Arc lengths on the flank at distances from the axis; ends of the flank beyond them."""
+    """Arc lengths on the flank at distances from the axis; limited to the ends of the flank."""
     curve = body.curve
     s = np.linspace(body.mode_range_mm[0], curve.length_mm, 4001)
     distance = np.maximum.accumulate(np.hypot(*curve.point(s).T))
@@ -186,7 +186,7 @@ def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]
 
 
 def friction_notes(friction: Friction | None, pairing: Pairing) -> tuple[str, ...]:
-    """What a user must know of the friction of a pair."""
+    """Remarks on the friction of a pair for the user."""
     if friction is None or pairing.center_distance_mm > 0.0:
         return ()
     note = (

@@ -1,9 +1,8 @@
-"""Two involute bodies on their centre distance (DIN 3960): working geometry, checked.
+"""Two involute bodies at their centre distance (DIN 3960): working geometry, checked.
 
-One set of equations serves a gear beside another and a gear inside another: with the sense s = 1 or
--1 of body 2 (its teeth stand outwards or inwards) radii of body 2 count s times, and a circle of
-radius r about O2 cuts the line of centres at the distance s (a - r) from O1, on the side of the
-pitch point.
+One set of equations holds for external and internal pairs. With the sense s = 1 (external teeth of
+body 2) or -1 (internal teeth), radii of body 2 are multiplied by s, and a circle of radius r about
+O2 intersects the line of centres at the distance s (a - r) from O1, on the side of the pitch point.
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
 
-#: Flanks that overlap by more than this part of the base pitch at the pitch circle cannot mesh;
-#: less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only a
-#: warning.
+#: Largest overlap of the flanks at the pitch circle, in base pitches: with more the gears cannot
+#: mesh; less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only
+#: gives a warning.
 LARGEST_OVERLAP = 0.01
 
-#: Two gears mesh when their base pitches agree to this relative difference.
+#: Largest relative difference of the base pitches of two gears that mesh.
 PITCH_TOLERANCE = 1e-6
 
 DISTANCE = "pair.center_distance_mm"
@@ -34,25 +33,25 @@ DISTANCE = "pair.center_distance_mm"
 
 @dataclass(frozen=True)
 class Mesh:
-    """Geometry of a pair of involute gears on its centre distance.
+    """Geometry of a pair of involute gears at its centre distance.
 
     Attributes
     ----------
     pressure_angle_rad : float
         Working pressure angle.
     pitch_radius_1_mm, pitch_radius_2_mm : float
-        Working pitch circles.
+        Radii of the working pitch circles.
     base_pitch_mm : float
     path_start_mm, path_end_mm : float
-        Ends of the theoretical path of contact, counted from the pitch point in the sense of
+        Ends of the theoretical path of contact, measured from the pitch point in the direction of
         motion.
     contact_ratio : float
         Length of that path over the base pitch.
     usable_contact_ratio : float
-        The same of the part on which both flanks are involutes: from the form circles, where an
-        undercut or a fillet ends, to the tip roundings or chamfers. Relieved flanks count.
+        The same for the part on which both flanks are involutes: from the form circles, where an
+        undercut or a fillet ends, to the tip roundings or chamfers. Relieved flanks are included.
     backlash_mm : float
-        Circular backlash on the working pitch circles; negative where the flanks overlap.
+        Circular backlash on the working pitch circles; negative if the flanks overlap.
     """
 
     pressure_angle_rad: float
@@ -68,7 +67,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class _Pair:
-    """Both involutes, their teeth and how they stand."""
+    """Both involutes, their numbers of teeth and their centre distance."""
 
     one: Involute
     two: Involute
@@ -84,11 +83,11 @@ class _Pair:
         return 2 * pi * self.one.base_radius_mm / self.teeth[0]
 
     def on_centers(self, radius_2: float) -> float:
-        """Where a circle about O2 cuts the line of centres: distance from O1, mm."""
+        """Distance from O1 at which a circle about O2 intersects the line of centres, mm."""
         return self.sense * (self.distance - radius_2)
 
     def bound(self, value: float, *, least: bool) -> str:
-        """A bound of the centre distance in words; inside body 2 a least one is a largest one."""
+        """A limit of the centre distance in words; for internal teeth least and largest swap."""
         return f"{'more' if least == (self.sense > 0) else 'less'} than {value:.4f} mm"
 
 
@@ -105,13 +104,13 @@ def gear_mesh(
     Parameters
     ----------
     body_1, body_2 : Body
-        With an involute; the teeth of body 1 stand outwards.
+        Bodies with involutes; body 1 has external teeth.
     distance : float
         Centre distance, mm.
     warnings : list of str
-        What a user must know is appended.
+        Warnings for the user are appended.
     coast_flanks : bool
-        They can carry, too.
+        The coast flanks can carry, too.
 
     Returns
     -------
@@ -120,7 +119,7 @@ def gear_mesh(
     Raises
     ------
     SceneError
-        If they cannot mesh; says by how much.
+        If the bodies cannot mesh; states by how much.
     """
     assert body_1.involute is not None
     assert body_2.involute is not None
@@ -180,7 +179,8 @@ def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[floa
     """Length of the path of contact on which both flanks are involutes, mm.
 
     `tangents_mm` are the lengths along the line of action from both base circles to the pitch
-    point; what grows on body 1 falls on body 2, or grows where body 2 stands around it.
+    point. The length that increases on body 1 decreases on body 2, or increases on an internal
+    body 2.
     """
     (root_1, tip_1), (root_2, tip_2) = (_ends_of_involute(body) for body in (body_1, body_2))
     start = max(root_1 - tangents_mm[0], sense * (tangents_mm[1] - tip_2))
@@ -189,7 +189,7 @@ def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[floa
 
 
 def _ends_of_involute(body: Body) -> tuple[float, float]:
-    """Lengths along the line of action at which a flank's involute begins (root) and ends (tip)."""
+    """Lengths along the line of action where a flank's involute begins (root) and ends (tip)."""
     involute, curve = body.involute, body.curve
     assert involute is not None
     active = {"flank", "relief"}.intersection(curve.labels)
@@ -199,7 +199,7 @@ def _ends_of_involute(body: Body) -> tuple[float, float]:
 
 
 def _check_teeth(pair: _Pair) -> None:
-    """Same base pitch; what turns inside has fewer teeth and fits into the root circle."""
+    """Check for equal base pitches; inside a ring also for fewer teeth and a smaller tip circle."""
     pitch_1, pitch_2 = pair.base_pitch, 2 * pi * pair.two.base_radius_mm / pair.teeth[1]
     if abs(pitch_2 / pitch_1 - 1) > PITCH_TOLERANCE:
         raise SceneError(
@@ -226,7 +226,7 @@ def _check_teeth(pair: _Pair) -> None:
 
 
 def _check_distance(pair: _Pair) -> float:
-    """Distance at which the line of action is at right angles to that of the centres, mm."""
+    """Centre distance at which the working pressure angle is 0, mm; checks the distance."""
     one, two, distance, name = pair.one, pair.two, pair.distance, "sum"
     if pair.sense < 0:
         name = "difference"
@@ -283,11 +283,11 @@ def _backlash(
 
 
 def _distance_without_backlash(pair: _Pair) -> float | None:
-    """Centre distance (mm) at which both flanks of a tooth touch; None where there is none.
+    """Centre distance (mm) at which both flanks of a tooth touch; None if there is none.
 
-    The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum of r_b times (half
-    angle of the tooth at the base, less inv(alpha_w) or more where it stands inwards) of both
-    bodies is half of a base pitch.
+    The teeth then fill the pitch on the working circles r_b/cos(alpha_w): the sum over both bodies
+    of r_b times (half angle of the tooth at the base, minus inv(alpha_w), or plus for internal
+    teeth) is half of a base pitch.
     """
     radii = (pair.one.base_radius_mm, pair.sense * pair.two.base_radius_mm)
     filled = sum(
@@ -299,7 +299,7 @@ def _distance_without_backlash(pair: _Pair) -> float | None:
 
 
 def _check_clearances(pair: _Pair) -> None:
-    """Each tip circle clears the mate's root circle."""
+    """Check that each tip circle clears the mate's root circle."""
     one, two, distance = pair.one, pair.two, pair.distance
     for name, other, clearance in (
         ("1", "2", pair.on_centers(two.root_radius_mm) - one.tip_radius_mm),
@@ -316,7 +316,7 @@ def _check_clearances(pair: _Pair) -> None:
 
 
 def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:
-    """What a gear engineer checks first, as (name, value with unit) rows."""
+    """Main geometry of a gear pair, as (name, value with unit) rows."""
     return (
         ("working pressure angle", f"{degrees(mesh.pressure_angle_rad):.4f} deg"),
         (

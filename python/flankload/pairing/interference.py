@@ -1,9 +1,9 @@
-"""Flanks that would meet where they should not: in a fillet, or anywhere off the path of contact.
+"""Interference of flanks: contact in a fillet, or anywhere off the path of contact.
 
-A place p of flank 1 and a place q of flank 2 can meet only where a circle about O1 through p cuts
-one about O2 through q, above or below the line of centres. Body 1 turns until p is there; how far
-q is then still ahead, as an angle about O2, is the margin of both places: 0 where they touch,
-negative where one stands in the other.
+A point p of flank 1 and a point q of flank 2 can only meet where the circle about O1 through p
+intersects the circle about O2 through q, above or below the line of centres. Body 1 is turned until
+p is there; the remaining angle of q about O2 to that point is the margin of both points: 0 if they
+touch, negative if one is inside the other body.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Places looked at on each interval of a flank's curve.
+#: Points in each interval of a flank's curve.
 PLACES = 6
 
-#: Less than this part of the flank's length is no overlap (1 um of a gear of module 4.5): no
-#: profile is made better, and any torque bridges it.
+#: Least overlap relative to the flank's length (1 um for a gear of module 4.5 mm): smaller ones are
+#: below the accuracy of profiles and closed by any torque.
 LEAST_PART = 1e-4
 
 
@@ -41,11 +41,11 @@ class Overlap:
     Attributes
     ----------
     depth_mm : float
-        Along the circumference.
+        Depth along the circumference.
     radius_1_mm, radius_2_mm : float
-        Where: distances from the bodies' own axes.
+        Place of the overlap: distances from the bodies' own axes.
     at_tips : bool
-        Both places lie on the outer half of their flanks.
+        Both points are on the outer halves of their flanks.
     """
 
     depth_mm: float
@@ -57,19 +57,19 @@ class Overlap:
 def root_contacts(
     involutes: tuple[Involute, Involute], lengths_mm: tuple[float, float]
 ) -> Iterator[str]:
-    """Say where the mate's tip does not meet the involute but the fillet.
+    """Warn if the mate's tip meets the fillet instead of the involute.
 
     Parameters
     ----------
     involutes : two Involute
     lengths_mm : (float, float)
-        Where each path of contact ends at the root: length along the line of action from the base
+        End of each path of contact at the root: length along the line of action from the base
         circle.
 
     Yields
     ------
     str
-        A warning.
+        Warning.
     """
     for name, involute, length in zip("12", involutes, lengths_mm, strict=True):
         deepest = hypot(involute.base_radius_mm, max(0.0, length))
@@ -85,7 +85,7 @@ def root_contacts(
 def overlapping_flanks(
     body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
 ) -> Iterator[str]:
-    """Say how deep flanks overlap off the path of contact.
+    """Warn of flanks that overlap off the path of contact.
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def overlapping_flanks(
     Yields
     ------
     str
-        A warning, where a root pushes a tip back.
+        Warning of a root that pushes a tip back.
 
     Raises
     ------
     SceneError
-        Where tips cannot pass each other.
+        If tips cannot pass each other.
     """
     for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
         where = (
@@ -124,14 +124,14 @@ def overlapping_flanks(
 def overlaps_of(
     body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
 ) -> Iterator[Overlap]:
-    """The deepest overlap at the tips, and the deepest one elsewhere, where there are any.
+    """The deepest overlap at the tips and the deepest one elsewhere, if there are any.
 
     Parameters
     ----------
     body_1, body_2 : Body
-        With involutes; body 1 turns in the sense of its torque.
+        Bodies with involutes; body 1 turns in the sense of its torque.
     pitch_radii_mm : (float, float)
-        Of the working pitch circles: there pair 0 touches at position zero.
+        Radii of the working pitch circles, where pair 0 touches at position zero.
     distance_mm : float
         Centre distance.
 
@@ -154,7 +154,7 @@ def overlaps_of(
 
 
 def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Radii and angles of places on a flank, the latter from its place on the pitch circle."""
+    """Radii and angles of points on a flank, the angles from its point on the pitch circle."""
     curve, involute = body.curve, body.involute
     assert involute is not None
     ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
@@ -175,7 +175,7 @@ def _margins(
     body_2: Body,
     distance: float,
 ) -> Floats:
-    """Lesser margin of both meeting places, rad about O2; inf where the circles do not meet."""
+    """Smaller margin of the two meeting points, rad about O2; inf if the circles do not meet."""
     (r_1, angle_1), (r_2, angle_2) = place_1, place_2
     sense, ratio = body_2.outward, body_1.teeth / body_2.teeth
     cosine_1 = sense * (distance**2 + r_1**2 - r_2**2) / (2 * distance * r_1)

@@ -1,4 +1,4 @@
-"""Flank nodes against the width of the contact: how far a curve through nodes can be trusted."""
+"""Spacing of flank nodes relative to the contact width, for the accuracy of curves and forces."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
 
-#: Where on the flank its curvature is taken, in parts of its length: off its ends.
+#: Positions for the curvature of a flank, relative to its length: away from its ends.
 MIDDLE_PARTS = np.linspace(0.3, 0.7, 9)
 
-#: Nodes that carry forces are so many Hertz half-widths of all of the load on one flank apart. On
-#: the FZG type C pair that leaves 0.07 to 0.2 % of the rotation off tip corners and 0.3 to 15 % of
-#: the largest pressure (the more, the less a flank carries); a third 0.2 to 0.8 and up to 40 %, a
-#: tenth 0.03 to 0.08 and 1 %. The elements cost in proportion to the square of the nodes.
+#: Distance of nodes with forces in Hertz half-widths, for the whole load on one flank. On the FZG
+#: type C pair a fifth leaves errors of 0.07 to 0.2 % of the rotation away from tip corners and 0.3
+#: to 15 % of the largest pressure (largest on lightly loaded flanks); a third leaves 0.2 to 0.8 and
+#: up to 40 %, a tenth 0.03 to 0.08 and 1 %. The cost of elements grows as the square of the nodes.
 NODES_PART = 0.2
-#: Nodes that stand further apart than this part of the half-width are worth a warning.
+#: Distance of nodes in half-widths above which a warning is given.
 WIDE_NODES = 0.6
-#: Where flanks conform the whole of them carries: so many nodes along the flank.
+#: Number of nodes along a conforming flank, which carries over its whole length.
 CONFORMING_NODES = 40
 
 
@@ -36,7 +36,7 @@ class HertzContact:
     ----------
     half_width_mm : float
     flattening_mm : float
-        How far the unloaded flanks stand apart at the ends of the contact.
+        Distance of the unloaded flanks at the ends of the contact.
     """
 
     half_width_mm: float
@@ -44,18 +44,18 @@ class HertzContact:
 
 
 def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzContact | None:
-    """Hertz' contact of both flanks where they are neither root nor tip.
+    """Hertz contact of both flanks, away from root and tip.
 
     Parameters
     ----------
     body_1, body_2 : Body
     force_N_per_mm : float
-        Force over face width.
+        Force per face width.
 
     Returns
     -------
     HertzContact or None
-        None without force, or where the flanks do not curve away from each other.
+        None without force, or if the flanks do not curve away from each other.
     """
     curvature = sum(_middle_curvature(body) for body in (body_1, body_2))
     yielding = sum(
@@ -72,13 +72,13 @@ def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzCon
 def spacing_notes(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> Iterator[str]:
-    """Say of each curve through nodes how their spacing stands to the contact.
+    """Notes on the node spacing of curves through nodes, relative to the contact width.
 
     Parameters
     ----------
     bodies : two Body
     torques_Nm : tuple of float
-        On body 1; the smallest that loads makes the narrowest contact.
+        Torques on body 1; the smallest one above 0 gives the narrowest contact.
     face_width_mm : float
 
     Yields
@@ -111,20 +111,20 @@ def spacing_notes(
 def spacing_for_loads(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> float | None:
-    """Distance of nodes that forces at nodes need, mm.
+    """Node distance that nodal forces need, mm.
 
     Parameters
     ----------
     bodies : two Body
     torques_Nm : tuple of float
-        On body 1; the largest makes the contact by which the nodes are set.
+        Torques on body 1; the largest determines the node distance.
     face_width_mm : float
 
     Returns
     -------
     float or None
-        A fifth of the Hertz half-width with one flank under the torque; where the flanks conform a
-        part of their length. None without torque.
+        A fifth of the Hertz half-width with the whole torque on one flank; for conforming flanks a
+        fraction of their length. None without torque.
     """
     torque = max(torques_Nm)
     if torque <= 0.0 or all(body.rigid for body in bodies):
@@ -138,7 +138,7 @@ def spacing_for_loads(
 def half_widths_apart(
     bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
 ) -> float | None:
-    """Distance of nodes over the half-width of the contact.
+    """Distance of nodes relative to the half-width of the contact.
 
     Parameters
     ----------
@@ -146,13 +146,13 @@ def half_widths_apart(
     nodes_mm : float
         Distance of the nodes.
     torque_Nm : float
-        On body 1, all of it on one flank.
+        Torque on body 1, all of it on one flank.
     face_width_mm : float
 
     Returns
     -------
-    float or None
-        Where the flanks conform, `NODES_PART` at the distance that `spacing_for_loads` gives. None
+    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without
+    torque.
         without torque.
     """
     wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
@@ -165,7 +165,7 @@ def wide_nodes_notes(
     torque_Nm: float,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Say of nodes that carry forces where they stand too far apart for the contact.
+    """Notes on nodes with forces that are too far apart for the contact.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def wide_nodes_notes(
     nodes_mm : two (n,) arrays, or None
         Arc lengths of the nodes.
     torque_Nm : float
-        On body 1.
+        Torque on body 1.
     face_width_mm : float
 
     Yields

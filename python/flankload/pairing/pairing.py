@@ -1,16 +1,16 @@
-"""The two bodies together: ratio, position zero, mating flanks.
+"""The pairing of two bodies: ratio, position zero, mating flanks.
 
-Body 1 turns about O1 = (0, 0) counter-clockwise, in the sense of its torque; body 2 turns about
-O2 = (centre distance, 0), the other way where its teeth stand outwards, the same way where they
-stand inwards. Pair 0 stands at the pitch point at position zero; pair j lies j pitches further
-along the path of contact (j > 0: further into recess). The pitch point lies between both axes, or,
-where body 1 turns inside body 2, beyond O1.
+Body 1 turns counter-clockwise about O1 = (0, 0), in the sense of its torque. Body 2 turns about
+O2 = (centre distance, 0), in the opposite sense if its teeth are external, in the same sense if
+they are internal. At position zero pair 0 is at the pitch point; pair j is j pitches further along
+the path of contact (j > 0: towards recess). The pitch point is between both axes, or, if body 1
+turns inside body 2, beyond O1.
 
 On a spline every tooth is a site: pair j is tooth j, counted in the sense of the torque from tooth
-0, which stands on the line of centres at position zero, away from O1 on the side of O2.
+0, which is on the line of centres at position zero, away from O1 on the side of O2.
 
-A cam has one site. Positions are angles by which the cam has turned, and the follower (body 1)
-stands where it lies on the cam.
+A cam has one site. Positions are angles by which the cam has turned; the follower (body 1) has the
+angle at which it touches the cam.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
 
-#: Sites looked at to both sides of pair 0 where the path of contact is not known.
+#: Sites on each side of pair 0 if the path of contact is unknown.
 UNKNOWN_PATH_SITES = 3
 
 
 @dataclass(frozen=True)
 class Pairing:
-    """Where the bodies stand and which flanks can meet; S sites.
+    """Relative position of the bodies, and the flanks that can meet; S sites.
 
     Attributes
     ----------
     center_distance_mm : float
     turns_at_zero_rad : (float, float)
-        Turn of both bodies' frames at position zero.
+        Angles of both bodies' frames at position zero.
     ratio : float
-        Teeth of body 1 over teeth of body 2; negative where both turn the same way. NaN where no
-        ratio is constant.
+        Teeth of body 1 over teeth of body 2; negative if both turn the same way. NaN if the ratio
+        is not constant.
     period : Period
-        What positions repeat after.
+        Period of the positions.
     sites : (S,) array
         Pair numbers.
     site_teeth : two (S,) arrays
@@ -59,16 +59,16 @@ class Pairing:
     site_angles_rad : two (S,) arrays
         Angle of that tooth in the frame of its body.
     site_deviations_mm : two (S,) arrays
-        Metal that touches early, along the base tangent.
+        Extra material along the base tangent, which touches early.
     mesh : Mesh or None
-        Gear geometry of the pair; None where a body has no involute, and for splines.
+        Geometry of the gear pair; None if a body has no involute, and for splines.
     warnings : tuple of str
     fit : SplineFit or None
         Geometry of a spline.
     motion : CamMotion or None
-        Of a follower on its cam.
+        Motion of a follower on its cam.
     coast : CoastSites or None
-        Coast flanks of the same pair numbers, where they can carry.
+        Sites of coast flanks with the same pair numbers, if they can carry.
     """
 
     center_distance_mm: float
@@ -87,23 +87,23 @@ class Pairing:
 
     @property
     def pitch_rad(self) -> float:
-        """One tooth pitch of body 1."""
+        """One tooth pitch of body 1, rad."""
         return self.period.pitch_rad
 
     @property
     def period_rad(self) -> float:
-        """Turn of body 1 after which all repeats."""
+        """Rotation of body 1 after which everything repeats, rad."""
         return self.period.rad
 
     @property
     def whole_circle(self) -> bool:
-        """Whether every tooth is a site, so that the last pair stands beside pair 0."""
+        """Whether every tooth is a site, so that the last pair is a neighbour of pair 0."""
         return self.fit is not None
 
     def turns(
         self, position_rad: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Turns of both bodies' frames at positions (angle of body 1, or of a cam, rad)."""
+        """Angles of both bodies' frames at positions (angle of body 1, or of a cam, rad)."""
         if self.motion is not None:
             stand = self.motion.stand(position_rad)
             stand.check()
@@ -116,7 +116,8 @@ class Pairing:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds of both bodies' frames at positions, rad per rad of the position.
 
-        As the positions count: in the sense of body 1's torque, whoever drives; a cam in its own.
+        Positions increase in the sense of body 1's torque, whichever body drives; those of a cam in
+        its own sense of rotation.
         """
         if self.motion is not None:
             stand = self.motion.stand(position_rad)
@@ -133,15 +134,15 @@ def pair_bodies(
     position_rad: NDArray[np.float64],
     coast_flanks: bool = False,
 ) -> Pairing:
-    """Put two bodies together.
+    """Combine two bodies.
 
     Parameters
     ----------
     body_1, body_2 : Body
     center_distance_mm : float
-        Of a spline: the offset of its axes.
+        For a spline: the offset of its axes.
     position_rad : (P,) array
-        Positions that will be asked for; they decide how many sites are looked at.
+        Requested positions, which determine the number of sites.
     coast_flanks : bool
         Coast flanks can carry, too: flanks may overlap without load.
 
@@ -152,7 +153,7 @@ def pair_bodies(
     Raises
     ------
     SceneError
-        If the flanks cannot mesh on this centre distance; says by how much.
+        If the flanks cannot mesh at this centre distance; states by how much.
     """
     if body_1.conforms:
         return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
@@ -169,7 +170,7 @@ def pair_bodies(
     mesh = None
     if body_1.involute is not None and body_2.involute is not None:
         mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings, coast_flanks=coast_flanks)
-    # the pitch point follows from the ratio, also where the mate stands by its file
+    # the pitch point follows from the ratio, also if the mate has the angle of its file
     circles = abs(body_1.teeth + sense * body_2.teeth) or 1
     turns = (
         _turn_to_pitch_point(
@@ -179,8 +180,8 @@ def pair_bodies(
     )
     sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
-    # Body 1 turns counter-clockwise: a tooth that is further into recess stands at a greater angle
-    # on body 1; on body 2 at a smaller one, or a greater one where it turns the same way.
+    # Body 1 turns counter-clockwise: a tooth further towards recess has a larger angle on body 1;
+    # on body 2 it has a smaller one, or a larger one if body 2 turns in the same sense.
     teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
     angles = (
         # the tooth after pair 0 meets as pair -1
@@ -205,7 +206,7 @@ def pair_bodies(
 
 
 def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -> Pairing:
-    """Every tooth of the shaft in its space of the hub."""
+    """Pair every tooth of the shaft with its space of the hub."""
     warnings: list[str] = []
     fit = spline_fit(shaft, hub, offset, warnings, coast_flanks=coast_flanks)
     sites = np.arange(shaft.teeth)
@@ -229,7 +230,7 @@ def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -
 def _pair_cam(
     follower: Body, cam: Body, distance: float, position_rad: NDArray[np.float64]
 ) -> Pairing:
-    """A follower on its cam."""
+    """Pair a follower with its cam."""
     motion = cam_motion(follower, cam, distance)
     motion.stand(position_rad).check()
     start = motion.stand(np.zeros(1))
@@ -250,7 +251,7 @@ def _pair_cam(
 
 
 def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> float:
-    """Turn that brings tooth 0's flank to the pitch point; 0 where the file stands as it is."""
+    """Angle that brings tooth 0's flank to the pitch point; 0 if the file gives the angle."""
     if not body.flank_angle_known or body.involute is None:
         return 0.0
     return direction - body.involute.polar_angle_at(pitch_radius)
@@ -264,9 +265,9 @@ def _sites(
     *,
     coast_flanks: bool,
 ) -> NDArray[np.int64]:
-    """Pairs that come near the path of contact at any position, one to spare at each end.
+    """Pairs near the path of contact at any position, with one extra at each end.
 
-    Coast flanks follow half a pitch behind, which may be one more.
+    Coast flanks follow half a pitch behind, which may require one more.
     """
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
     start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
@@ -275,7 +276,7 @@ def _sites(
         spare = 1
     first = round_down(start - pitches) - spare
     last = round_up(end - pitches) + spare + int(coast_flanks)
-    # positions may stand turns apart
+    # positions may be several revolutions apart
     runs = set(zip(first.tolist(), last.tolist(), strict=True))
     sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))
     extra = sites.size - min(teeth_1, teeth_2)
@@ -303,16 +304,16 @@ def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArra
 
 
 def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Turns (S,) of flanks that do not stand at equal shares of the body."""
+    """Angles (S,) of flanks from their equal shares of the body, rad."""
     turns = body.flank_turns_rad
     return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
 
 
 def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Turns (S,) of the flanks by pitch errors, rad; `entries` says which error a site has.
+    """Angles (S,) of the flanks due to pitch errors, rad; `entries` selects the error of a site.
 
-    An error along the base tangent turns its flank about the axis: counter-clockwise where the
-    metal touches early, clockwise where the material lies beyond the flank.
+    An error along the base tangent rotates its flank about the axis, for extra material
+    counter-clockwise on external teeth and clockwise on internal teeth.
     """
     if not body.pitch_errors_um:
         return np.zeros(entries.size)

@@ -1,4 +1,4 @@
-"""After how much turning of body 1 all repeats."""
+"""Period of a pair: the rotation of body 1 after which everything repeats."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Period:
-    """What positions repeat after.
+    """Period of the positions.
 
     Attributes
     ----------
     pitch_rad : float
-        After this turn of body 1 the next tooth stands where one stood: one tooth pitch.
+        One tooth pitch of body 1: after it the next tooth has the place of the previous one.
     pitches : int
-        After so many pitches teeth alike meet again: 1 where all teeth of a body are alike; where
-        they are not, the number of them, or of the least group that repeats; of two such bodies the
-        least common multiple. Teeth are alike that stand alike, rub alike and, where that is said,
-        yield alike.
+        Number of pitches after which equal teeth meet again: 1 if all teeth of each body are
+        equal; otherwise the number of teeth, or the size of the smallest group that repeats; for
+        two such bodies the least common multiple. Teeth are equal if they have equal deviations,
+        equal friction and, where it is known, equal compliance.
     """
 
     pitch_rad: float
@@ -32,11 +32,11 @@ class Period:
 
     @property
     def rad(self) -> float:
-        """Turn of body 1 after which all repeats."""
+        """Rotation of body 1 after which everything repeats, rad."""
         return self.pitches * self.pitch_rad
 
     def with_compliance(self, groups: tuple[int, int]) -> Period:
-        """The same of bodies whose compliances repeat after so many teeth."""
+        """The period for bodies whose compliances repeat after the given numbers of teeth."""
         return replace(self, pitches=lcm(self.pitches, *groups))
 
 
@@ -47,7 +47,7 @@ def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -
     ----------
     body_1, body_2 : Body
     by_tooth : tuple of float
-        What else differs between the teeth of body 1 (friction), one number for each.
+        Another property that differs between the teeth of body 1 (friction), one value per tooth.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -
 
 
 def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
-    """Teeth after which the places of the flanks, and another number, repeat around a body."""
+    """Teeth after which the flanks' places, and another property, repeat around a body."""
     places = np.zeros((3, body.teeth))
     if by_tooth:
         places[2] = by_tooth

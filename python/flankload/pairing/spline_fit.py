@@ -1,7 +1,7 @@
-"""A spline's shaft in its hub: which dimensions must agree, what must clear what.
+"""Fit of a spline's shaft in its hub: equal dimensions, clearances and backlash.
 
-Both have the same base circle, so flanks without errors lie on each other from the hub's tip circle
-to the shaft's, once the backlash is turned out.
+Both have the same base circle. Therefore, once the backlash is taken up, flanks without errors
+coincide from the hub's tip circle to the shaft's.
 """
 
 from __future__ import annotations
@@ -22,35 +22,35 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Modules, angles and widths that differ by less are equal but for rounding.
+#: Modules, angles and widths that differ by less are equal up to rounding errors.
 ROUNDING = 1e-9
 
-#: Teeth wider than their spaces by more than this part of the base pitch are no press fit.
+#: Largest interference of tooth and space in base pitches; a larger one is not a press fit.
 LARGEST_OVERLAP = 0.01
 
-#: Less than this part of the flank's length is no overlap of a tip and a fillet (0.3 um of a spline
-#: of module 2).
+#: Least overlap of tip and fillet relative to the flank's length (0.3 um for a spline of module
+#: 2 mm).
 LEAST_PART = 1e-4
 
-#: Places looked at on each interval of a flank's curve.
+#: Points in each interval of a flank's curve.
 PLACES = 12
 
 
 @dataclass(frozen=True)
 class SplineFit:
-    """How shaft and hub fit.
+    """Fit of shaft and hub.
 
     Attributes
     ----------
     pressure_angle_rad : float
-        On the pitch circle.
+        Pressure angle on the pitch circle.
     pitch_radius_mm, base_radius_mm : float
     active_radii_mm : (float, float)
-        Tip circles of hub and shaft, between which flanks lie on each other.
+        Tip radii of hub and shaft, between which the flanks coincide.
     turn_rad : float
-        Turn of the hub at which flanks without errors touch on common axes.
+        Angle of the hub at which flanks without errors touch on a common axis.
     backlash_mm : float
-        On the pitch circle.
+        Backlash on the pitch circle.
     offset_mm : float
         Distance of the axes.
     """
@@ -65,7 +65,7 @@ class SplineFit:
 
     @property
     def normal_backlash_mm(self) -> float:
-        """Backlash along the base tangent."""
+        """Backlash along the base tangent, mm."""
         return self.backlash_mm * cos(self.pressure_angle_rad)
 
 
@@ -80,9 +80,9 @@ def spline_fit(
     offset : float
         Distance of their axes, mm.
     warnings : list of str
-        What a user must know is appended.
+        Warnings for the user are appended.
     coast_flanks : bool
-        They can carry, too: the tooth may be wider than its space by `LARGEST_OVERLAP`.
+        Coast flanks can carry, too: a tooth may be wider than its space by `LARGEST_OVERLAP`.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def spline_fit(
     Raises
     ------
     SceneError
-        If they cannot be put together; names the key.
+        If they cannot be combined; names the key.
     """
     assert shaft.involute is not None
     assert hub.involute is not None
@@ -136,7 +136,7 @@ def spline_fit(
 
 
 def _check_teeth(shaft: Body, hub: Body) -> None:
-    """Same number of teeth, module and pressure angle."""
+    """Check for equal number of teeth, module and pressure angle."""
     if shaft.teeth != hub.teeth:
         raise SceneError(
             key="body_2.teeth",
@@ -168,7 +168,7 @@ def _module_and_angle(involute: Involute | None, teeth: int) -> tuple[float, flo
 
 
 def _check_circles(one: Involute, two: Involute, offset: float) -> None:
-    """Tips reach over each other and clear the roots, on the offset, too."""
+    """Check that the tips overlap and clear the roots, including the offset."""
     if one.tip_radius_mm - offset <= two.tip_radius_mm:
         raise SceneError(
             key="body_1.tip_diameter_mm",
@@ -191,7 +191,7 @@ def _check_circles(one: Involute, two: Involute, offset: float) -> None:
 
 
 def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
-    """No tip stands in the mate's root fillet when the flanks touch."""
+    """Check that no tip is inside the mate's root fillet when the flanks touch."""
     (r_1, angle_1), (r_2, angle_2) = (_places(body) for body in (shaft, hub))
     low, high = fit.active_radii_mm
     radius = np.unique(np.concatenate([r_1, r_2]))
@@ -213,7 +213,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
 
 
 def _places(body: Body) -> tuple[Floats, Floats]:
-    """Radii, ascending, and polar angles of places on a flank."""
+    """Radii, ascending, and polar angles of points on a flank."""
     curve = body.curve
     ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
     x, y = curve.point(np.append(ends.T.ravel(), curve.breaks[-1])).T
@@ -223,7 +223,7 @@ def _places(body: Body) -> tuple[Floats, Floats]:
 
 
 def describe_fit(fit: SplineFit) -> tuple[tuple[str, str], ...]:
-    """What an engineer checks first, as (name, value with unit) rows."""
+    """Main geometry of a spline, as (name, value with unit) rows."""
     low, high = fit.active_radii_mm
     return (
         ("pressure angle", f"{degrees(fit.pressure_angle_rad):.4f} deg"),

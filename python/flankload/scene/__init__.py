@@ -1,7 +1,7 @@
-"""What is asked: a scene, from a TOML file or a dictionary, checked once and frozen.
+"""Input of the program: a scene from a TOML file or a dictionary, checked once and frozen.
 
-Here stands the form of the input (types, keys, ranges, combinations of keys). Whether the geometry
-is possible is for the bodies and the pairing to say.
+This package checks the form of the input (types, keys, ranges, combinations of keys). Whether the
+geometry is possible is checked by the packages `bodies` and `pairing`.
 """
 
 from flankload.scene.belt import Belt, Pulley

@@ -1,4 +1,4 @@
-"""The table of accuracy: the tolerance, and the discretization where the scene names it."""
+"""The table [accuracy]: the tolerance, and the discretization as far as the scene sets it."""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,4 @@
-"""The tables of timing belts and their pulleys, and the rules between their keys."""
+"""The tables of timing belts and their pulleys and the rules between their keys."""
 
 from collections.abc import Mapping
 from math import pi, radians, sqrt, tan
@@ -22,13 +22,13 @@ from flankload.scene.table import (
 
 Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
-#: Beyond this the belt is none for the pulley.
+#: Largest relative difference of the pitches; beyond it the belt does not fit the pulley.
 LARGEST_PITCH_DIFFERENCE = 0.02
-#: A tooth of the belt is no wider than this part of the pitch: there must be a land.
+#: Largest width of a belt tooth as part of the pitch, so that a land remains.
 WIDEST_TOOTH = 0.9
-#: A groove of an elastic pulley keeps this part of its width at its bottom.
+#: Least width of an elastic pulley's groove at its bottom, as part of its width at the land.
 LEAST_BOTTOM = 0.1
-#: What the scene of an elastic pulley may name beside.
+#: Keys that only an elastic pulley has.
 ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
 
 
@@ -87,7 +87,7 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth, as every kind of body has them."""
+        """Number of grooves."""
         return self.teeth
 
 
@@ -146,11 +146,11 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
 
     @property
     def rigid(self) -> bool:
-        """A belt yields."""
+        """A belt is always elastic."""
         return False
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Refuse a pulley of another pitch, teeth without lands, a pulley that is cut through."""
+        """Check the pitch, the teeth and lands, and the dimensions of an elastic pulley."""
         assert isinstance(body_1, Pulley)
         _check_pitch(body_1, self)
         _check_tooth(body_1, self)
@@ -236,7 +236,7 @@ def _check_tooth(pulley: Pulley, belt: Belt) -> None:
 
 
 def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None:
-    """A pulley that yields has a bore, and teeth between its grooves."""
+    """Check that an elastic pulley has a bore and teeth between its grooves."""
     named = [key for key in ELASTIC if key in given]
     if named and "rigid" not in given:
         refuse("body_1.rigid", f"true or false beside body_1.{named[0]}", "nothing")

@@ -1,4 +1,4 @@
-"""The tables of a cam and its follower, and the rules of their keys."""
+"""The tables of a cam and its follower and the rules of their keys."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
@@ -19,7 +19,7 @@ from flankload.scene.table import (
 
 ROLLER = ("arm_mm", "roller_radius_mm")
 FLAT = ("flat_offset_mm", "flat_from_mm", "flat_to_mm")
-#: One row of a cam's table.
+#: One row of a cam's profile table: angle in degrees, radius in mm.
 ProfileRow = tuple[
     Annotated[float, Meta(ge=-360, le=720)],
     Annotated[float, Meta(ge=1e-3, le=1e5)],
@@ -27,7 +27,7 @@ ProfileRow = tuple[
 
 
 class CamKeys(EvenBody, frozen=True, kw_only=True):
-    """What a cam and its follower have in common."""
+    """Keys that a cam and its follower have in common."""
 
     has_teeth: ClassVar[bool] = False
 
@@ -40,7 +40,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
 
     @property
     def number_of_teeth(self) -> int:
-        """One flank all around."""
+        """A cam and a follower have one flank each."""
         return 1
 
 
@@ -76,7 +76,7 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
     ] = "clockwise"
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse a cam without a table, and one with two."""
+        """Check that the cam has exactly one profile table."""
         tables = [name for name in ("profile", "profile_file") if getattr(self, name) is not None]
         if len(tables) != 1:
             refuse(
@@ -129,11 +129,11 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
 
     @property
     def has_roller(self) -> bool:
-        """Whether it follows with a roller, not with a flat."""
+        """Whether the follower has a roller, not a flat face."""
         return self.roller_radius_mm is not None
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse neither or both of roller and flat, and parts that do not go into each other."""
+        """Check that there is either a roller or a flat face, and that the sizes are consistent."""
         present = [name for name in (*ROLLER, *FLAT) if getattr(self, name) is not None]
         wanted = ROLLER if self.has_roller or "arm_mm" in present else FLAT
         for name in wanted:

@@ -1,4 +1,4 @@
-"""The tables of roller chains and their sprockets, and the rules between their keys."""
+"""The tables of roller chains and their sprockets and the rules between their keys."""
 
 from collections.abc import Mapping
 from math import degrees, pi
@@ -54,12 +54,12 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth, as every kind of body has them."""
+        """Number of teeth."""
         return self.teeth
 
     @property
     def rigid(self) -> bool:
-        """A sprocket does not yield; what its contacts yield belongs to the chain."""
+        """A sprocket is always rigid; the contact stiffness belongs to the chain."""
         return True
 
 
@@ -104,11 +104,11 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
 
     @property
     def rigid(self) -> bool:
-        """A chain yields."""
+        """A chain is always elastic."""
         return False
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Refuse another pitch or roller than that of the sprocket, and strands that meet."""
+        """Check that pitch and roller fit the sprocket, and that the strands do not meet."""
         assert isinstance(body_1, Sprocket)
         for key in ("pitch_mm", "roller_diameter_mm"):
             own, other = getattr(body_1, key), getattr(self, key)

@@ -1,4 +1,4 @@
-"""How fine the elements, pressure modes and contact cells of a scene are."""
+"""The discretization of a scene: finite elements, pressure modes and contact cells."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Grid:
-    """How fine the cells of the contact are.
+    """Discretization of the contact zones into cells.
 
     Attributes
     ----------
     strips_per_half_width : float
-        Cells on the Hertz half-width of each contact.
+        Cells per Hertz half-width of each contact.
     corner_strips_per_half_width : float
-        The same where a sharp corner lies inside the contact's cells.
+        The same for a contact zone that contains a sharp corner.
     zone_half_widths : float
-        Half-width of the cells' zone in Hertz half-widths; widened by the core where needed.
+        Half-width of the zone of cells, in Hertz half-widths; the core widens it where needed.
     """
 
     strips_per_half_width: float = 10.0
@@ -28,7 +28,7 @@ class Grid:
     zone_half_widths: float = 2.5
 
     def coarser(self) -> Grid:
-        """Half as many cells on the half-width."""
+        """Half as many cells per half-width."""
         return replace(
             self,
             strips_per_half_width=self.strips_per_half_width / 2,
@@ -38,16 +38,16 @@ class Grid:
 
 @dataclass(frozen=True)
 class Discretization:
-    """How fine a run is.
+    """Discretization of a run.
 
     Attributes
     ----------
     flank_element_parts : float
         Length of the flank elements in modules (parametric bodies).
     modes : int
-        Pressure modes of a flank.
+        Pressure modes per flank.
     grid : Grid
-        Cells of the contact.
+        Cells of the contact zones.
     """
 
     flank_element_parts: float
@@ -55,17 +55,17 @@ class Discretization:
     grid: Grid
 
 
-#: The knobs of a scene that names none. Measured on the FZG type C pair (module 4.5) against 0.2
-#: mm, 9 modes, 40 and 120 strips; largest error of the rotation at interior / tip-corner positions,
-#: of the load share there, of the peak pressure: 0.03 / 0.22 %, 0.25 points, 0.10 %.
+#: Default discretization. Measured on the FZG type C pair (module 4.5 mm) against 0.2 mm, 9 modes,
+#: 40 and 120 cells; the largest errors are: rotation 0.03 % at interior and 0.22 % at tip-corner
+#: positions, load share 0.25 percentage points there, peak pressure 0.10 %.
 DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
-#: Part of the scene's tolerance that positions may use up: solving a few more costs little.
+#: Part of the scene's tolerance for the sampling error of positions: more positions cost little.
 POSITIONS_PART = 0.3
 
 
 def choose_discretization(scene: Scene) -> Discretization:
-    """Knobs for a scene.
+    """Discretization of a scene.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def choose_discretization(scene: Scene) -> Discretization:
     Returns
     -------
     Discretization
-        What [accuracy] names; the rest by default.
+        Values set in [accuracy]; the others by default.
     """
     accuracy, grid = scene.accuracy, DEFAULT.grid
     return Discretization(
@@ -89,11 +89,11 @@ def choose_discretization(scene: Scene) -> Discretization:
 
 
 def elements_for_modes(modes: int) -> int:
-    """Elements along a flank that bear so many pressure modes.
+    """Elements along a flank that resolve the given number of pressure modes.
 
-    Polynomials of degree n change within 1/n² of the flank at its ends. Measured on a spline
-    whose tips are rounded: so many leave 1 to 2.3 % of the peak pressure with 5 to 12 modes; with
-    12 modes as many as twice the degree leave 11 %, and 11 elements 38 %.
+    Polynomials of degree n vary within 1/n² of the flank at its ends. Measured on a spline with
+    rounded tips: this number leaves errors of 1 to 2.3 % of the peak pressure with 5 to 12 modes;
+    with 12 modes, twice the degree leaves 11 %, and 11 elements leave 38 %.
 
     Parameters
     ----------
@@ -108,5 +108,5 @@ def elements_for_modes(modes: int) -> int:
 
 
 def position_tolerance(scene: Scene) -> float:
-    """What adaptive positions may leave in doubt of harmonics and peak to peak, as part of them."""
+    """Relative sampling error of harmonics and peak to peak allowed for adaptive positions."""
     return scene.positions.tolerance or POSITIONS_PART * scene.accuracy.tolerance

@@ -1,4 +1,4 @@
-"""What the tables of chain and belt drives have in common, and the rules that hold for both."""
+"""Common tables and rules of chain and belt drives."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ if TYPE_CHECKING:
 
 
 class DriveTable(EvenBody, frozen=True, kw_only=True):
-    """A part of a chain or belt drive."""
+    """A body of a chain or belt drive."""
 
     is_drive: ClassVar[bool] = True
 
 
 class WrappedTable(DriveTable, frozen=True, kw_only=True):
-    """A chain or a belt, which lies around body 1.
+    """A chain or a belt, which is wrapped around body 1.
 
     Attributes
     ----------
     known : mapping of str to frozenset of str
-        Keys of [positions] and of [accuracy] that the drive knows.
+        Keys of [positions] and [accuracy] that the drive accepts.
     no_pair : str
-        Why there is no [pair].
+        Reason why the scene has no table [pair].
     """
 
     known: ClassVar[Mapping[str, frozenset[str]]] = {}
     no_pair: ClassVar[str] = ""
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Refuse what does not fit the wheel that this table lies around.
+        """Check that the chain or belt fits the wheel around which it is wrapped.
 
         Parameters
         ----------
         body_1 : Sprocket or Pulley
         given : mapping
-            The keys of body 1 that the scene names.
+            Keys of body 1 that the scene sets.
 
         Raises
         ------
@@ -48,13 +48,13 @@ class WrappedTable(DriveTable, frozen=True, kw_only=True):
 
 
 def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse keys that a drive does not know, and keys that only a drive knows.
+    """Refuse keys that do not apply to a drive, and keys that apply only to a drive.
 
     Parameters
     ----------
     asked : SceneFile
     given : mapping
-        The scene as it stands in the file.
+        The scene as in the file.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     for table, known in body_2.known.items():
         for key, value in given.get(table, {}).items():
             if key == "plane" and not body_1.rigid:
-                continue  # of the elements of body 1
+                continue  # for the elements of body 1
             if key not in known:
                 refuse(
                     f"{table}.{key}",

@@ -1,7 +1,7 @@
-"""The form of the input: plain dictionaries against the tables, one refusal at a time.
+"""Conversion of plain dictionaries to tables; the first faulty key is refused.
 
-msgspec converts and checks each value. A refusal names the key by its dotted path, what was
-expected and what was found.
+msgspec converts and checks each value. An error names the key by its dotted path, the expected
+value and the value found.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,8 +21,8 @@ from flankload.scene.table import Table
 T = TypeVar("T", bound=Table)
 
 LEAD = "lead modifications, which are three-dimensional"
-#: Keys that later versions know, and what this one does not do; where they stand, by table. A name
-#: that ends in an underscore stands for all that begin so.
+#: Keys that later versions may have, with the feature that this version does not simulate, by
+#: table. A name that ends in an underscore matches all keys that begin with it.
 NOT_YET = {
     "body": {
         "helix_angle_deg": "helical gears",
@@ -35,15 +35,15 @@ NOT_YET = {
 
 
 def read_table(form: type[T], table: object, key: str) -> T:
-    """Read one table.
+    """Convert one table.
 
     Parameters
     ----------
     form : subclass of Table
     table : mapping
-        As it comes from TOML or from a user's dictionary.
+        From TOML or from a user's dictionary.
     key : str
-        Dotted path of the table; "" for the file itself.
+        Dotted path of the table; "" for the whole file.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def read_table(form: type[T], table: object, key: str) -> T:
 
 @cache
 def fields_of(form: type[Table]) -> dict[str, inspect.Field]:
-    """Fields of a table by their keys."""
+    """Fields of a table, by key."""
     info = inspect.type_info(form)
     assert isinstance(info, inspect.StructType)
     return {field.encode_name: field for field in info.fields}
@@ -81,7 +81,7 @@ def fields_of(form: type[Table]) -> dict[str, inspect.Field]:
 
 @cache
 def _kinds_of(form: type[Table]) -> dict[str, Any]:
-    """Annotations of a table's keys."""
+    """Annotations of a table's fields, by key."""
     return get_type_hints(form, include_extras=True)
 
 
@@ -97,7 +97,7 @@ def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoR
 
 
 def _read(kind: Any, value: Any, key: str) -> Any:
-    """Convert a value, or a table, to what an annotation says."""
+    """Convert a value or a table to its annotated type."""
     value = _plain(value)
     forms = [form for form in _members(kind) if isinstance(form, type) and issubclass(form, Table)]
     if forms:
@@ -108,7 +108,7 @@ def _read(kind: Any, value: Any, key: str) -> Any:
 
 
 def _members(kind: Any) -> list[Any]:
-    """Members of a union, or the one kind there is; without None, and without what is said."""
+    """Members of a union, or the type itself; without None and without metadata."""
     while get_origin(kind) is Annotated:
         kind = get_args(kind)[0]
     members = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
@@ -116,7 +116,7 @@ def _members(kind: Any) -> list[Any]:
 
 
 def _form_of(forms: list[type[Table]], value: Any, key: str) -> type[Table]:
-    """The table that a value means to be, by its `kind`."""
+    """The table type that a value selects by its `kind`."""
     tagged = {form.__struct_config__.tag: form for form in forms if form.__struct_config__.tag}
     if not tagged:
         return forms[0]
@@ -130,7 +130,7 @@ def _form_of(forms: list[type[Table]], value: Any, key: str) -> type[Table]:
 
 
 def _plain(value: Any) -> Any:
-    """Lists as msgspec knows them; NumPy's arrays and numbers are welcome in dictionaries."""
+    """Plain Python values for msgspec; NumPy arrays and numbers are accepted in dictionaries."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, str | bytes):
@@ -151,7 +151,7 @@ def _fits(kind: Any, value: Any) -> bool:
 
 
 def _is_strange(value: Any) -> bool:
-    """What no scene file can have: other types, NaN, blank text, halves of letters."""
+    """Whether a value cannot be in a scene file: other types, NaN, blank text, lone surrogates."""
     if isinstance(value, list):
         return any(_is_strange(part) for part in value)
     if isinstance(value, str):
@@ -160,7 +160,7 @@ def _is_strange(value: Any) -> bool:
 
 
 def _refuse_value(kind: Any, value: Any, key: str) -> NoReturn:
-    """Refuse a value, or the first entry of a list that does not fit."""
+    """Refuse a value, or the first invalid entry of a list."""
     for member in _members(kind) if isinstance(value, list) else ():
         (bare,) = _members(member)
         if get_origin(bare) is tuple:
@@ -174,7 +174,7 @@ def _refuse_value(kind: Any, value: Any, key: str) -> NoReturn:
 
 
 def expected_of(kind: inspect.Type, *, several: bool = False) -> str:
-    """What a key takes, in words; several: what the entries of a list are."""
+    """Expected value of a key in words; several: in the plural, for entries of a list."""
     if isinstance(kind, inspect.Metadata):
         return expected_of(kind.type, several=several)
     if isinstance(kind, inspect.UnionType):

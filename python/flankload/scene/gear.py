@@ -1,4 +1,4 @@
-"""The tables of bodies with involute teeth (gears, rings, splines), and the rules of their keys."""
+"""The tables of bodies with involute teeth (gears, rings, splines) and the rules of their keys."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -27,14 +27,14 @@ from flankload.scene.table import (
     about,
 )
 
-#: Bore over tip diameter: a body that is held in a point turns about it without resistance.
+#: Least bore over tip diameter: a body held at a point would turn about it without resistance.
 LEAST_BORE = 1e-3
-#: Pitch error over base pitch: beyond it the teeth of one space would change places.
+#: Largest pitch error over base pitch: with larger ones neighbouring teeth could change places.
 LARGEST_PITCH_ERROR = 0.1
 
 
 class InvoluteKeys(Table, frozen=True, kw_only=True):
-    """Keys of an involute profile, transverse section, whatever makes its root."""
+    """Keys of an involute profile in the transverse section, without those of its root."""
 
     module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
     pressure_angle_deg: Annotated[
@@ -81,17 +81,17 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
 
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
-        """The keys of the flank stand in this table."""
+        """The keys of the flank are in this table itself."""
         return "", self
 
     @property
     def base_pitch_mm(self) -> float:
-        """Distance of neighbouring flanks along the base tangent."""
+        """Distance of neighbouring flanks along the base tangent, mm."""
         return pi * self.module_mm * cos(radians(self.pressure_angle_deg))
 
 
 class Geometry(InvoluteKeys, frozen=True, kw_only=True):
-    """Keys of the profile of an external gear: its root is that of a generating rack."""
+    """Keys of the profile of an external gear, whose root is cut by a generating rack."""
 
     dedendum_factor: Annotated[
         Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
@@ -116,18 +116,18 @@ class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth, as every kind of body has them."""
+        """Number of teeth."""
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse teeth beside their places, a tip that contradicts itself, a bore beyond it."""
+        """Check the pitch errors, the keys of the tip and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
         _check_bore(self, key)
 
 
 class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
-    """Keys of a body whose teeth stand inwards."""
+    """Keys of a body with internal teeth."""
 
     called: ClassVar[str] = "ring"
 
@@ -153,11 +153,11 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth, as every kind of body has them."""
+        """Number of teeth."""
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse teeth beside their places, a tip that contradicts itself, circles out of order."""
+        """Check the pitch errors, the keys of the tip and the order of the circles."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key, inwards=True)
         _check_ring(self, key)
@@ -189,7 +189,7 @@ IndexErrors = Annotated[
         usual=USUAL_ERRORS,
     ),
 ]
-#: Root fillet of splines in modules, that of DIN 5480 for hobbed shafts.
+#: Root fillet radius of splines in modules: that of DIN 5480 for hobbed shafts.
 SPLINE_FILLET = 0.16
 
 
@@ -223,18 +223,18 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth, as every kind of body has them."""
+        """Number of teeth."""
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse teeth beside their places, a tip that contradicts itself, a bore beyond it."""
+        """Check the pitch errors, the keys of the tip and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
         _check_bore(self, key)
 
     @property
     def dedendum_factor(self) -> float:
-        """Dedendum, in modules, of the rack that cuts this root circle."""
+        """Dedendum, in modules, of the rack that cuts the given root circle."""
         return 0.5 * (self.teeth - self.root_diameter_mm / self.module_mm) + self.profile_shift
 
 
@@ -261,7 +261,7 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
 def check_pitch_errors(
     errors_um: Sequence[float], teeth: int, base_pitch_mm: float, key: str
 ) -> None:
-    """One entry per tooth; no tooth stands beside its place by more than a part of the pitch."""
+    """Check that there is one pitch error per tooth and that none exceeds its limit."""
     if errors_um and len(errors_um) != teeth:
         refuse(
             f"{key}.pitch_errors_um",
@@ -281,7 +281,7 @@ def check_pitch_errors(
 def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
-    """A tip has a rounding or a chamfer, a relief has depth and start."""
+    """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -313,7 +313,7 @@ def check_tip(
 
 
 def _check_bore(body: Gear | SplineShaft, key: str) -> None:
-    """The bore lies within the tip circle, and is no point."""
+    """Check that the bore is smaller than the tip circle and not a point."""
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
         refuse(
             f"{key}.bore_diameter_mm",
@@ -330,7 +330,7 @@ def _check_bore(body: Gear | SplineShaft, key: str) -> None:
 
 
 def _check_ring(ring: RingKeys, key: str) -> None:
-    """Tip circle, root circle and outside of the rim follow each other outwards."""
+    """Check that tip circle, root circle and outside of the rim have increasing diameters."""
     circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
     for inner, outer in pairwise(circles):
         if getattr(ring, outer) <= getattr(ring, inner):

@@ -1,4 +1,4 @@
-"""The tables of bodies that come from files (a mesh, a compliance), and the rules of their keys."""
+"""The tables of bodies imported from files (mesh, compliance) and the rules of their keys."""
 
 from collections.abc import Mapping
 from math import pi
@@ -83,16 +83,16 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
 
     @property
     def number_of_teeth(self) -> int:
-        """Teeth as given, or as many as there are flanks."""
+        """Number of teeth as given, else the number of flank sets."""
         return self.teeth or len(self.flank_sets or ())
 
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
-        """The keys of the flank stand in the profile, where there is one."""
+        """The keys of the flank are in the profile, if there is one."""
         return "profile.", self.profile
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse sets of a sector beside those of a whole body, and a profile of other teeth."""
+        """Check the named sets, the pitch errors and the profile."""
         _check_sets(self, given, key)
         teeth, profile = self.number_of_teeth, self.profile
         reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
@@ -126,7 +126,7 @@ class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
 
 
 def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
-    """A sector has two cut faces, a whole body a set for each flank."""
+    """Check that a sector has two cut faces and a whole body one set per flank."""
     if body.flank_sets is None:
         if body.teeth is None:
             refuse(

@@ -1,4 +1,4 @@
-"""The tables of what stands between two bodies (axes, load, positions), and their rules."""
+"""The tables [pair], [load] and [positions] and their rules."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -17,7 +17,7 @@ from flankload.scene.table import (
     about,
 )
 
-#: Fewer positions to begin with overlook pairs that carry on a part of a pitch only.
+#: With fewer initial positions, contact pairs that carry during part of a pitch are missed.
 LEAST_START = 8
 
 
@@ -38,7 +38,7 @@ class Pair(Table, frozen=True, kw_only=True):
         about(
             "mm",
             "distance of a spline's two axes; absent = 0, they are one",
-            # a hundredth is usual, ten are what was meant as um
+            # a hundredth is usual; ten probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None
@@ -48,11 +48,11 @@ class Pair(Table, frozen=True, kw_only=True):
 
     @property
     def axes_apart_mm(self) -> float:
-        """Distance of the two axes."""
+        """Distance of the two axes, mm."""
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines stand on an offset, all other bodies on a centre distance.
+        """Check that splines have a centre offset and all other bodies a centre distance.
 
         Raises
         ------
@@ -154,16 +154,16 @@ class Positions(Table, frozen=True, kw_only=True):
 
     @property
     def most_per_pitch(self) -> int:
-        """Most adaptive positions per tooth pitch."""
+        """Largest number of adaptive positions per tooth pitch."""
         return self.max_count or 8 * self.count
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Check that angles stand alone, and that keys of adaptive positions stand with them.
+        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`.
 
         Parameters
         ----------
         given : mapping
-            The keys that the scene names.
+            Keys that the scene sets.
 
         Raises
         ------
@@ -199,7 +199,7 @@ class Positions(Table, frozen=True, kw_only=True):
 
 
 def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
-    """Refuse one of two kinds that go together and with no other.
+    """Refuse bodies whose kind requires a partner of another kind.
 
     Raises
     ------

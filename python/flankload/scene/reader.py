@@ -1,4 +1,4 @@
-"""A scene from a TOML file."""
+"""Reading of a scene from a TOML file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def read_scene(path: str | Path) -> Scene:
     Parameters
     ----------
     path : path
-        TOML file; mesh files in it are relative to its folder.
+        TOML file; paths of mesh files in it are relative to its folder.
 
     Returns
     -------
@@ -24,7 +24,7 @@ def read_scene(path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        If the file cannot be read, is no TOML, or asks for something impossible.
+        If the file cannot be read, is not valid TOML, or contains an invalid scene.
     """
     path = Path(path)
     try:
@@ -45,7 +45,7 @@ def read_scene(path: str | Path) -> Scene:
             file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
         ) from None
     except (RecursionError, ValueError) as error:
-        # What tomllib hands on from Python itself.
+        # Exceptions of Python itself that tomllib passes on.
         expected, found = (
             ("numbers of a few digits", "one of thousands of digits")
             if isinstance(error, ValueError)
@@ -65,6 +65,6 @@ def _strange_byte(error: UnicodeDecodeError) -> str:
 
 
 def _syntax_error(message: str) -> str:
-    """What tomllib says, with the place in front: "line 3, column 7: unclosed string"."""
+    """Message of tomllib with the position in front: "line 3, column 7: unclosed string"."""
     text, _, place = message.partition(" (at ")
     return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()

@@ -1,4 +1,4 @@
-"""The one line that an impossible key gets: what was expected, what was found."""
+"""The error line of an invalid key: what was expected and what was found."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flankload.errors import SceneError
 
 
 def shown(value: object) -> str:
-    """A value as the user wrote it, cut to one short line."""
+    """A value as the user wrote it, shortened to one short line."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -37,7 +37,7 @@ def refuse(key: str, expected: str, found: object) -> NoReturn:
         Dotted path of the key.
     expected : str
     found : object
-        Words as they are; any other value as the user wrote it; None: "nothing".
+        A string is used as it is; any other value is shown as the user wrote it; None: "nothing".
 
     Raises
     ------

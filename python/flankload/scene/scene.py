@@ -1,4 +1,4 @@
-"""A scene: what is asked, checked once and frozen."""
+"""The scene: the complete input of a run, checked once and frozen."""
 
 from __future__ import annotations
 
@@ -17,35 +17,35 @@ from flankload.scene.form import read_table
 from flankload.scene.pair import Load, Pair, Positions
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 
-#: N mm in a N m.
+#: N mm per N m.
 N_MM_PER_N_M = 1000.0
-#: What stands for [pair] where there is none: a chain or a belt.
+#: Default of a scene without a table [pair]: chains and belts.
 NO_PAIR = Pair(face_width_mm=1.0)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Two bodies, how they stand, what they carry and what is wanted.
+    """Two bodies, their relative position, the load on them and the requested options.
 
     Attributes
     ----------
     name : str
     body_1 : Gear, SplineShaft, Follower, Sprocket, Pulley, MeshBody or ComplianceBody
-        Free to turn; carries the torque.
+        Driven by the torque and free to turn.
     body_2 : Gear, Ring, SplineHub, Cam, Chain, Belt, MeshBody or ComplianceBody
     pair : Pair
         Centre distance, or offset of a spline, and face width, mm.
     load : Load
-        Torque on body 1, N m: a number, or a tuple (one result per torque).
+        Torque on body 1, N m: one number, or a tuple with one result per torque.
     positions : Positions
     effects : EffectsAsked
     accuracy : Accuracy
     file : Path or None
-        The scene's file.
+        File from which the scene was read.
     named_effects : frozenset of str
-        Keys of [effects] that are named, not left to their defaults.
+        Keys of [effects] that the scene sets explicitly.
     named_knobs : frozenset of str
-        The same of [accuracy] and of [positions], as "accuracy.modes".
+        Keys of [accuracy] and [positions] that the scene sets explicitly, as "accuracy.modes".
     """
 
     name: str
@@ -62,17 +62,17 @@ class Scene:
 
     @property
     def steers(self) -> bool:
-        """Whether the scene names a tolerance, which then decides on the knobs that it leaves."""
+        """Whether the scene sets a tolerance, which determines the rest of the discretization."""
         return "accuracy.tolerance" in self.named_knobs
 
     @property
     def folder(self) -> Path:
-        """Folder that the files of bodies are relative to."""
+        """Folder to which the paths of the bodies' files are relative."""
         return self.file.parent if self.file is not None else Path()
 
     @property
     def files(self) -> dict[str, Path]:
-        """Files that bodies name, by their keys."""
+        """Paths of the files that the bodies name, by the dotted path of the key."""
         named = {
             f"{name}.{key}": getattr(body, key, None)
             for name, body in (("body_1", self.body_1), ("body_2", self.body_2))
@@ -87,43 +87,43 @@ class Scene:
 
     @property
     def torques_Nmm(self) -> tuple[float, ...]:
-        """All torques on body 1, N mm: the one place where N m becomes N mm."""
+        """All torques on body 1, N mm; the only place where N m is converted to N mm."""
         return tuple(N_MM_PER_N_M * torque for torque in self.torques_Nm)
 
     @property
     def has_torque_list(self) -> bool:
-        """Whether the scene has a list of torques, so that there is a result for each."""
+        """Whether the scene has a list of torques, with one result for each."""
         return isinstance(self.load.torque_Nm, tuple)
 
     @property
     def is_drive(self) -> bool:
-        """Whether a chain or a belt lies around body 1."""
+        """Whether body 2 is a chain or a belt around body 1."""
         return self.body_2.is_drive
 
     @property
     def is_concentric(self) -> bool:
-        """Whether the axes of a spline are one, so that all positions are alike."""
+        """Whether the two axes of a spline coincide, so that all positions are equivalent."""
         return self.body_1.conforms and self.pair.axes_apart_mm == 0.0
 
     @property
     def sectors(self) -> int | None:
-        """Sectors of a body that yield, an odd number; None for all of them."""
+        """Number of elastic sectors of a body, an odd number; None if all sectors are elastic."""
         if self.effects.body == "whole":
             return None
         return 1 if self.effects.body == "tooth" else self.effects.segment_teeth
 
     @property
     def is_loaded(self) -> bool:
-        """By a torque, by flanks that may press on each other across the teeth, or by a belt."""
+        """Whether the scene has a load: a torque, coast flanks that may press, or a belt."""
         return any(self.torques_Nm) or self.effects.coast_flank or isinstance(self.body_2, Belt)
 
     @property
     def has_friction(self) -> bool:
-        """Whether flanks rub anywhere: a coefficient that is not 0."""
+        """Whether any friction coefficient of the flanks is not 0."""
         return self.effects.has_friction
 
     def check(self) -> None:
-        """Refuse what no scene file may have, of a scene whose keys were changed.
+        """Check a scene whose keys were changed, with the same rules as for a scene file.
 
         Raises
         ------
@@ -150,9 +150,9 @@ class Scene:
         Parameters
         ----------
         d : mapping
-            Tables as mappings; every number in the unit its key names.
+            Tables as mappings; each number in the unit that its key names.
         file : path, optional
-            Where the scene comes from: for messages and relative mesh paths.
+            File of the scene, for messages and for relative paths of mesh files.
 
         Returns
         -------
@@ -191,7 +191,7 @@ class Scene:
 
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
-    """Concentric splines and belts have one position, unless more are asked for."""
+    """Use one position for concentric splines and belts, unless the scene asks for more."""
     concentric = asked.pair is not None and asked.body_1.conforms and not asked.pair.axes_apart_mm
     if not concentric and not isinstance(asked.body_2, Belt):
         return asked

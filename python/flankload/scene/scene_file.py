@@ -1,7 +1,7 @@
-"""A whole scene file: the tables of its parts put together, and the rules that lie between them.
+"""The tables of a whole scene file, and the rules between the tables.
 
-The reader (`form`) and the JSON schema are both made from these tables, every key once with its
-type, range, unit and meaning.
+The reader (`form`) and the JSON schema are both made from these tables, which define every key
+once with its type, range, unit and meaning.
 """
 
 from collections.abc import Mapping
@@ -40,12 +40,12 @@ class SceneFile(Table, frozen=True, kw_only=True):
     accuracy: Accuracy = Accuracy()
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Refuse what does not go together between the tables.
+        """Check the rules between the tables.
 
         Parameters
         ----------
         given : mapping
-            The scene as it stands in the file.
+            The scene as in the file.
 
         Raises
         ------

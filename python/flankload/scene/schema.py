@@ -15,7 +15,7 @@ def scene_schema() -> dict[str, Any]:
     Returns
     -------
     dict
-        JSON Schema, draft 2020-12; the keyword `unit` stands beside each number.
+        JSON Schema, draft 2020-12; each number has the keyword `unit`.
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -25,7 +25,7 @@ def scene_schema() -> dict[str, Any]:
 
 
 def _without_null(node: Any) -> Any:
-    """A schema without what TOML cannot write."""
+    """Remove null from a schema, since TOML has no null."""
     if isinstance(node, list | tuple):
         return [_without_null(item) for item in node]
     if not isinstance(node, dict):

@@ -1,22 +1,22 @@
-"""What all tables of a scene file are made of: numbers, notes on keys, what bodies share."""
+"""Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from msgspec import Meta, Struct
 
-#: mm. The range is far wider than any pair; beyond it numbers overflow or meshes have no end.
+#: mm. Far wider than any real pair; beyond it numbers overflow or meshes become too large.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
 Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
-#: um. A metre of relief, crowning or pitch error is more than any flank has.
+#: um. A metre of relief, crowning or pitch error exceeds any real flank.
 LARGEST_DEVIATION = 1e6
 Relief = Annotated[float, Meta(ge=0, le=LARGEST_DEVIATION)]
 Deviation = Annotated[float, Meta(ge=-LARGEST_DEVIATION, le=LARGEST_DEVIATION)]
-#: N m and N: more than any machine carries.
+#: N m and N: more than any machine transmits.
 Torque = Annotated[float, Meta(ge=0, le=1e12)]
 Force = Annotated[float, Meta(ge=0, le=1e9)]
 Text = Annotated[str, Meta(min_length=1)]
-# Beyond thousands of turns the place within a tooth pitch is lost to rounding.
+# Beyond thousands of turns the position within a tooth pitch is lost to rounding.
 Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[Torque, ...], Meta(min_length=1)]
@@ -26,9 +26,9 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:
     """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
-    A value outside of the usual range is allowed, and a question to the user (`usual`). The range
-    is so wide that no sensible design leaves it, and so narrow that a common value in another
-    unit, a thousand times as much or as little, does.
+    A value outside the usual range is allowed, but the user is asked about it (module `usual`).
+    The range is so wide that every sensible design is inside, and so narrow that a common value
+    in a wrong unit, wrong by a factor of 1000, is outside.
     """
     more: dict[str, object] = {"unit": unit} if unit else {}
     if usual is not None:
@@ -36,17 +36,17 @@ def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) 
     return Meta(description=meaning, extra_json_schema=more or None)
 
 
-#: Usual diameters, distances and widths, mm: of watches and of mills.
+#: Usual diameters, distances and widths, mm: from watches to rolling mills.
 USUAL_SIZE = (0.2, 1e4)
 #: Usual roundings and chamfers, mm.
 USUAL_ROUNDING = (2e-3, 50.0)
 #: Usual modifications of a flank, um.
 USUAL_MODIFICATION = (0.3, 2000.0)
-#: The largest of usual errors of the pitch, um.
+#: Usual range of the largest pitch error, um.
 USUAL_ERRORS = (0.1, 2000.0)
 
 # Keys that several kinds of body have.
-#: More than any body has; a matrix for each of them still fits in memory.
+#: More than any real body; a matrix for each tooth still fits in memory.
 MOST_TEETH = 10000
 Teeth = Annotated[int, Meta(ge=3, le=MOST_TEETH)]
 SMALLEST_MODULUS, LARGEST_MODULUS = 1e-3, 1e9
@@ -70,26 +70,26 @@ PitchErrors = Annotated[
 
 
 class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What all tables have in common."""
+    """Base class of all tables."""
 
 
 class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
-    """What the tables of all kinds of bodies have in common.
+    """Base class of the tables of all kinds of bodies.
 
     Attributes
     ----------
     partner : str or None
-        The one kind of body that this one goes with, where there is only one.
+        The only kind of body that can be the other body, if there is a restriction.
     from_file : bool
-        A file has the elements or the compliance of the body.
+        The elements or the compliance of the body are imported from a file.
     brings_compliance : bool
-        That file has its compliance, and no elements.
+        The file contains the compliance of the body instead of elements.
     is_drive : bool
-        The body is a part of a chain or belt drive, which has no flanks that roll on each other.
+        The body belongs to a chain or belt drive, which has no flanks that roll on each other.
     has_teeth : bool
-        The body has teeth with involute-like flanks; a cam and its follower have none.
+        The body has teeth with involute-like flanks; cams and followers have none.
     conforms : bool
-        The flanks of a pair of such bodies fit each other, and touch over a length.
+        The flanks of a pair of such bodies conform: they touch over a length.
     """
 
     partner: ClassVar[str | None] = None
@@ -101,21 +101,21 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
 
     @property
     def kind(self) -> str:
-        """Kind of the body, as the scene file names it."""
+        """Kind of the body, as in the scene file."""
         return str(self.__struct_config__.tag)
 
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
-        """Where the keys of an involute flank stand ("", "profile."), and their table, if any."""
+        """Prefix of the keys of an involute flank ("", "profile.") and their table, if any."""
         return "", None
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Refuse keys of this table that contradict each other; most bodies have none.
+        """Refuse contradicting keys of this table; the default has no rules.
 
         Parameters
         ----------
         given : mapping
-            The keys that the scene names.
+            Keys that the scene sets.
         key : str
             "body_1" or "body_2".
 
@@ -126,9 +126,9 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
 
 
 class EvenBody(BodyTable, frozen=True, kw_only=True):
-    """What bodies have in common that know no pitch errors."""
+    """Base class of bodies that cannot have pitch errors."""
 
     @property
     def pitch_errors_um(self) -> tuple[float, ...]:
-        """None: all flanks stand where they should."""
+        """Empty: the body has no pitch errors."""
         return ()

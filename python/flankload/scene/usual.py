@@ -1,6 +1,6 @@
-"""Values far from the usual: allowed, and a question, since most of them are in another unit.
+"""Questions to the user about unusual values, most of which are in a wrong unit.
 
-The usual range of a key stands in its table, beside the range that is allowed.
+The usual range of a key is part of its metadata, next to the allowed range.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from flankload.scene.refusal import shown
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
-#: Units of the same quantity differ by this (um and mm, GPa and MPa), or by its square.
+#: Factor between units of one quantity (um and mm, GPa and MPa); its square occurs as well.
 THOUSAND = 1000.0
 TABLES = ("body_1", "body_2", "pair", "load", "positions", "effects", "accuracy")
 
 
 def questions(scene: Scene) -> dict[str, str]:
-    """What a scene is asked about.
+    """Questions to the user about unusual values of a scene.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def questions(scene: Scene) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        By dotted path of the key, its value and a question.
+        The value and a question, by dotted path of the key.
     """
     return {
         path: f"{shown(value)}, {asked}"
@@ -42,7 +42,7 @@ def questions(scene: Scene) -> dict[str, str]:
 
 
 def question_notes(scene: Scene) -> tuple[str, ...]:
-    """The same as lines.
+    """Questions about unusual values, as lines of text.
 
     Parameters
     ----------
@@ -56,18 +56,18 @@ def question_notes(scene: Scene) -> tuple[str, ...]:
 
 
 def question(value: float, usual: tuple[float, float]) -> str | None:
-    """What to ask about a value.
+    """Question about a value outside its usual range.
 
     Parameters
     ----------
     value : float
     usual : (float, float)
-        Its usual range, of positive numbers; the sign is free.
+        Usual range, of positive numbers; the sign of the value is ignored.
 
     Returns
     -------
     str or None
-        None of a usual value, and of 0, which leaves a thing out.
+        None for a usual value, and for 0, which switches a feature off.
     """
     low, high = usual
     if value == 0.0 or low <= abs(value) <= high:
@@ -91,7 +91,7 @@ def _numbers(table: Any, key: str) -> Iterator[tuple[str, Any, tuple[float, floa
 
 
 def _usual(kind: inspect.Type) -> tuple[float, float] | None:
-    """The usual range that stands at a key."""
+    """The usual range in the metadata of a key."""
     if not isinstance(kind, inspect.Metadata):
         return None
     known = (kind.extra_json_schema or {}).get("usual")
@@ -99,7 +99,7 @@ def _usual(kind: inspect.Type) -> tuple[float, float] | None:
 
 
 def _largest(value: float | Sequence[float]) -> float:
-    """Of a list the largest amount: single entries may be small."""
+    """The number, or the entry of a list with the largest magnitude; others may be small."""
     if isinstance(value, Sequence):
         return max((float(part) for part in value), key=abs, default=0.0)
     return float(value)

@@ -1,4 +1,4 @@
-"""Bodies of kind "cam": a disc within a closed profile, held at its bore."""
+"""Bodies of kind "cam": a disc with a closed profile, fixed at its bore."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ if TYPE_CHECKING:
     from flankload.bodies.cam.cam_profile import CamProfile
     from flankload.scene import Cam
 
-#: Elements around the profile by default: at least so many, so many on a length as
-#: long as the wall is thick, on a radian of the sharpest nose, and at most so many.
+#: Default number of elements around the profile: at least the first number; per wall thickness of
+#: length; per radian of the sharpest nose; at most the last number.
 LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
-#: Pressure modes, over those of a gear's flank, for each element: a harmonic lies on five.
+#: Pressure modes relative to those of a gear's flank, per element: five elements per harmonic.
 MODES_PER_ELEMENT = 8.2 / 96
-#: The first layer is thinner than its elements are long, since short waves of pressure die out in a
-#: third of it (one as thick: 0.5 % of the wind-up of a thin cam); layers grow to the bore by this.
+#: First layer relative to the length of the elements, and growth of the layers towards the bore.
+#: The first layer is thin, since short waves of pressure decay within a third of the element length
+#: (a factor of 1 leaves 0.5 % of the wind-up of a thin cam).
 FIRST_LAYER, GROWTH = 0.3, 1.4
 LEAST_LAYERS = 3
 
@@ -49,11 +50,11 @@ def build_cam(
     key : str
         Key of the body in the scene, for messages.
     folder : Path
-        Folder that the table's file is relative to.
+        Folder to which the file of the profile table is relative.
     flank_element_mm : float or None
         Largest length of a finite element along the profile.
     fineness : float
-        Where that is None: elements along the profile, over those at the default discretization.
+        If that is None: number of elements along the profile relative to the default.
 
     Returns
     -------
@@ -62,7 +63,7 @@ def build_cam(
     Raises
     ------
     SceneError
-        If there is no such cam; names the key.
+        If the cam is impossible; names the key.
     """
     profile = cam_profile(spec, key, folder=folder)
     bore_radius = 0.5 * spec.bore_diameter_mm
@@ -93,7 +94,7 @@ def build_cam(
 
 
 def _elements(profile: CamProfile, bore_radius: float) -> float:
-    """Elements around the profile at the default discretization."""
+    """Number of elements around the profile in the default discretization."""
     curve, wall = profile.curve, profile.least_radius_mm - bore_radius
     sharpest = float(curve.curvature(curve.breaks).max())
     wanted = curve.length_mm * max(ELEMENTS_PER_WALL / wall, ELEMENTS_PER_RADIAN * sharpest)

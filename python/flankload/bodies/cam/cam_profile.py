@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LEAST_ROWS = 8
-#: Rows further apart than this, deg, leave the curve between them to chance.
+#: Largest angle between rows, deg; with a larger one the curve between them is arbitrary.
 LARGEST_STEP_DEG = 30.0
-#: A row that closes the turn repeats the first one to these.
+#: Tolerances within which a last row repeats the first one and so closes the turn.
 SAME_ANGLE_DEG = 1e-9
 SAME_RADIUS_MM = 1e-6
-#: The curve turns from row to row by what its neighbours do, but for this, rad: what turns more
-#: is a kink, or a nose between two rows.
+#: Largest turn of the curve at a row beyond that of its neighbours, rad; a larger one is a kink, or
+#: a nose between two rows.
 LARGEST_KINK = 0.2
-#: Wall between bore and profile over the least radius.
+#: Least wall between bore and profile, relative to the least radius.
 LEAST_WALL = 0.02
 
 
@@ -42,9 +42,9 @@ class CamProfile:
     Attributes
     ----------
     curve : FlankCurve
-        Closed; clockwise, so that the material lies on its right.
+        Closed and clockwise, so that the material is on its right.
     least_radius_mm, largest_radius_mm : float
-        Of the curve about the axis.
+        Radii of the curve about the axis.
     """
 
     curve: FlankCurve
@@ -61,7 +61,7 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     key : str
         Key of the body in the scene, for messages.
     folder : Path
-        Folder that the table's file is relative to.
+        Folder to which the file of the table is relative.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     Raises
     ------
     SceneError
-        If the table is no closed smooth curve around the bore; names the row.
+        If the table does not give a closed smooth curve around the bore; names the row.
     """
     if spec.profile_file is not None:
         name = f"{key}.profile_file"
@@ -80,10 +80,10 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
         rows = np.array(spec.profile, dtype=float).reshape(-1, 2)
     angle, radius = _one_turn(rows, name)
     place = _closed_spline(angle, radius)
-    # clockwise: from the first row's angle a turn down to it
+    # clockwise: from one turn beyond the first row's angle down to that angle
     pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
     _check_kinks(place, angle, name)
-    # its length is that of a whole turn: the size of a flank on it is rather the radius
+    # the length is that of a whole turn; the radius is closer to the size of a flank
     curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
     samples = curve.point(_samples(curve))
     least, largest = (float(f(np.hypot(*samples.T))) for f in (np.min, np.max))
@@ -135,7 +135,7 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
 
 
 def _closed_spline(angle: Floats, radius: Floats) -> Place:
-    """Places by polar angle on the periodic cubic spline of the radius."""
+    """Points by polar angle on the periodic cubic spline of the radius."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(angle, radius, bc_type="periodic")
@@ -151,7 +151,7 @@ def _closed_spline(angle: Floats, radius: Floats) -> Place:
 
 
 def _check_kinks(place: Place, angle: Floats, key: str) -> None:
-    """Refuse a curve that turns at a row as a smooth one would over several."""
+    """Refuse a curve that turns at one row as much as a smooth curve would over several."""
     _, first, second = place(angle[:-1])
     speed = np.hypot(*first.T)
     bend = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3

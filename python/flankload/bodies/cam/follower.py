@@ -1,4 +1,4 @@
-"""Bodies of kind "follower": a lever with a hub, held at its bore, and a roller or a flat."""
+"""Bodies of kind "follower": a lever with a hub, fixed at its bore, and a roller or a flat."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Hub over bore where the scene names no hub; hub over what of the arm it holds.
+#: Default hub radius over bore radius; least hub radius over the largest |y| of the arm.
 HUB_PART, HOLDING_PART = 1.6, 1.25
-#: Arm over roller radius: narrower than what the roller's block can take, wider than the roller.
+#: Limits of arm width over roller radius, from the mesh of the roller's block and from its width.
 LEAST_ARM, LARGEST_ARM = 0.2, 1.6
 DEFAULT_FLAT_ARM = 0.2
-#: A roller ends, as a flank, where it lies along circles about O1: less than this part of the
-#: distance from O1 is left as lever there.
+#: The usable part of a roller ends where its surface is nearly tangent to circles about O1: where
+#: the lever arm of the force is less than this part of the distance from O1.
 LEAST_RISE = 0.03
-#: Elements along a roller at the default discretization, and pressure modes over those of a gear.
+#: Default number of elements along a roller, and its modes relative to those of a gear.
 ROLLER_ELEMENTS = 24
 ROLLER_MODES_PART = 2.0
-#: The same along a flat, on each arm width.
+#: The same for a flat: elements per arm width; modes as a constant plus a number per arm width.
 FLAT_ELEMENTS_PER_WIDTH = 5.0
 FLAT_MODES_PART = 1.6
 FLAT_MODES_PER_WIDTH = 0.5
@@ -39,13 +39,13 @@ FLAT_MODES_PER_WIDTH = 0.5
 
 @dataclass(frozen=True)
 class Lever:
-    """Shape of a follower in its own frame: the arm along x, the cam beyond greater y; mm.
+    """Shape of a follower in its own frame: arm along x, cam on the side of larger y; mm.
 
     Attributes
     ----------
     bore_radius_mm, hub_radius_mm : float
     arm_mm : (float, float)
-        Between these y the arm lies.
+        Range of y of the arm.
     head : Roller or Flat
     """
 
@@ -56,7 +56,7 @@ class Lever:
 
     @property
     def hub_angles_rad(self) -> tuple[float, float]:
-        """Polar angles between which the arm leaves the hub."""
+        """Polar angles at which the lower and upper edge of the arm leave the hub."""
         low, high = (asin(y / self.hub_radius_mm) for y in self.arm_mm)
         return low, high
 
@@ -75,7 +75,7 @@ def build_follower(
     flank_element_mm : float or None
         Largest length of a finite element along roller or flat.
     fineness : float
-        Where that is None: elements along the flank, over those at the default discretization.
+        If that is None: number of elements along the flank relative to the default.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def build_follower(
     Raises
     ------
     SceneError
-        If there is no such lever; names the key.
+        If the lever is impossible; names the key.
     """
     lever = lever_of(spec, key)
     head = lever.head
@@ -124,12 +124,12 @@ def build_follower(
 
 
 def lever_of(spec: Follower, key: str) -> Lever:
-    """Shape of a follower; what the scene leaves open is chosen.
+    """Shape of a follower; sizes that the scene leaves open get defaults.
 
     Raises
     ------
     SceneError
-        If arm, hub and head do not go together; names the key.
+        If arm, hub and head are inconsistent; names the key.
     """
 
     def refuse(name: str, expected: str, found: float) -> None:
@@ -175,7 +175,7 @@ def _roller(spec: Follower, key: str, hub: float, half_width: float) -> Roller:
             expected=f"more than the radii of hub and roller together, {hub + radius:g}",
             found=f"{arm:g}",
         )
-    # |P x n| = arm sin(angle) against the distance from O1
+    # |P x n| = arm sin(angle) compared with the distance from O1
     end = asin(LEAST_RISE * (arm + radius) / arm)
     return Roller(arm, radius, (end, pi - asin(half_width / radius)))
 
@@ -209,7 +209,7 @@ def roller_curve(roller: Roller) -> FlankCurve:
 
 
 def flat_curve(flat: Flat) -> FlankCurve:
-    """The flat, outwards; it ends in a corner."""
+    """The flat, from the axis outwards; it ends in a corner."""
 
     def place(u: Floats) -> tuple[Floats, Floats, Floats]:
         still = np.zeros((u.size, 2))
@@ -219,7 +219,7 @@ def flat_curve(flat: Flat) -> FlankCurve:
 
 
 def outline_of(lever: Lever, points: int = 121) -> Floats:
-    """Contour of a lever, counter-clockwise, with so many points on each arc."""
+    """Contour of a lever, counter-clockwise, with the given number of points on each arc."""
     (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
     turn = np.linspace(high, low + 2 * pi, points)
     parts = [hub * np.stack([np.cos(turn), np.sin(turn)], axis=1)]

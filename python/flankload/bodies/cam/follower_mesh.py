@@ -1,7 +1,7 @@
 """Structured mesh of a follower: hub, arm, and a roller bonded to it or a flat along it.
 
-All blocks are quadrilaterals that share their edges: the hub is a ring in two parts, one of them as
-wide as the arm; a roller is a core with four blocks around it, one of them behind the arm's end.
+All blocks are quadrilaterals with common edges. The hub is a ring in two parts, one of them as wide
+as the arm. A roller is a core with four blocks around it, one of them behind the arm's end.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Half of the roller's outer end, and its core over its radius.
+#: Half the angle of the roller's outer end, rad, and size of its core relative to its radius.
 OUTER_ANGLE = 0.9
 CORE_PART = 0.5
-#: Largest elements inside over those along the flank; across the arm there are at least so many.
+#: Largest inner elements relative to those along the flank; least number of elements across an arm.
 INNER_PART = 1.6
 LEAST_ACROSS = 8
-#: Where the arm meets hub and roller, in sharp corners, elements begin as this part of its width
-#: and grow by that: even ones leave 1 % in the wind-up of a flat follower. With finer elements both
-#: shrink, or what these corners leave would stay.
+#: Size of the first element at the sharp corners of arm, hub and roller, relative to the arm's
+#: width, and growth from there: elements of equal size leave an error of 1 % in the wind-up of a
+#: flat follower. Both decrease with finer elements, or the error of the corners would remain.
 CORNER_PART, CORNER_GROWTH = 0.01, 1.6
-#: The first layer under the flank over the length of its elements, and how layers grow inwards.
+#: First layer under the flank relative to the length of its elements, and growth of the layers.
 FIRST_LAYER, GROWTH = 0.4, 1.4
 
 
@@ -43,23 +43,23 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     Parameters
     ----------
     lever : Lever
-        With a Roller.
+        Lever with a Roller.
     flank_element_mm : float
         Largest length of an element along the roller.
     finer : float
-        By what elements at sharp corners of the arm shrink.
+        Factor by which elements at sharp corners of the arm are reduced.
 
     Returns
     -------
     WholeMesh
-        Its flank goes from the arm to the outermost place of the roller.
+        Its flank runs from the arm to the outermost point of the roller.
     """
     head = lever.head
     radius, (_, upper) = head.radius_mm, head.angles_rad  # type: ignore[union-attr]
     centre = np.array([head.arm_mm, 0.0])  # type: ignore[union-attr]
     width = lever.arm_mm[1] - lever.arm_mm[0]
     inner = INNER_PART * flank_element_mm
-    # as many elements lie on the outer end of the roller
+    # the outer end of the roller has the same number of elements as the arm's width
     most = width * min(1 / LEAST_ACROSS, flank_element_mm / (2 * OUTER_ANGLE * radius))
     part = _between_corners(width, width, most, finer)
     over = max(LEAST_ACROSS, round_up((upper - OUTER_ANGLE) * radius / flank_element_mm))
@@ -101,11 +101,11 @@ def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> W
     Parameters
     ----------
     lever : Lever
-        With a Flat.
+        Lever with a Flat.
     flank_element_mm : float
         Largest length of an element along the flat.
     finer : float
-        By what elements at sharp corners of the arm shrink.
+        Factor by which elements at sharp corners of the arm are reduced.
 
     Returns
     -------
@@ -138,39 +138,39 @@ def _around(turn: Floats) -> Floats:
 
 
 def _layers(thickness: float, flank_element_mm: float) -> Floats:
-    """Parts of the way in from a flank, with middles: thin layers first."""
+    """Relative positions from the flank inwards, with middles: thin layers first."""
     caps = np.array([[0.0], [INNER_PART * flank_element_mm]])
     first = min(FIRST_LAYER * flank_element_mm, thickness / LEAST_ACROSS)
     return with_middles(growing_breaks(thickness, first, GROWTH, caps))
 
 
 def _from_corner(length: float, width: float, largest: float, finer: float) -> Floats:
-    """Parts of a length, with middles, that grow from a corner."""
+    """Relative positions along a length, with middles; elements grow from a corner."""
     caps = np.array([[0.0], [largest]])
     first, growth = _steps(width, finer)
     return with_middles(growing_breaks(length, first, growth, caps))
 
 
 def _between_corners(length: float, width: float, largest: float, finer: float) -> Floats:
-    """The same, from corners at both ends."""
+    """The same with corners at both ends."""
     first, growth = _steps(width, finer)
     return with_middles(symmetric_breaks(length, first, growth, largest))
 
 
 def _steps(width: float, finer: float) -> tuple[float, float]:
-    """The first element at a corner of the arm, mm, and how the next ones grow."""
+    """First element at a corner of the arm, mm, and growth ratio of the next ones."""
     return CORNER_PART * width / finer, 1.0 + (CORNER_GROWTH - 1.0) / finer
 
 
 def _add_hub(
     blocks: BlockMesh, lever: Lever, part: Floats, element_mm: float, finer: float
 ) -> tuple[tuple[Numbers, float, float, Floats], Numbers]:
-    """Two parts of a ring; the arm leaves one of them, whose nodes stand at `part` of its height.
+    """Ring in two parts; one has the arm's width, with nodes at `part` of the arm's height.
 
     Returns
     -------
     hub : tuple
-        Nodes at which the arm leaves, upwards; x of the lowest and of the highest; their places.
+        Nodes where the arm leaves, upwards; x of the lowest and the highest; their coordinates.
     fixed : array
         Nodes on the bore.
     """
@@ -193,7 +193,7 @@ def _add_hub(
 
 
 def _add_bar(blocks: BlockMesh, left: Floats, right: Floats, x: Floats, known: Numbers) -> Numbers:
-    """A bar between two borders (places, upwards), straight above and below; x: parts of it."""
+    """A bar between two borders (points, upwards), straight above and below; x: its divisions."""
     y = np.stack([(edge[:, 1] - edge[0, 1]) / np.ptp(edge[:, 1]) for edge in (left, right)])
     bottom, top = (
         a + x[:, None] * (b - a) for a, b in ((left[0], right[0]), (left[-1], right[-1]))
@@ -202,7 +202,7 @@ def _add_bar(blocks: BlockMesh, left: Floats, right: Floats, x: Floats, known: N
 
 
 def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
-    """Edges of the core, clockwise from the one behind the arm, about the roller's centre."""
+    """Edges of the core about the roller's centre, clockwise from the one behind the arm."""
     edges = []
     for turn in turns:
         start, end = CORE_PART * radius * _around(turn[[0, -1]])
@@ -211,7 +211,7 @@ def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
 
 
 def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) -> None:
-    """Fill the core; its edges go clockwise from the lower left."""
+    """Fill the core, whose edges are clockwise from the lower left."""
     left, top, right, bottom = edges
     x, y = (np.linspace(0.0, 1.0, len(edge)) for edge in (top, left))
     grid = coons(bottom[::-1], top, left, right[::-1], np.stack([x, x]), np.stack([y, y]))

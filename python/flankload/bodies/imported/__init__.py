@@ -1,1 +1,1 @@
-"""Bodies from files: finite-element meshes, modal and nodal compliances."""
+"""Bodies imported from files: finite-element meshes, modal and nodal compliances."""

@@ -1,4 +1,4 @@
-"""The mesh of a body as a file."""
+"""Writing of a body's mesh to a file."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     """Write the mesh of a body with named sets.
 
     A sector has the sets FLANK, BORE, CUT_LEFT and CUT_RIGHT; a whole body has BORE and FLANK_0,
-    FLANK_1, … by tooth.
+    FLANK_1, … by tooth number.
 
     Parameters
     ----------
     path : path
-        Its suffix decides the format: .msh, .vtu or .inp.
+        Its suffix selects the format: .msh, .vtu or .inp.
     mesh : SectorMesh or WholeMesh
     turn_rad : float
-        The nodes are turned by this angle about the axis first: the file then stands as the body
-        stands at position zero.
+        The nodes are first rotated by this angle about the axis, so that the file shows the body
+        as it is at position zero.
 
     Raises
     ------
     MeshError
-        If the suffix is not known.
+        If the suffix is unknown.
     """
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
     turned = mesh.nodes @ np.array([[cosine, sine], [-sine, cosine]])

@@ -1,4 +1,4 @@
-"""kind = "compliance": a body whose compliance was computed before, here or elsewhere."""
+"""kind = "compliance": a body with a compliance imported from flankload or another program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.scene import ComplianceBody
 
-#: Format of a file: its latest version, and who reads it.
+#: By the format of a file: its latest version and its reader.
 READERS = {
     modal_file.FORMAT: (modal_file.VERSION, modal_file.read_modal),
     nodal_file.FORMAT: (nodal_file.VERSION, nodal_file.read_nodal),
@@ -25,7 +25,7 @@ READERS = {
 
 
 def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Body:
-    """Body from a compliance file.
+    """Build a body from a compliance file.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
     key : str
         "body_1" or "body_2".
     folder : Path
-        Folder that the file's name is relative to.
+        Folder to which the file's name is relative.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
     Raises
     ------
     ComplianceFileError
-        If the file is missing, unreadable, of an unknown version, or does not make a body.
+        If the file is missing, unreadable, of an unknown version, or does not describe a body.
     SceneError
         If the scene's pitch errors do not fit the number of teeth.
     """

@@ -1,4 +1,4 @@
-"""Compliance that comes with a body instead of being computed from its elements."""
+"""Imported compliances of bodies, used instead of one computed from finite elements."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ModalCompliance:
-    """As flankload itself computes it, per mm of face width.
+    """A modal compliance as computed by flankload, per mm of face width.
 
     Attributes
     ----------
     file : Path
-        Where it comes from.
+        File from which it was imported.
     plane : str
         "strain" or "stress".
     smooth : (z, p, p) array, or (f * f, p, p) array where `flanks` names f teeth
         As in `BodyCompliance`, mm²/N.
     kernel : float
-        Strength of the logarithm, mm²/N.
+        Coefficient of the logarithmic kernel, mm²/N.
     asymmetry : float
-        What was found, relative, before both directions were averaged.
+        Relative asymmetry before both directions were averaged.
     flanks : tuple of int
-        Empty where smooth depends on the distance of teeth alone.
+        Empty if `smooth` depends only on the distance of teeth.
     tangential : array or None
-        Like smooth, by modes of load along the flank; None where the file has no such part.
+        Like `smooth`, for modes of tangential load; None if the file does not contain it.
     jump : float
-        Strength of the jump, mm²/N.
+        Coefficient of the tangential jump, mm²/N.
     """
 
     file: Path
@@ -57,24 +57,25 @@ class ModalCompliance:
 
 @dataclass(frozen=True)
 class NodalCompliance:
-    """Between the nodes of a flank, from another program, per mm of face width.
+    """A compliance between the nodes of a flank from another program, per mm of face width.
 
     Attributes
     ----------
     file : Path
     plane : str
-        "strain" or "stress": that of the other program.
+        "strain" or "stress", as in the other program.
     arc_length_mm : (n,) array
-        Of the nodes on the flank's curve.
+        Arc lengths of the nodes on the flank curve.
     quadratic : bool
-        Every second node is the middle of an element; else each stands between two elements.
+        Every second node is the middle node of an element; else each inner node is between two
+        elements.
     of_pressures : bool
-        The matrix is of nodal pressures, else of nodal forces.
+        The columns of the matrix belong to nodal pressures, else to nodal forces.
     offsets : (k,) array
-        Teeth that are displaced, counted from the loaded one.
+        Displaced teeth, counted from the loaded tooth.
     matrix : (k, n, n) array
-        Twice the work of loads on tooth 0 on the displacements of tooth offsets[k]: of consistent
-        nodal forces along the normal, mm²/N, or of nodal pressures, mm⁴/N.
+        Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], with the
+        columns in terms of consistent normal nodal forces, mm²/N, or nodal pressures, mm⁴/N.
     asymmetry : float
     """
 
@@ -89,11 +90,11 @@ class NodalCompliance:
 
     @property
     def tangential(self) -> None:
-        """No response to loads along the flank."""
+        """None: no response to tangential loads."""
 
     @property
     def flank_elements(self) -> int:
-        """Elements along the flank."""
+        """Number of elements along the flank."""
         return (self.arc_length_mm.size - 1) // (2 if self.quadratic else 1)
 
     @property

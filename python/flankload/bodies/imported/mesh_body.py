@@ -1,9 +1,9 @@
-"""kind = "mesh": a body from a mesh file with named sets, one sector of it or the whole.
+"""kind = "mesh": a body from a mesh file with named sets, either one sector or the whole body.
 
-The file stands as the body stands at position zero, its axis at the origin. Linear elements are
-raised to quadratic ones, flanks are put in order (material on their right, from root to tip). With
-the exact profile given, that is the flank's curve, turned so that it fits the nodes; else a smooth
-curve goes through the nodes and its deviation is reported.
+The file shows the body at position zero, with its axis at the origin. Linear elements are converted
+to quadratic ones; flanks are ordered from root to tip with the material on their right. If the
+exact profile is given, it is the flank curve, rotated to fit the nodes. Otherwise a smooth curve is
+fitted through the nodes and its deviation is reported.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
     from flankload.scene import MeshBody
 
-#: Elastic constants of the file and of the scene agree to this relative difference.
+#: Largest relative difference of the elastic constants in the file from those of the scene.
 SAME_MATERIAL = 1e-3
 
 
 def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
-    """Body from a mesh file.
+    """Build a body from a mesh file.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     key : str
         "body_1" or "body_2".
     folder : Path
-        Folder that the file's name is relative to.
+        Folder to which the file's name is relative.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     ------
     MeshError
         If the file is missing or unreadable, its mesh has a defect, a set is missing, a flank is
-        not one line, the cut faces do not match, or the flanks are not of one shape.
+        not one line, the cut faces do not match, or the flanks differ in shape.
     SceneError
         If the profile does not fit the mesh.
     """
@@ -123,7 +123,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
 
 
 def _is_bare(source: MeshSource, spec: MeshBody) -> bool:
-    """A rigid body needs a flank and nothing else: sets of rim and cuts may be missing."""
+    """Whether a rigid body has only a flank; its file may lack the sets of rim and cuts."""
     others = (spec.fixed_set, *spec.cut_sets)
     missing = any(source.raw.set_name(name) is None for name in others)
     return spec.rigid and spec.flank_sets is None and missing
@@ -137,7 +137,7 @@ def _is_ring(
     *,
     bare: bool,
 ) -> bool:
-    """Held outside its flank; where it is not said what is held, most of it lies outside."""
+    """Whether the body is fixed outside its flank; without a fixed set, whether most is outside."""
     if bare:
         return bool(radii.max() - flank.max() > flank.min() - radii.min())
     held = radii[source.nodes_of("fixed_set", spec.fixed_set)]
@@ -151,7 +151,7 @@ def _rim(radii: NDArray[np.float64], inwards: bool) -> float:
 def _fixed_nodes(
     source: MeshSource, spec: MeshBody, flanks: dict[str, NDArray[np.int64]]
 ) -> NDArray[np.int64]:
-    """Nodes that are held: enough of them, clear of the flanks, about the axis."""
+    """Fixed nodes, checked: at least two, not on the flanks, about the axis."""
     fixed = source.nodes_of("fixed_set", spec.fixed_set)
     if fixed.size < 2:
         source.refuse(
@@ -170,7 +170,7 @@ def _fixed_nodes(
 
 
 def _material_notes(source: MeshSource, spec: MeshBody) -> list[str]:
-    """What the file says of the material where the scene says something else."""
+    """Note on the material in the file, if it differs from that of the scene."""
     if source.raw.elastic is None:
         return []
     modulus, ratio = source.raw.elastic

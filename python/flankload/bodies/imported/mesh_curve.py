@@ -1,7 +1,7 @@
-"""The curve of a flank from a mesh: smooth through its nodes, or the given profile turned to them.
+"""The curve of a flank from a mesh: a smooth curve through its nodes, or the given profile.
 
-Middle nodes that lie on the chords of their edges (linear elements, straight-sided quadratic ones)
-say nothing of the profile: the curve then goes through the corner nodes alone.
+Middle nodes on the chords of their edges (linear elements, straight-sided quadratic ones) carry no
+information on the profile: the curve then uses the corner nodes only.
 """
 
 from __future__ import annotations
@@ -27,34 +27,34 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: A flank's nodes must lie on the given profile to this part of its module, and the tip circle must
-#: be that of the mesh to the second one.
+#: Largest distance of a flank's nodes from the given profile, and largest difference of the tip
+#: radii of mesh and profile; both in modules.
 PROFILE_TOLERANCE, TIP_TOLERANCE = 0.005, 0.02
-#: Ends of the flank's nodes nearer than this to an end of the profile's flank, in parts of its
-#: length, are that end.
+#: The ends of the flank's nodes are moved to the ends of the profile's flank if they are closer
+#: than this part of its length.
 SNAP_PART = 1e-7
-#: Edges may reach beyond the profile's flank by this part of its length.
+#: Largest length by which edges may extend beyond the profile's flank, relative to its length.
 END_PART = 1e-4
 
 
 @dataclass(frozen=True)
 class FlankFit:
-    """The curve of a flank and where its nodes lie on it.
+    """The curve of a flank and the arc lengths of its nodes.
 
     Attributes
     ----------
     curve : FlankCurve
     involute : Involute or None
     edges : (m, 3) array
-        Edges of the flank that carry pressure modes; with a profile given those between its fillet
-        and its tip rounding.
+        Edges of the flank with pressure modes; with a given profile, those between its fillet and
+        its tip rounding.
     s : (2 m + 1,) array
         Arc lengths of their nodes in order.
     mode_range_mm : (float, float)
     misfit_mm : float
-        Largest distance of the nodes from a profile that is given.
+        Largest distance of the nodes from a given profile.
     nodes : FlankNodes or None
-        None where the profile is given.
+        None if the profile is given.
     notes : tuple of str
     """
 
@@ -80,9 +80,9 @@ def fit_flank(
     key : str
         Key that names the flank's set, without the body's.
     nodes : (N, 2) array
-        Of the body, mirrored where need be.
+        Mesh of the body, mirrored if necessary.
     edges : (m, 3) array
-        The flank in order.
+        Edges of the flank in order.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def fit_flank(
     Raises
     ------
     MeshError
-        If the nodes are too few or double back.
+        If there are too few nodes, or they turn back.
     SceneError
         If the given profile does not fit.
     """
@@ -126,7 +126,7 @@ def carrying_edges(
     nodes: Floats,
     edges: Numbers,
 ) -> tuple[Numbers, Floats]:
-    """Edges of a flank that lie between two arc lengths, and the arc lengths of their nodes.
+    """Edges of a flank between two arc lengths, and the arc lengths of their nodes.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def carrying_edges(
     key : str
         Key that names the flank's set, without the body's.
     curve : FlankCurve
-        Where this flank stands.
+        Curve of this flank.
     span : (float, float)
     nodes : (N, 2) array
     edges : (m, 3) array
@@ -148,7 +148,7 @@ def carrying_edges(
     Raises
     ------
     MeshError
-        If the nodes double back, or fewer than 2 edges are left.
+        If the nodes turn back, or fewer than 2 edges remain.
     """
     points = nodes[in_order(edges)]
     s, _ = curve.arc_length_of(points)
@@ -201,7 +201,7 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
 
 
 def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
-    """The exact profile, turned so that it fits the flank's nodes (least squares)."""
+    """The exact profile, rotated to fit the flank's nodes (least squares)."""
     given = spec.profile
     assert given is not None
     profile = gear_profile(given, f"{source.key}.profile", teeth=spec.number_of_teeth)
@@ -243,14 +243,14 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
 
 
 def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float, Floats, float]:
-    """Turn about the origin that brings a curve nearest to points (least squares).
+    """Rotation about the origin that brings a curve closest to points (least squares).
 
     Parameters
     ----------
     curve : FlankCurve
     points : (m, 2) array
     start : float
-        A turn to begin with, rad.
+        Initial rotation, rad.
 
     Returns
     -------
@@ -259,13 +259,13 @@ def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float,
     s : (m,) array
         Arc lengths of the points.
     worst : float
-        Largest distance that is left, mm.
+        Largest remaining distance, mm.
     """
     turn = start
     for _ in range(12):
         turned = curve.rotated(turn)
         s, _ = turned.arc_length_of(points)
-        # a curve turned by d moves by d (P . t) along its normal: Gauss-Newton
+        # a curve rotated by d moves by d (P . t) along its normal: Gauss-Newton
         place = turned.point(s)
         lever = np.sum(place * turned.tangent(s), axis=1)
         distance = np.sum((points - place) * turned.normal(s), axis=1)

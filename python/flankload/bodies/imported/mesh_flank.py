@@ -1,4 +1,4 @@
-"""The flank of a body from a mesh: its edges on the boundary, in order.
+"""The flank of a body from a mesh: its ordered edges on the boundary.
 
 A flank runs from root to tip with the material on its right.
 """
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Neighbouring edges of a flank turn by less than this, degrees: beyond it stands a corner.
+#: Largest angle between neighbouring edges of a flank, degrees; a larger one is a corner.
 LARGEST_BEND_DEG = 40.0
-#: Middle nodes that stand out of their chords by less than this part of what the corner nodes let
-#: expect lie on the chords.
+#: Middle nodes count as lying on their chords if their distance is less than this part of the
+#: distance expected from the corner nodes.
 STRAIGHT = 0.05
-#: A flank whose curve leaves its chords by less than this part of their length is straight itself.
+#: A flank is straight if its curve leaves the chords by less than this part of their length.
 FLAT = 1e-5
 
 
 def flank_edges(source: MeshSource, key: str, name: str) -> Numbers:
-    """Boundary edges of a flank in order, the material on their right.
+    """Boundary edges of a flank in order, with the material on their right.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def flank_edges(source: MeshSource, key: str, name: str) -> Numbers:
     key : str
         Key that names the set, without the body's.
     name : str
-        The set.
+        Name of the set.
 
     Returns
     -------
@@ -75,26 +75,29 @@ def flank_edges(source: MeshSource, key: str, name: str) -> Numbers:
 
 
 def in_order(edges: Numbers) -> Numbers:
-    """Nodes of consecutive edges in order, middle nodes included: (2 m + 1,)."""
+    """Nodes of consecutive edges in order, including middle nodes: (2 m + 1,)."""
     return np.append(edges[:, [0, 2]].ravel(), edges[-1, 1])
 
 
 def faces_clockwise(nodes: Floats, edges: Numbers, *, inwards: bool) -> bool:
-    """Whether a flank is that of the mirror image: on the way with the material on its right the
-    tip comes first. Of teeth that stand inwards the radius falls towards the tip."""
+    """Whether a flank is that of the mirrored body.
+
+    Such a flank runs from tip to root with the material on its right. The radius decreases towards
+    the tip of internal teeth.
+    """
     middle = nodes[edges[len(edges) // 2]]
     return (float(middle.mean(axis=0) @ (middle[1] - middle[0])) < 0.0) != inwards
 
 
 def middles_are_straight(nodes: Floats, edges: Numbers) -> bool:
-    """Whether a flank is curved, but its middle nodes lie on the chords of its edges."""
+    """Whether a flank is curved although its middle nodes lie on the chords of its edges."""
     first, last, middle = (nodes[edges[:, k]] for k in range(3))
     chord = last - first
     length = np.linalg.norm(chord, axis=1)
     away = middle - 0.5 * (first + last)
     out = np.abs(chord[:, 0] * away[:, 1] - chord[:, 1] * away[:, 0]) / length
     angles = np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))
-    # an arc of length h that turns by t leaves its chord by h t/8
+    # the distance of an arc of length h and angle t from its chord is h t/8
     turn = np.abs(np.gradient(angles)) if len(angles) > 1 else np.zeros(1)
     wanted = length * turn / 8
     return bool(wanted.sum() > FLAT * length.sum() and out.sum() < STRAIGHT * wanted.sum())

@@ -1,4 +1,4 @@
-"""A body from the mesh of one of its sectors: the two cut faces, matched node by node."""
+"""A body from the mesh of one sector, whose two cut faces are matched node by node."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Nodes of both cuts must match to this part of the body's size.
+#: Largest distance of matching nodes of the cuts, relative to the size of the body.
 CUT_TOLERANCE = 1e-6
 
 
@@ -41,11 +41,11 @@ def sector_of(
     source : MeshSource
     spec : MeshBody
     nodes, cells
-        Of the body, mirrored where need be.
+        Mesh of the body, mirrored if necessary.
     flank : (m, 3) array
         Edges of the flank in order.
     fixed : array
-        Nodes that are held.
+        Fixed nodes.
     fit : FlankFit
 
     Returns
@@ -56,7 +56,7 @@ def sector_of(
     Raises
     ------
     MeshError
-        If the cut faces do not match or reach the flank.
+        If the cut faces do not match or touch the flank.
     """
     teeth = spec.number_of_teeth
     cuts = [np.setdiff1d(source.nodes_of("cut_sets", name), fixed) for name in spec.cut_sets]
@@ -95,7 +95,7 @@ def _outline(nodes: Floats, cells: Cells, left: Numbers, right: Numbers, fixed: 
 def _match_cuts(
     source: MeshSource, nodes: Floats, cuts: list[Numbers], teeth: int
 ) -> tuple[Numbers, Numbers]:
-    """Left and right cut in matching order: the right one is the left one turned by one pitch."""
+    """Nodes of the left and right cut in matching order: right = left rotated by one pitch."""
     first, second = cuts
     size = float(np.abs(nodes).max())
     if first.size != second.size or not first.size:

@@ -1,4 +1,4 @@
-"""A mesh file on its way to a body: its sets, and errors that name file and key."""
+"""The mesh file of a body: its sets, and errors that name file and key."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Units that meshes come in by mistake, in mm.
+#: Units in which meshes are given by mistake, in mm.
 UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}
-#: A body may be this much larger or smaller than its reference radius says; with a profile given
-#: the two tip radii may differ by the second factor.
+#: Largest ratio, in both directions, of the size of a body and its reference radius; with a given
+#: profile, of the two tip radii.
 LARGEST_RATIO, LARGEST_TIP_RATIO = 20.0, 3.0
-#: The centre of a bore may lie off the axis by this part of its radius.
+#: Largest distance of the bore's centre from the axis, relative to the bore's radius.
 OFF_AXIS = 1e-3
 
 
 @dataclass(frozen=True)
 class MeshSource:
-    """The mesh of a body, in order, and where it comes from.
+    """The mesh of a body in standard form, and its source.
 
     Attributes
     ----------
@@ -48,16 +48,16 @@ class MeshSource:
     key: str
 
     def refuse(self, name: str, expected: str, found: str) -> NoReturn:
-        """Raise the error of one of the body's keys."""
+        """Raise an error for one of the body's keys."""
         raise MeshError(
             file=self.raw.file, key=f"{self.key}.{name}", expected=expected, found=found
         )
 
     def nodes_of(self, name: str, wanted: str) -> Numbers:
-        """Nodes of the set that a key names, middle nodes of the boundary included.
+        """Nodes of a named set, including middle nodes of the boundary.
 
-        A set that names only corners would otherwise leave out the middle nodes; one that names
-        edges of the boundary is not changed.
+        Middle nodes are added to a set that contains only corners; a set that contains whole edges
+        of the boundary is not changed.
         """
         spelt = self.raw.set_name(wanted)
         if spelt is None or not self.raw.sets[spelt].size:
@@ -73,7 +73,7 @@ class MeshSource:
 
 
 def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
-    """Read the mesh of a body and put it in order.
+    """Read the mesh of a body and convert it to standard form.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
     key : str
         "body_1" or "body_2".
     folder : Path
-        Folder that the file's name is relative to.
+        Folder to which the file's name is relative.
 
     Returns
     -------
@@ -100,24 +100,24 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
 
 
 def unit_of(ratio: float) -> str | None:
-    """Unit whose number of millimetres is nearest to a ratio of wanted and found size.
+    """Unit whose length in mm is closest to a ratio of expected and actual size.
 
     Parameters
     ----------
     ratio : float
-        Wanted size in mm over the size that the file has.
+        Expected size in mm over the size in the file.
 
     Returns
     -------
     str or None
-        None where no unit comes near.
+        None if no unit is close.
     """
     name, factor = min(UNITS.items(), key=lambda unit: abs(np.log(unit[1] / ratio)))
     return name if 0.2 < factor / ratio < 5.0 else None
 
 
 def _check_size(source: MeshSource, spec: MeshBody) -> None:
-    """A body a thousand times too small is one in metres."""
+    """Refuse a mesh of implausible size, for example one in metres."""
     largest = float(np.hypot(*source.raw.nodes.T).max())
     if spec.profile is not None:
         wanted, bound, name = 0.5 * spec.profile.tip_diameter_mm, LARGEST_TIP_RATIO, "tip radius"
@@ -136,13 +136,13 @@ def _check_size(source: MeshSource, spec: MeshBody) -> None:
 
 
 def check_axis(source: MeshSource, fixed: Numbers) -> None:
-    """Refuse a body whose bore is a circle about another place than the origin.
+    """Refuse a body whose bore is a circle about another point than the origin.
 
     Parameters
     ----------
     source : MeshSource
     fixed : array
-        Nodes that are held.
+        Fixed nodes.
 
     Raises
     ------

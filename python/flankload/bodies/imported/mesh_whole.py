@@ -1,7 +1,7 @@
-"""A body from its whole mesh: many flanks of one shape, each where the mesh has it.
+"""A body from its whole mesh: several flanks of one shape, each where the mesh has it.
 
-The first set is the flank of tooth 0; the others are told by where they stand, a whole number of
-pitches from it. A flank beside its equal share keeps its place: that is a pitch deviation.
+The first set is the flank of tooth 0; the tooth numbers of the others follow from their angles,
+which must be whole pitches. The deviation of a flank from its equal share is a pitch deviation.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Flanks are of one shape to this part of the body's radius, and five times what the curve
-#: through the nodes, or the profile from them, deviates.
+#: Largest difference in shape of flanks, relative to the body's radius; five times the deviation of
+#: the curve through the nodes, or of the nodes from the profile, is added.
 SHAPE_TOLERANCE = 2e-5
-#: They end at the same places to this part of their length.
+#: Largest distance of the flanks' ends from each other, relative to their length.
 END_TOLERANCE = 1e-4
-#: A flank may stand beside its equal share by this part of a pitch.
+#: Largest deviation of a flank from its equal share, in pitches.
 LARGEST_PITCH_DEVIATION = 0.1
-#: Flanks nearer to their equal share than this, rad, stand there: nodes written with few digits.
+#: Smaller deviations from the equal share, rad, are set to 0: nodes written with few digits.
 EQUAL_SHARE = 2e-7
 
 
@@ -46,33 +46,33 @@ def whole_of(
     fixed: Numbers,
     fit: FlankFit,
 ) -> tuple[WholeMesh, Floats, tuple[float, ...], tuple[str, ...]]:
-    """Whole mesh, the outer contour of one tooth, and where the flanks stand.
+    """Whole mesh, the outer contour of one tooth, and the angles of the flanks.
 
     Parameters
     ----------
     source : MeshSource
     spec : MeshBody
     nodes, cells
-        Of the body, mirrored where need be.
+        Mesh of the body, mirrored if necessary.
     flanks : list of (m, 3) arrays
-        Edges of the flanks in order, that of tooth 0 first.
+        Edges of the flanks in order, tooth 0 first.
     fixed : array
-        Nodes that are held.
+        Fixed nodes.
     fit : FlankFit
-        Of the flank of tooth 0.
+        Curve of the flank of tooth 0.
 
     Returns
     -------
     mesh : WholeMesh
     outline : (k, 2) array
     turns : tuple of float
-        Empty, or by how much each tooth's flank stands beside its equal share, rad.
+        Empty, or the angle of each tooth's flank from its equal share, rad.
     notes : tuple of str
 
     Raises
     ------
     MeshError
-        If the flanks are not of one shape or not whole pitches apart.
+        If the flanks differ in shape or are not whole pitches apart.
     """
     teeth = spec.number_of_teeth
     names = spec.flank_sets or ()
@@ -127,7 +127,7 @@ def _stand(
     k: int,
     name: str,
 ) -> tuple[float, Numbers, Floats]:
-    """Turn of a flank from that of tooth 0, its edges that carry, the arc lengths of their nodes.
+    """Angle of a flank from that of tooth 0, its edges with pressure modes, and their arc lengths.
 
     `first` holds the nodes of tooth 0's flank.
     """
@@ -162,7 +162,7 @@ def _stand(
 
 
 def _outline(nodes: Floats, cells: Cells, flank: Numbers, pitch: float) -> Floats:
-    """Outer contour from the root of tooth 0's flank to the same place of the next tooth."""
+    """Outer contour from the root of tooth 0's flank to the same point of the next tooth."""
     edges = boundary_edges(cells)
     root = flank[0, 0]
     run = next(run for run in chain(edges) if (run[:, :2] == root).any())

@@ -1,7 +1,7 @@
-"""flankload's own compliance file, read: a body with the compliance of its flanks.
+"""Reading of flankload's own compliance file: a body with the compliance of its flanks.
 
-`elasticity.modal_arrays` writes it; `docs/guide/compliance_files.md` describes the arrays. A body
-that is read back is the one that was written, bit by bit, without its elements.
+`elasticity.modal_arrays` writes the file; `docs/guide/compliance_files.md` describes the arrays.
+The body that is read equals the body that was written, bit by bit, without its elements.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version; a file without friction is of version 1, which earlier flankloads read, too.
+#: Latest version; files without friction have version 1, which older flankloads can read.
 VERSION = 2
 
-#: The arrays, beside those of the involute.
+#: Names of the arrays, without those of the involute.
 NAMES = (
     "format",
     "version",
@@ -56,12 +56,12 @@ NAMES = (
     "bore_radius_mm",
     "notes",
 )
-#: The fields of `Involute`, by their names in the file.
+#: Fields of `Involute`, by their names in the file.
 INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 
-#: Parts of the curve may lie this far apart where they meet, mm.
+#: Largest gap between intervals of the curve, mm.
 LARGEST_JUMP = 1e-6
-#: The curve runs by its own arc length to this relative difference.
+#: Largest relative deviation of the curve's speed from 1, that of a curve by arc length.
 LARGEST_STRETCH = 1e-3
 
 
@@ -79,7 +79,7 @@ def read_modal(found: NamedArrays) -> Body:
     Raises
     ------
     ComplianceFileError
-        If something is missing, has another shape, is not finite or contradicts the rest; names
+        If an array is missing, has a wrong shape, is not finite or contradicts another one; names
         file and array.
     """
     found.check_names(*NAMES, *INVOLUTE)
@@ -142,7 +142,7 @@ def read_modal(found: NamedArrays) -> Body:
 def _read_tangential(
     found: NamedArrays, shape: tuple[int, ...]
 ) -> tuple[NDArray[np.float64] | None, float]:
-    """Response to loads along the flank and strength of its jump, both or neither."""
+    """Response to tangential loads and coefficient of its jump, both or neither."""
     names = ("smooth_nt", "kernel_nt")
     if not any(name in found for name in names):
         return None, 0.0
@@ -153,7 +153,7 @@ def _read_tangential(
 
 
 def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:
-    """Teeth by number, ascending, the first one among them; or none."""
+    """Ascending tooth numbers that begin at 0; or none."""
     numbers = found.integers(name, None)
     ascending = (np.diff(numbers) > 0).all()
     if numbers.size and not (ascending and numbers[0] == 0 and numbers[-1] < teeth):
@@ -173,7 +173,7 @@ def _read_outline(found: NamedArrays) -> NDArray[np.float64]:
 
 
 def _read_curve(found: NamedArrays) -> FlankCurve:
-    """The flank's curve: ascending, without gaps, from root to tip."""
+    """The flank curve: ascending, without gaps, from root to tip."""
     breaks = found.numbers("curve_breaks", None)
     if breaks.size < 2 or breaks[0] != 0.0 or (np.diff(breaks) <= 0.0).any():
         found.refuse("curve_breaks", "arc lengths that ascend from 0", "others")
@@ -207,7 +207,7 @@ def _read_curve(found: NamedArrays) -> FlankCurve:
 
 
 def _read_involute(found: NamedArrays) -> Involute | None:
-    """All that is known of the involute, or nothing."""
+    """The complete involute, or None."""
     if not any(name in found for name in INVOLUTE):
         return None
     values: dict[str, Any] = {}

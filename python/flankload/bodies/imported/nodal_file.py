@@ -1,6 +1,6 @@
-"""Compliance files of other programs: nodes of a flank and a matrix between them.
+"""Reading of compliance files of other programs: nodes of a flank and a matrix between them.
 
-`docs/guide/compliance_files.md` says what the matrix must mean.
+`docs/guide/compliance_files.md` defines the matrix.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ NAMES = (
     "teeth_stand",
 )
 
-#: A curve needs that many nodes.
+#: Least number of nodes for a curve.
 LEAST_POINTS = 6
-#: Neighbouring nodes in order do not turn by more than this (cosine): 60 degrees.
+#: Least cosine of the angle between neighbouring segments of ordered nodes: 60 degrees.
 LEAST_COSINE = 0.5
-#: Largest difference of the responses and those the other way round, relative (Frobenius norm).
+#: Largest asymmetry of the matrix (Betti), relative (Frobenius norm).
 LARGEST_ASYMMETRY = 0.01
 
 
@@ -60,13 +60,13 @@ def read_nodal(found: NamedArrays) -> Body:
     Returns
     -------
     Body
-        Stands as its points stand.
+        At the angle that its points have.
 
     Raises
     ------
     ComplianceFileError
-        If something is missing, has another shape, is not finite, stands out of order, or if the
-        matrix is no compliance: not symmetric, or it would give out work.
+        If an array is missing, has a wrong shape, is not finite or is out of order, or if the
+        matrix is not a compliance: not symmetric, or not positive definite.
     """
     found.check_names(*NAMES)
     teeth = found.integer("teeth", least=3, most=MOST_TEETH)
@@ -122,7 +122,7 @@ def read_nodal(found: NamedArrays) -> Body:
 
 
 def _note_of(given: NodalCompliance, points: int, teeth: int) -> str:
-    """What came in, and what was left out."""
+    """Note on the imported compliance and on what it does not contain."""
     note = (
         f"compliance of {points} nodes on {given.offsets.size} of {teeth} teeth from "
         f"{given.file.name}, asymmetry {given.asymmetry:.2g}"
@@ -168,7 +168,7 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
 
 
 def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
-    """Displaced teeth, the loaded one among them, each once."""
+    """Displaced teeth, including the loaded one, each once."""
     if "offsets" not in found:
         return np.zeros(1, dtype=np.int64)
     offsets = found.integers("offsets", None)
@@ -185,7 +185,7 @@ def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
 def _symmetric(
     found: NamedArrays, matrix: Floats, offsets: NDArray[np.int64], teeth: int
 ) -> tuple[Floats, float]:
-    """Mean of each response and the one the other way round (Betti), and how far they differ."""
+    """Mean of each response and the reciprocal one (Betti), and their relative difference."""
     row = {int(offset): k for k, offset in enumerate(offsets)}
     mirrored = np.stack(
         [
@@ -196,7 +196,7 @@ def _symmetric(
     differences = np.abs(matrix - mirrored)
     if not matrix.any():
         found.refuse("compliance", "a matrix that is not 0", "0")
-    # of all entries together: loads that spread over many nodes are what is taken from the matrix
+    # norm over all entries, since the matrix is used for loads that extend over many nodes
     asymmetry = float(np.linalg.norm(differences) / np.linalg.norm(matrix))
     if asymmetry > LARGEST_ASYMMETRY:
         k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
@@ -210,13 +210,13 @@ def _symmetric(
 
 
 def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
-    """Whatever loads its teeth, a body takes up work."""
+    """Check that the compliance of the whole body is positive definite."""
     whole = np.zeros((teeth, *given.matrix.shape[1:]))
     for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
         whole[offset] = block
         if -offset % teeth not in given.offsets:
             whole[-offset % teeth] = block.T
-    # equal teeth: a Fourier transform over them takes the matrix of the whole body apart
+    # equal teeth: a Fourier transform over the teeth decouples the matrix of the whole body
     waves = np.fft.fft(whole, axis=0)
     least = np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min(axis=1)
     if not least.min() > 0.0:

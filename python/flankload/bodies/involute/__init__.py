@@ -1,1 +1,1 @@
-"""Bodies with involute flanks: gears, rings, splines and their sector meshes."""
+"""Bodies with involute flanks (gears, rings, splines) and their sector meshes."""

@@ -1,4 +1,4 @@
-"""Bodies of kind "gear": an external spur gear, held at its bore."""
+"""Bodies of kind "gear": an external spur gear, fixed at its bore."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def build_gear(
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -37,7 +37,7 @@ def build_gear(
     Raises
     ------
     SceneError
-        If there is no such gear, or it cannot be meshed; names the key.
+        If the gear is impossible or cannot be meshed; names the key.
     """
     return outward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
 
@@ -49,7 +49,7 @@ def outward_body(
     flank_element_mm: float,
     flank_nodes_mm: float | None = None,
 ) -> Body:
-    """Build a body whose teeth stand outwards, held at its bore; see `build_gear`."""
+    """Build a body with external teeth, fixed at its bore; see `build_gear`."""
     profile = gear_profile(spec, key)
     bore_radius = 0.5 * spec.bore_diameter_mm
     if bore_radius >= profile.involute.root_radius_mm:

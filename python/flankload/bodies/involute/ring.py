@@ -1,4 +1,4 @@
-"""Bodies of kind "ring": an internal spur gear, held at the outside of its rim."""
+"""Bodies of kind "ring": an internal spur gear, fixed at the outside of its rim."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build_ring(
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -36,7 +36,7 @@ def build_ring(
     Raises
     ------
     SceneError
-        If there is no such ring, or it cannot be meshed; names the key.
+        If the ring is impossible or cannot be meshed; names the key.
     """
     return inward_body(spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm)
 
@@ -48,7 +48,7 @@ def inward_body(
     flank_element_mm: float,
     flank_nodes_mm: float | None = None,
 ) -> Body:
-    """Build a body whose teeth stand inwards, held at its rim; see `build_ring`."""
+    """Build a body with internal teeth, fixed at its rim; see `build_ring`."""
     profile = ring_profile(spec, key)
     outer_radius = 0.5 * spec.outer_diameter_mm
     mesh = None

@@ -1,8 +1,8 @@
-"""Structured sector mesh of a ring: the image of a gear's.
+"""Structured sector mesh of a ring: the image of a gear's mesh.
 
-In complex numbers w = R²/z turns a ring inside out: circles about the axis stay circles, angles
-stay angles, a tooth that stands inwards stands outwards. The mesh is made there, from the flank's
-image by the flank's own arc length, and its nodes are taken back.
+In complex numbers, w = R²/z turns a ring inside out: circles about the axis remain circles, angles
+are preserved, internal teeth become external. The mesh is made for the image of the flank, by the
+arc length of the original flank, and its nodes are mapped back.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class InvertedCurve:
-    """Image of a flank under w = R²/z, over the arc length of the flank itself.
+    """Image of a flank under w = R²/z, by the arc length of the original flank.
 
     Attributes
     ----------
     original : FlankCurve
-        With its tooth centred on the +x axis.
+        The flank, with its tooth centred on the +x axis.
     radius_mm : float
-        R.
+        Radius R of the inversion.
     """
 
     original: FlankCurve
@@ -43,20 +43,20 @@ class InvertedCurve:
 
     @property
     def length_mm(self) -> float:
-        """Arc length of the flank."""
+        """Arc length of the flank, mm."""
         return self.original.length_mm
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What each interval is."""
+        """Labels of the intervals."""
         return self.original.labels
 
     def range_of(self, *labels: str) -> tuple[float, float]:
-        """Arc lengths between which all intervals with one of the labels lie."""
+        """Range of arc length that contains all intervals with the labels."""
         return self.original.range_of(*labels)
 
     def point(self, s: ArrayLike) -> Floats:
-        """Places (m, 2) at arc lengths s (m,), mm."""
+        """Points (m, 2) at arc lengths s (m,), mm."""
         return inverted(self.original.point(s), self.radius_mm)
 
     def tangent(self, s: ArrayLike) -> Floats:
@@ -68,7 +68,7 @@ class InvertedCurve:
 
 @dataclass(frozen=True)
 class InvertedTooth:
-    """A ring's tooth turned inside out, as `tooth_mesh` asks for; lengths in mm.
+    """A ring's tooth turned inside out, in the form that `tooth_mesh` needs; lengths in mm.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class InvertedTooth:
     teeth : int
     mode_range_mm : (float, float)
     root_half_angle_rad : float
-        Polar angle, from the centre of the tooth, at which the fillet leaves the root circle.
+        Polar angle, from the centre of the tooth, at which the fillet meets the root circle.
     root_radius_mm, tip_radius_mm : float
     """
 
@@ -89,7 +89,7 @@ class InvertedTooth:
 
 
 def inverted(places: Floats, radius: float) -> Floats:
-    """R²/z of places (m, 2) as complex numbers; its own inverse."""
+    """R²/z for points (m, 2) as complex numbers; the map is its own inverse."""
     return _plane(radius**2 / _complex(places))
 
 
@@ -121,7 +121,7 @@ def ring_mesh(
     key : str
         Key of the body in the scene, for messages.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -135,7 +135,7 @@ def ring_mesh(
     """
     half_pitch = pi / profile.teeth
     involute = profile.involute
-    # sizes are true at the middle of the tooth
+    # this radius preserves sizes at the middle of the tooth
     radius = sqrt(involute.root_radius_mm * involute.tip_radius_mm)
     tooth = InvertedTooth(
         curve=InvertedCurve(profile.curve.rotated(-half_pitch), radius),

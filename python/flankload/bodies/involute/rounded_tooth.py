@@ -1,8 +1,9 @@
-"""A tooth with rounded tips in blocks: layers that run along its whole outline, around a core.
+"""Blocks of a tooth with rounded tips: layers along its whole outline around a core.
 
-A corner of a block on a smooth outline makes an element with an angle of 180 degrees there, whose
-Jacobian vanishes. So no block has a corner on a rounding by itself: the layers below the flank turn
-at the middle of the rounding and go on below the tip, and the corner of the core lies inside.
+A corner of a block on a smooth outline makes an element with an angle of 180 degrees, whose
+Jacobian vanishes. Therefore no block has a corner of its own on a rounding: the layers below the
+flank turn at the middle of the rounding and continue below the tip; the corner of the core is
+inside.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: The layers are at most this part of the half-width of the tip thick.
+#: Largest thickness of the layers relative to the half-width of the tip.
 LAYERS_PART = 0.6
 
 
@@ -39,18 +40,18 @@ def rounded_tooth(
     Parameters
     ----------
     mesh : BlockMesh
-        In which the blocks are put.
+        Mesh to which the blocks are added.
     curve : ToothCurve
-        Ends with the rounding, at the middle of which s_flank ends.
+        Curve that ends with the rounding; s_flank ends at the middle of the rounding.
     s_flank : (r,) array
         Arc lengths of the nodes along the flank.
     foot : (m, 2) array, (m,) array
-        Nodes across the foot of the tooth from the working flank to its image, and their parts of
-        the way.
+        Nodes across the foot of the tooth from the working flank to its mirror image, and their
+        relative positions.
     top : (m - 2 n, 2) array, (m - 2 n,) array
-        Nodes across the tip from one middle of a rounding to the other, and their parts of the way.
+        Nodes across the tip between the middles of the roundings, and their relative positions.
     n : int
-        Nodes across the layers after the first.
+        Number of nodes across the layers, without the first.
 
     Returns
     -------
@@ -99,10 +100,10 @@ def rounded_tooth(
 
 
 def _corner_of_core(curve: ToothCurve, middle: Floats, thick: float) -> Floats:
-    """Where the layers turn: as deep below the flank as below the tip.
+    """Point where the layers turn, at the same depth below the flank and below the tip.
 
-    The rounding turns by 2 b and has the radius r. Lines at depth d below flank and tip meet
-    r + (d - r) / cos b below its middle.
+    The rounding has the angle 2 b and the radius r. Lines at depth d below flank and tip intersect
+    at r + (d - r) / cos b below the middle of the rounding.
     """
     start, end = curve.range_of("tip_radius")
     (first, last), (begin, stop) = curve.tangent([start, end]), curve.point([start, end])
@@ -115,9 +116,9 @@ def _corner_of_core(curve: ToothCurve, middle: Floats, thick: float) -> Floats:
 
 
 def _inner_line(curve: ToothCurve, s: Floats, up: Floats, first: Floats, last: Floats) -> Floats:
-    """Inner edge of the layers (r, 2): the flank without its rounding, moved so that its ends fit.
+    """Inner edge of the layers (r, 2): the flank without its rounding, moved to fit both ends.
 
-    The way along the flank changes mostly near the tip, where the lines between layers lean.
+    The displacement changes mostly near the tip, where the lines between layers are inclined.
     """
     start = curve.range_of("tip_radius")[0]
     straight = curve.point(np.minimum(s, start))

@@ -1,4 +1,4 @@
-"""Where the elements of a gear's sector end: along profile, across tooth, down to the bore."""
+"""Boundaries of the elements of a gear's sector: along profile, across tooth, to the bore."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Angle of the fillet's tangent to the tooth's centre line at the split point.
+#: Angle between the fillet's tangent and the tooth's centre line at the split point.
 SPLIT_ANGLE = radians(50.0)
 
 #: Largest ratio of neighbouring elements.
 GROWTH = 1.4
 
-#: Lengths relative to the wanted flank element: along the fillet, first layer below the flank,
+#: Element lengths relative to the flank element: along the fillet, first layer below the flank,
 #: largest inside the tooth, first row below the root. Measured on the FZG type C pinion with
-#: elements of 1 mm: a first layer of 0.5, 0.35, 0.25 leaves 2.0e-4, 1.1e-4, 0.9e-4 in the
-#: compliance of even pressure; finer fillets, rows and inner elements change it by at most 0.6e-4.
+#: elements of 1 mm: first layers of 0.5, 0.35, 0.25 leave errors of 2.0e-4, 1.1e-4, 0.9e-4 in the
+#: compliance for even pressure; finer fillets, rows and inner elements change it by 0.6e-4 at most.
 FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 
 #: Largest turn of the profile within one element of the fillet.
 LARGEST_TURN = radians(25.0)
 
-#: Rows of the rim are at most this part of their radius high (or one pitch, where that is more).
+#: Largest height of the rim's rows relative to their radius (or one pitch in rad, if larger).
 ROW_PART = 0.35
 
 
 class ToothCurve(Protocol):
-    """What a mesh asks of a flank: a `FlankCurve`, or its image."""
+    """Methods of a flank curve that a mesh needs: a `FlankCurve` or its image."""
 
     @property
     def length_mm(self) -> float: ...
@@ -49,7 +49,7 @@ class ToothCurve(Protocol):
 
 
 class ToothForm(Protocol):
-    """What a mesh asks of a tooth that stands outwards on the +x axis; lengths in mm."""
+    """Attributes that a mesh needs of an external tooth on the +x axis; lengths in mm."""
 
     @property
     def curve(self) -> ToothCurve: ...
@@ -67,16 +67,16 @@ class ToothForm(Protocol):
 
 @dataclass(frozen=True)
 class SectorBreaks:
-    """Arc lengths and parts at which elements end.
+    """Arc lengths and relative positions of element boundaries.
 
     Attributes
     ----------
     low : from the root circle to the split point, along the curve
     flank : from the split point to the block's corner at the tip
-    tip : from there to the end of the curve (rounding or chamfer); one value where there is none
-    columns : parts of the way across the tooth, even in number
-    rows : parts of the way from the split point down to the bore
-    layers : elements across the layers below flank and tip; 0 where the tip is not rounded
+    tip : from there to the end of the curve (rounding or chamfer); one value if there is none
+    columns : relative positions across the tooth, even in number
+    rows : relative positions from the split point down to the bore
+    layers : number of elements across the layers below flank and tip; 0 if the tip is not rounded
     """
 
     low: Floats
@@ -90,7 +90,7 @@ class SectorBreaks:
 def sector_breaks(
     profile: ToothForm, bore_radius: float, h: float, on_flank: float | None = None
 ) -> SectorBreaks:
-    """Breaks for flank elements no longer than h.
+    """Boundaries for flank elements no longer than h.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def sector_breaks(
     h : float
         mm.
     on_flank : float, optional
-        Another length along the flank, mm; all other elements then keep theirs.
+        A different length along the flank, mm; all other elements keep theirs.
 
     Returns
     -------
@@ -146,9 +146,9 @@ def sector_breaks(
 
 
 def _layered(columns: Floats, rounding: float) -> tuple[Floats, int]:
-    """Columns, and how many of them are layers along the outline: as thick as a rounding is long.
+    """Columns, and the number of layers along the outline, as thick as a rounding is long.
 
-    At least two columns are left on each half of the core: one for the rounding, one for the land.
+    At least two columns remain on each half of the core: one for the rounding, one for the land.
     """
     half = columns[: columns.size // 2 + 1]
     layers = max(1, int(np.searchsorted(half, 0.5 * rounding)))
@@ -165,7 +165,7 @@ def slants(curve: ToothCurve, s: Floats) -> Floats:
 
 
 def _split_point(curve: ToothCurve, form: float) -> float:
-    """Arc length at which the fillet leans by the split angle, kept off the ends of the fillet."""
+    """Arc length at which the fillet has the split angle, away from the ends of the fillet."""
     s = np.linspace(0.0, form, 400)
     slant = slants(curve, s)
     low, high = np.interp([0.25, 0.75], [0.0, 1.0], [slant.min(), slant[0]])
@@ -182,10 +182,10 @@ def _tip_corner(curve: ToothCurve) -> tuple[float, float]:
 
 
 def _turned_breaks(curve: ToothCurve, start: float, end: float, largest: float) -> Floats:
-    """Breaks between two places: none longer than `largest`, none that turns too much."""
+    """Boundaries between two arc lengths: no element longer than `largest` or turning too much."""
     s = np.linspace(start, end, 200)
     turn = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(slants(curve, s))))])
-    # equal parts of a mean of length and turn, so that both bounds hold about evenly
+    # equal parts of a sum of length and turn, so that both limits are about equally effective
     measure = (s - start) / largest + turn / LARGEST_TURN
     longest = max((end - start) / largest, turn[-1] / LARGEST_TURN)
     count = max(1, round_up(longest))

@@ -1,9 +1,9 @@
 """Structured sector mesh of a gear: quadratic quadrilaterals in four blocks.
 
-The tooth stands on a line that sags between the two fillets; below it a middle block and, under the
-lower fillets and root arcs, two side blocks go down to the bore in common rows. On each fillet
-three blocks meet at the split point, where the fillet has turned halfway. A tooth with rounded tips
-has blocks of its own (`rounded_tooth`). Both halves are mirror images.
+The tooth block ends at a line that sags between the two fillets. Below it is a middle block; below
+the lower fillets and root arcs are two side blocks; all extend to the bore in common rows. On each
+fillet three blocks meet at the split point, where the fillet has turned halfway. A tooth with
+rounded tips has its own blocks (`rounded_tooth`). The two halves are mirror images.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     T = TypeVar("T", np.int64, np.float64)
 
-#: The foot of the tooth sags at most by this part of the rim's height.
+#: Largest sag of the tooth's foot relative to the height of the rim.
 SAG_PART = 0.35
 
 
@@ -47,7 +47,7 @@ def sector_mesh(
     Parameters
     ----------
     profile : GearProfile
-        With its tooth on the +x axis.
+        Profile with its tooth on the +x axis.
     bore_radius_mm : float
         Radius of the bore, smaller than the root circle.
     flank_element_mm : float
@@ -55,7 +55,7 @@ def sector_mesh(
     key : str
         Key of the body in the scene, for messages.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -101,7 +101,7 @@ def tooth_mesh(
     flank_element_mm: float,
     flank_nodes_mm: float | None = None,
 ) -> SectorMesh:
-    """Mesh of a tooth that stands outwards on the +x axis, its elements not yet checked.
+    """Mesh of an external tooth on the +x axis; its elements are not checked.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def tooth_mesh(
     flank_element_mm : float
         Largest length of an element along the flank.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -137,8 +137,8 @@ def tooth_mesh(
     top, top_parts = _tip_line(curve, s_tip, tip_radius, inside)
     shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
 
-    # Left to right means from the working flank (positive angle) through the tooth to its mirror
-    # image when looking up the tooth: rows go up, columns go from negative to positive y reversed.
+    # Looking towards the tip, left to right means from the working flank (positive angle) through
+    # the tooth to its mirror image: rows go up, columns go from positive to negative y.
     mesh = BlockMesh()
     if n:
         on_flank, on_top, on_foot = rounded_tooth(
@@ -213,13 +213,13 @@ def _arc(radius: float, angles: Floats) -> Floats:
 def _sagging_line(
     curve: ToothCurve, s_split: float, angle: float, columns: Floats, bore_radius: float
 ) -> Floats:
-    """Foot of the tooth, from split point to mirror image: a cubic that sags into the rim."""
+    """Foot of the tooth from split point to mirror image: a cubic that sags into the rim."""
     start = curve.point([s_split])[0]
     slant = float(slants(curve, np.array([s_split]))[0])
     # tooth and middle block share the angle between the profile and the ray to the bore
     lean = 0.5 * (slant + pi - angle)
     width = 2 * start[1]
-    # a thin rim must not be cut through: the middle of the line falls by width * fall / 4
+    # the line must not cross a thin rim: its middle falls by width * fall / 4
     radius = float(np.hypot(*start))
     deepest = start[0] - radius + SAG_PART * (radius - bore_radius)
     fall = max(min(-cos(lean), 4 * deepest / width), -0.9)
@@ -234,7 +234,7 @@ def _sagging_line(
 def _tip_line(
     curve: ToothCurve, s_tip: Floats, tip_radius: float, columns: Floats
 ) -> tuple[Floats, Floats]:
-    """Upper edge of the tooth block from the working side to its mirror image, and its parts."""
+    """Upper edge of the tooth block from working side to mirror image, and relative positions."""
     end = curve.point([curve.length_mm])[0]
     half_angle = atan2(end[1], end[0])
     length = curve.length_mm - s_tip[0] + tip_radius * half_angle
@@ -259,7 +259,7 @@ def _tip_line(
 
 
 def _root_line(profile: ToothForm, low: Floats) -> tuple[Floats, Floats]:
-    """Upper edge of a side block from the cut along the root arc to the split point; its parts."""
+    """Upper edge of a side block from the cut to the split point, and relative positions."""
     radius = profile.root_radius_mm
     start = profile.root_half_angle_rad
     root = radius * (pi / profile.teeth - start)

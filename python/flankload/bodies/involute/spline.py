@@ -1,4 +1,4 @@
-"""Bodies of kinds "spline_shaft" and "spline_hub": a stubby gear, and a ring around it."""
+"""Bodies of kinds "spline_shaft" and "spline_hub": a gear with short teeth and a ring around it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def build_spline_shaft(
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, where forces at nodes need finer elements there than
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
 
     Returns
@@ -41,7 +41,7 @@ def build_spline_shaft(
     Raises
     ------
     SceneError
-        If there is no such shaft, or it cannot be meshed; names the key.
+        If the shaft is impossible or cannot be meshed; names the key.
     """
     _check_root(spec, key)
     return _by_pitch_radius(
@@ -65,13 +65,13 @@ def build_spline_hub(
 
 
 def _by_pitch_radius(body: Body) -> Body:
-    """The body with transmission errors counted on its pitch circle."""
+    """The body with transmission errors measured on its pitch circle."""
     assert body.involute is not None
     return replace(body, reference_radius_mm=body.involute.reference_radius_mm)
 
 
 def _check_root(spec: SplineShaft, key: str) -> None:
-    """The rack that cuts this root circle has a depth, and a land at its tip."""
+    """Check that the rack for the root circle has a positive depth and a land at its tip."""
     pitch_diameter = spec.teeth * spec.module_mm
     deepest = 0.25 * pi / tan(radians(spec.pressure_angle_deg))
     largest = pitch_diameter + 2 * spec.profile_shift * spec.module_mm

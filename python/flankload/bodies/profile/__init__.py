@@ -1,1 +1,1 @@
-"""Profiles of involute teeth, outwards and inwards: curves, radii and angles, no elements."""
+"""Profiles of external and internal involute teeth: curves, radii and angles, without elements."""

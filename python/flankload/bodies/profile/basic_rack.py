@@ -1,13 +1,13 @@
 """The basic rack (DIN 867, ISO 53) and the root fillet that it generates (DIN 3960).
 
-Rack coordinates: xi from the gear's reference circle outwards, eta along its tangent from the
-centre of the gear's tooth. At the roll phi a place (xi, eta) of the rack stands in the frame
-of the gear at
+Rack coordinates: xi outwards from the gear's reference circle, eta along its tangent from the
+centre of the gear's tooth. At the roll angle phi, a point (xi, eta) of the rack in the frame of the
+gear is
 
     P = (r + xi) e_r(phi) + (eta - r phi) e_theta(phi).
 
-The normal at a place of contact passes through the pitch point (0, r phi): the tip rounding, seen
-along its normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
+The normal at a contact point passes through the pitch point (0, r phi): the tip rounding, at its
+normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BasicRack:
-    """The rounded tip of the generating rack, where it stands against one gear.
+    """The rounded tip of the generating rack in its position relative to one gear.
 
     Attributes
     ----------
     reference_radius_mm : float
-        r, the circle that rolls on the rack's pitch line.
+        r, radius of the circle that rolls on the rack's pitch line.
     pressure_angle_rad : float
     center_mm : (float, float)
         Centre (xi_c, eta_c) of the tip rounding.
@@ -48,7 +48,7 @@ class BasicRack:
 
     @property
     def root_radius_mm(self) -> float:
-        """Root circle of the gear."""
+        """Radius of the gear's root circle, mm."""
         return self.reference_radius_mm + self.center_mm[0] - self.tip_radius_mm
 
     @property
@@ -57,20 +57,20 @@ class BasicRack:
         return self.center_mm[1] / self.reference_radius_mm
 
     def roll_of_form_point(self, base_half_angle_rad: float) -> float:
-        """Roll parameter of the involute where fillet and involute touch; negative: undercut."""
+        """Roll parameter of the involute where the fillet touches it; negative: undercut."""
         angle = self.pressure_angle_rad
         phi = (self.center_mm[1] - self.center_mm[0] / tan(angle)) / self.reference_radius_mm
         return base_half_angle_rad + angle - phi
 
     def slope(self, beta: Floats) -> Floats:
-        """Length of the fillet per beta, mm/rad; the fillet has a cusp where it is not positive."""
+        """Length of the fillet per beta, mm/rad; the fillet has a cusp if it is not positive."""
         xi, _ = self.center_mm
         sine = np.sin(beta)
         r, rho = self.reference_radius_mm, self.tip_radius_mm
         return xi**2 / (r * sine**3) + rho - rho * xi / (r * sine**2)
 
     def fillet(self, beta: Floats) -> tuple[Floats, Floats, Floats]:
-        """Places (m, 2) of the fillet at beta (m,), mm, and their first two derivatives.
+        """Points (m, 2) of the fillet at beta (m,), mm, and their first two derivatives.
 
         beta runs from pi/2 (root circle) to the pressure angle (start of the involute).
         """
@@ -109,7 +109,7 @@ def basic_rack(
     Parameters
     ----------
     teeth, module_mm, pressure_angle_rad, profile_shift, dedendum_factor, fillet_radius_factor
-        Of gear and rack.
+        Geometry of gear and rack.
     key : str
         Key of the body in the scene, for messages.
 
@@ -120,7 +120,7 @@ def basic_rack(
     Raises
     ------
     SceneError
-        If the rack is pointed, its rounding does not fit, or it leaves no gear.
+        If the rack is pointed, its rounding does not fit, or no gear remains.
     """
     slant = tan(pressure_angle_rad)
     room = 0.25 * pi - dedendum_factor * slant

@@ -1,6 +1,6 @@
 """The profile of a gear: generated root fillet, involute with its modifications, tip.
 
-The tooth's centre line is the body's +x axis; the working flank stands at positive polar angle.
+The tooth's centre line is the body's +x axis; the working flank is at positive polar angles.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: An involute begins at this roll at the least: on the base circle its curvature is infinite.
-#: The piece left out is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
+#: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
+#: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
 LEAST_ROLL = 3e-6
 
 
@@ -53,10 +53,10 @@ class GearProfile:
         Radii and angles.
     teeth : int
     mode_range_mm : (float, float)
-        Arc lengths of the active flank, where pressure modes live; neither fillet nor tip rounding,
-        where the normal turns away and few modes would not follow it.
+        Arc lengths of the active flank, on which pressure modes are defined; without fillet and
+        tip rounding, where the normal turns and few modes could not represent the pressure.
     root_half_angle_rad : float
-        Polar angle at which the fillet leaves the root circle.
+        Polar angle at which the fillet meets the root circle.
     """
 
     curve: FlankCurve
@@ -67,16 +67,16 @@ class GearProfile:
 
     @property
     def root_radius_mm(self) -> float:
-        """Radius of the root circle."""
+        """Radius of the root circle, mm."""
         return self.involute.root_radius_mm
 
     @property
     def tip_radius_mm(self) -> float:
-        """Radius of the tip circle."""
+        """Radius of the tip circle, mm."""
         return self.involute.tip_radius_mm
 
     def rotated(self, angle: float) -> GearProfile:
-        """Return the same profile turned counter-clockwise about the axis by an angle in rad."""
+        """Return the profile rotated counter-clockwise about the axis by an angle in rad."""
         turn = self.involute.turn_rad + angle
         return replace(
             self, curve=self.curve.rotated(angle), involute=replace(self.involute, turn_rad=turn)
@@ -117,7 +117,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     key : str
         Dotted path of these keys in the scene, for messages.
     teeth : int, optional
-        Number of teeth; absent: `spec.teeth`.
+        Number of teeth; default: `spec.teeth`.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     Raises
     ------
     SceneError
-        If there is no such gear; names the key.
+        If the gear is impossible; names the key.
     """
     z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
     if z < 3:
@@ -171,7 +171,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
 
 
 def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
-    """Where the fillet ends: it touches the involute there, or cuts it (undercut)."""
+    """End of the fillet: it touches the involute there, or cuts it (undercut)."""
     angle = rack.pressure_angle_rad
     roll = rack.roll_of_form_point(flank.base_half_angle_rad)
     if roll > -LEAST_ROLL:
@@ -205,7 +205,7 @@ def _fillet_piece(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> Cu
 def _check_tooth(
     involute: Involute, rack: BasicRack, start: FormPoint, spec: GearGeometry, key: str
 ) -> None:
-    """The tooth has a flank, is not pointed, and the fillet leaves it a foot."""
+    """Check that the tooth has a flank and a foot and is not pointed."""
     if involute.base_half_angle_rad <= 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",

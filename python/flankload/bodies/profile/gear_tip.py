@@ -1,6 +1,6 @@
 """A flank from the form circle to the tip: modifications, tip rounding or chamfer.
 
-The same for the teeth of gears and of rings: `Involute.outward` says on which side the tip lies.
+Used for the teeth of gears and of rings; `Involute.outward` gives the side of the tip.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class FlankGeometry(Protocol):
-    """Keys of an involute profile that do not speak of its root, as in the scene."""
+    """Keys of an involute profile without those of its root, as in the scene."""
 
     @property
     def module_mm(self) -> float: ...
@@ -57,16 +57,16 @@ class GearGeometry(FlankGeometry, Protocol):
 
 
 class FormPoint(NamedTuple):
-    """Where fillet and involute meet.
+    """Point where fillet and involute meet.
 
     Attributes
     ----------
     roll : float
-        Roll of the involute.
+        Roll parameter of the involute.
     beta : float
-        Where the fillet ends: angle of the rack's tip rounding, or of the arc in a ring.
+        End of the fillet: angle of the rack's tip rounding, or of the arc in a ring.
     undercut : bool
-        They cross in a corner instead of touching.
+        Fillet and involute cross in a corner instead of touching.
     """
 
     roll: float
@@ -77,12 +77,12 @@ class FormPoint(NamedTuple):
 def modifications_of(
     spec: FlankGeometry, involute: Involute, form_roll: float, key: str
 ) -> Modifications:
-    """Modifications that a profile asks for, checked.
+    """Modifications of a profile, checked.
 
     Raises
     ------
     SceneError
-        If the relief begins outside the flank, or more metal is taken off than there is involute.
+        If the relief begins outside the flank, or more material is removed than the involute has.
     """
     tip_roll = involute.roll_at(involute.tip_radius_mm)
     relief = (spec.tip_relief_um or 0.0) / 1000.0
@@ -156,7 +156,7 @@ def flank_and_tip(
     kink = flank.modifications.relief_start
     relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
     first_end = kink if relieved else end
-    # at the kink itself the flank has its own slope, not yet that of the relief
+    # at the kink itself the flank has the slope of the unrelieved part
     plain = replace(flank, modifications=replace(flank.modifications, tip_relief_mm=0.0))
     pieces = [CurvePiece("flank", plain.place, start.roll, first_end, start.undercut)]
     if relieved:
@@ -166,21 +166,21 @@ def flank_and_tip(
 
 
 def following_fillet(place: Place, start: float, end: float, moved: Floats) -> Place:
-    """The fillet where crowning has moved the start of the flank: it goes along smoothly.
+    """The fillet, adapted smoothly to a flank whose start is moved by crowning.
 
     Parameters
     ----------
     place : callable
-        The fillet that the plain involute has.
+        Fillet of the unmodified involute.
     start, end : float
-        Its parameter on the root circle and at the flank.
+        Parameter of the fillet on the root circle and at the flank.
     moved : (2,) array
-        By how much the flank's start has moved, mm.
+        Displacement of the flank's start, mm.
 
     Returns
     -------
     callable
-        The fillet with the same start and tangents at both ends.
+        Fillet with the same start and the same tangents at both ends.
     """
     span = end - start
 
@@ -197,7 +197,7 @@ def following_fillet(place: Place, start: float, end: float, moved: Floats) -> P
 
 
 def _inside_tooth(place: Floats, involute: Involute) -> bool:
-    """Whether a place on the working side has not passed the centre line of its tooth."""
+    """Whether a point on the working side is before the centre line of its tooth."""
     angle = atan2(place[1], place[0]) - involute.tooth_center_rad
     return involute.outward * angle > 0.0
 
@@ -205,14 +205,14 @@ def _inside_tooth(place: Floats, involute: Involute) -> bool:
 def _tip_rounding(
     flank: InvoluteFlank, involute: Involute, start: FormPoint, radius: float, key: str
 ) -> tuple[float, CurvePiece]:
-    """The arc that touches flank and tip circle: roll at which it leaves the flank, and the arc."""
+    """Arc that touches flank and tip circle, and the roll parameter where it leaves the flank."""
     tip_radius, outward = involute.tip_radius_mm, involute.outward
 
     def center(roll: float, rounding: float) -> Floats:
         return flank.point(roll) - outward * rounding * flank.normal(roll)
 
     def touching(rounding: float) -> float:
-        """Roll at which an arc of that radius touches both; NaN where there is none."""
+        """Roll parameter at which an arc of that radius touches both; NaN if there is none."""
 
         def beyond(roll: float) -> float:
             distance = float(np.linalg.norm(center(roll, rounding)))
@@ -251,9 +251,10 @@ def _tip_rounding(
 def _tip_chamfer(
     flank: InvoluteFlank, involute: Involute, height: float, key: str
 ) -> tuple[float, CurvePiece]:
-    """The chamfer: from the flank, that height below the tip circle, straight to the tip circle.
+    """Straight chamfer from the flank at `height` below the tip circle to the tip circle.
 
-    Its direction halves the angle between flank and tip circle (45 degrees where that is right).
+    Its direction bisects the angle between flank and tip circle (45 degrees if that is a right
+    angle).
     """
     tip_radius, outward = involute.tip_radius_mm, involute.outward
     low = tip_radius - outward * height

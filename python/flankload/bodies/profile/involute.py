@@ -1,13 +1,13 @@
-"""An involute flank, its angles (DIN 3960) and its modifications normal to itself.
+"""An involute flank, its angles (DIN 3960) and its modifications normal to the involute.
 
-With base radius r_b, half the tooth's angle at the base circle th0 and the roll parameter t,
+With the base radius r_b, half the tooth angle at the base circle th0 and the roll parameter t,
 
     P(t) = r_b e_r(th0 - t) + (r_b t - delta(t)) e_theta(th0 - t),
 
-delta being the metal that is taken off along the normal of the involute, e_theta(th0 - t).
+where delta is the material removed along the normal of the involute, e_theta(th0 - t).
 
-The flank of a ring bounds a space that has the form of such a tooth: th0 is half the angle of the
-space, the material lies beyond, and metal taken off counts as a negative delta.
+The flank of a ring bounds a space that has the shape of such a tooth: th0 is half the angle of the
+space, the material is outside it, and material removed counts as a negative delta.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 
 def involute_function(angle: float) -> float:
-    """Inv(angle) = tan(angle) - angle, rad."""
+    """Involute function: inv(angle) = tan(angle) - angle, rad."""
     return tan(angle) - angle
 
 
 def roll_of_involute_angle(value: float) -> float:
-    """The roll parameter t >= 0 with t - atan(t) = value (the inverse of the involute function)."""
+    """Roll parameter t >= 0 with t - atan(t) = value (inverse of the involute function)."""
     roll = (3.0 * value) ** (1.0 / 3.0) if value < 1.8 else value + 1.5
     for _ in range(60):
         if roll == 0.0:
             return 0.0
-        # Newton: d/dt (t - atan t) = t²/(1 + t²)
+        # Newton's method: d/dt (t - atan t) = t²/(1 + t²)
         step = (roll - atan(roll) - value) * (1.0 + roll**2) / roll**2
         roll -= step
         if abs(step) <= 1e-15 * roll:
@@ -51,16 +51,16 @@ class Involute:
     ----------
     base_radius_mm, reference_radius_mm, root_radius_mm, tip_radius_mm : float
     form_radius_mm : float
-        Where the involute begins, above the root fillet.
+        Radius at which the involute begins, above the root fillet.
     base_half_angle_rad : float
-        Half the angle, at the base circle, of what both involutes enclose: a tooth, or the space of
+        Half the angle between the two involutes at the base circle: of a tooth, or of the space of
         a ring.
     turn_rad : float
-        Polar angle of its centre line in the frame of the body.
+        Polar angle of the centre line of tooth or space in the frame of the body.
     outward : int
-        1: from root to tip the radius grows; -1: it falls, as in a ring.
+        1: the radius increases from root to tip; -1: it decreases, as in a ring.
     tooth_center_rad : float
-        Angle from that centre line to the centre of the tooth: 0, or half a pitch in a ring.
+        Angle from that centre line to the centre of the tooth: 0, or half a pitch for a ring.
     """
 
     base_radius_mm: float
@@ -78,12 +78,12 @@ class Involute:
         return sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
 
     def half_angle_at(self, radius_mm: float) -> float:
-        """Half the angle between the involutes at a radius, rad; negative beyond their point."""
+        """Half the angle between the involutes at a radius, rad; negative beyond their crossing."""
         roll = self.roll_at(radius_mm)
         return self.base_half_angle_rad - roll + atan(roll)
 
     def tooth_half_angle_at(self, radius_mm: float) -> float:
-        """Half the angle of a tooth at a radius, rad; negative beyond the point of the tooth."""
+        """Half the angle of a tooth at a radius, rad; negative beyond the tooth's pointed tip."""
         return self.outward * (self.half_angle_at(radius_mm) - self.tooth_center_rad)
 
     def polar_angle_at(self, radius_mm: float) -> float:
@@ -93,21 +93,21 @@ class Involute:
 
 @dataclass(frozen=True)
 class Modifications:
-    """Metal taken off along the normal of the involute, over the roll parameter.
+    """Material removed along the normal of the involute, as a function of the roll parameter.
 
     Attributes
     ----------
     tip_relief_mm : float
-        At the tip circle; negative in a ring, whose material lies on the other side.
+        Amount at the tip circle; negative for a ring, whose material is on the other side.
     relief_start : float
-        Roll at which the relief begins.
+        Roll parameter at which the relief begins.
     relief_power : int
-        1: linear in the roll; 2: parabolic.
+        1: linear in the roll parameter; 2: parabolic.
     crowning_mm : float
-        Parabola over the roll, 0 in the middle of the flank, this much at both ends; negative in a
-        ring.
+        Parabola over the roll parameter: 0 in the middle of the flank, this amount at both ends;
+        negative for a ring.
     roll_form, roll_tip : float
-        Ends of the flank: form circle and tip circle.
+        Roll parameters at the ends of the flank: form circle and tip circle.
     """
 
     tip_relief_mm: float
@@ -119,11 +119,11 @@ class Modifications:
 
     @classmethod
     def none(cls) -> Modifications:
-        """No metal taken off."""
+        """No material removed."""
         return cls(0.0, 0.0, 1, 0.0, 0.0, 1.0)
 
     def at(self, roll: Floats) -> tuple[Floats, Floats, Floats]:
-        """Metal taken off at rolls (m,), mm, and its first two derivatives by the roll."""
+        """Material removed at roll parameters (m,), mm, and its first two derivatives."""
         half = 0.5 * (self.roll_tip - self.roll_form)
         x = (roll - 0.5 * (self.roll_tip + self.roll_form)) / half
         off = self.crowning_mm * x**2
@@ -155,7 +155,7 @@ class InvoluteFlank:
     modifications: Modifications
 
     def place(self, roll: Floats) -> tuple[Floats, Floats, Floats]:
-        """Places (m, 2) at rolls (m,), mm, and their first two derivatives by the roll."""
+        """Points (m, 2) at roll parameters (m,), mm, and their first two derivatives."""
         roll = np.atleast_1d(np.asarray(roll, dtype=float))
         off, first, second = (part[:, None] for part in self.modifications.at(roll))
         angle = self.base_half_angle_rad - roll
@@ -171,17 +171,17 @@ class InvoluteFlank:
         )
 
     def normal(self, roll: float) -> Floats:
-        """Unit normal (2,) at a roll, away from what both involutes enclose."""
+        """Unit normal (2,) at a roll parameter, pointing out of the tooth, or space, of th0."""
         _, first, _ = self.place(np.array([roll]))
         tangent = first[0] / np.linalg.norm(first[0])
         return np.array([-tangent[1], tangent[0]])
 
     def point(self, roll: float) -> Floats:
-        """Place (2,) at a roll, mm."""
+        """Point (2,) at a roll parameter, mm."""
         return self.place(np.array([roll]))[0][0]
 
     def roll_at(self, radius_mm: float) -> float:
-        """Roll at a distance from the axis that is not below the base circle."""
+        """Roll parameter at a distance from the axis, which is not below the base circle."""
         reach = sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
         roll = reach
         for _ in range(60):
@@ -193,6 +193,6 @@ class InvoluteFlank:
         return roll
 
     def polar_angle_at(self, radius_mm: float) -> float:
-        """Polar angle at a distance from the axis, from the centre line, rad."""
+        """Polar angle from the centre line at a distance from the axis, rad."""
         place = self.point(self.roll_at(radius_mm))
         return atan2(place[1], place[0])

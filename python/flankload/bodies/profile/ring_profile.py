@@ -1,7 +1,7 @@
 """The profile of a ring (internal gear): root fillet, involute of its space, tip.
 
-The centre line of a space is the body's +x axis; the working flank stands at positive polar angle,
-its material beyond it, and belongs to the tooth that is centred half a pitch further on.
+The centre line of a space is the body's +x axis. The working flank is at positive polar angles,
+with its material beyond it; it belongs to the tooth that is centred at half a pitch.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: The largest fillet is taken this much smaller, so that rounding leaves it on its side.
+#: Factor on the largest fillet radius, so that rounding errors leave the arc on its side.
 FULL = 1.0 - 1e-12
 
 
@@ -56,10 +56,10 @@ class RootArc(NamedTuple):
     ----------
     radius_mm : float
     roll : float
-        Roll of the involute where it touches.
+        Roll parameter of the involute at the point of tangency.
     center_mm : (2,) array
     center_angle_rad : float
-        Polar angle of its centre, and of its place on the root circle.
+        Polar angle of the arc's centre, and of its point on the root circle.
     """
 
     radius_mm: float
@@ -75,14 +75,14 @@ class RingProfile:
     Attributes
     ----------
     curve : FlankCurve
-        The working flank: fillet from the root circle, flank, tip; its radius falls.
+        The working flank: fillet from the root circle, flank, tip; its radius decreases.
     involute : Involute
         Radii and angles.
     teeth : int
     mode_range_mm : (float, float)
-        Arc lengths of the active flank, where pressure modes live.
+        Arc lengths of the active flank, on which pressure modes are defined.
     root_half_angle_rad : float
-        Polar angle at which the fillet leaves the root circle.
+        Polar angle at which the fillet meets the root circle.
     """
 
     curve: FlankCurve
@@ -131,7 +131,7 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     Raises
     ------
     SceneError
-        If there is no such ring; names the key.
+        If the ring is impossible; names the key.
     """
     z, pressure_angle = spec.teeth, radians(spec.pressure_angle_deg)
     reference_radius = 0.5 * z * spec.module_mm
@@ -179,7 +179,7 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
 
 
 def _check_circles(involute: Involute, spec: RingGeometry, key: str) -> None:
-    """The involute reaches from tip to root circle, and neither space nor tooth is pointed."""
+    """Check that the involute reaches from tip to root circle, with no pointed space or tooth."""
     base, pitch = involute.base_radius_mm, 2 * pi / spec.teeth
     if involute.tip_radius_mm <= base:
         raise SceneError(
@@ -211,12 +211,12 @@ def _check_circles(involute: Involute, spec: RingGeometry, key: str) -> None:
 
 
 def _diameter_at(involute: Involute, involute_angle: float) -> float:
-    """Diameter at which the polar angle of the involute has fallen by an angle since its base."""
+    """Diameter at which the polar angle of the involute is reduced by an angle from its base."""
     return 2 * involute.base_radius_mm * hypot(1.0, roll_of_involute_angle(involute_angle))
 
 
 def _touching_arc(involute: Involute, radius: float) -> RootArc:
-    """The arc of that radius; its centre lies r_b t - radius along the normal of the involute."""
+    """Arc of the given radius; its centre is at r_b t - radius along the normal of the involute."""
     base = involute.base_radius_mm
     along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
     roll = (along + radius) / base
@@ -230,7 +230,7 @@ def _direction(angle: float) -> Floats:
 
 
 def _root_arc(involute: Involute, spec: RingGeometry, key: str) -> RootArc:
-    """The arc that a ring asks for, or the largest, which stands in the middle of the space."""
+    """The arc of the given radius, or the largest arc, centred in the middle of the space."""
     room = (involute.root_radius_mm - involute.base_radius_mm) * FULL
     largest = room
 

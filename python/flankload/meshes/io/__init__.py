@@ -1,8 +1,8 @@
-"""Mesh files, in and out: the only room that knows file formats and meshio.
+"""Reading and writing of mesh files; the only package that uses file formats and meshio.
 
-gmsh's .msh and Abaqus' .inp have readers of their own, since meshio loses parts of both (groups of
-entities that are in several, unnamed groups; plane element types, sets on the keyword line,
-surfaces). Everything else (.vtu and its kin) is read with meshio.
+gmsh's .msh and Abaqus' .inp have their own readers, since meshio loses parts of both formats
+(entities in several groups, unnamed groups; plane element types, sets on the keyword line,
+surfaces). All other formats (.vtu and others) are read with meshio.
 """
 
 from flankload.meshes.io.parts import PLANE_CELLS, RawMesh

@@ -1,7 +1,8 @@
-"""Abaqus' and CalculiX' .inp: nodes, plane elements, sets, surfaces and the names of materials.
+"""Reading of Abaqus' and CalculiX' .inp: nodes, plane elements, sets, surfaces, material names.
 
-Keywords and names count without regard to case. What makes nodes or elements elsewhere (included
-files, generation, several parts) is refused by its line; steps, loads and the like are skipped.
+Keywords and names are case-insensitive. A keyword that would create nodes or elements in another
+way (included files, generation, several parts) is refused with its line; steps, loads and other
+keywords are skipped.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: Nodes → meshio's name, of plane elements.
+#: Number of nodes → meshio's name, for plane elements.
 PLANE_OF = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
-#: Elements that carry names only: their nodes.
+#: Number of nodes of elements that only carry names.
 LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
-#: Corners of the edges S1, S2, … of plane elements; the middle node of edge k is node corners + k.
+#: Number of corners, hence of edges S1, S2, …; the middle node of edge k is node corners + k.
 EDGE_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4}
-#: Generated sets that are longer are taken for garbage.
+#: Longest credible generated set; longer ones come from a damaged file.
 LONGEST_RANGE = 10**7
 #: Keywords that would add nodes or elements.
 REFUSED = {
@@ -53,7 +54,7 @@ def read_abaqus(path: Path) -> FileMesh:
     Raises
     ------
     BadFile
-        If it has no mesh, or one that this reader would get wrong; names the line.
+        If it has no mesh, or one that this reader does not support; names the line.
     """
     reader = _Reader()
     text = path.read_bytes().decode("utf-8", "replace")
@@ -64,7 +65,7 @@ def read_abaqus(path: Path) -> FileMesh:
 
 @dataclass
 class _Reader:
-    """What was read so far, in the file's own numbers; names in upper case."""
+    """Content read so far, in the file's own numbers; names in upper case."""
 
     nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     elements: dict[int, tuple[str, tuple[int, ...]]] = field(default_factory=dict)
@@ -78,7 +79,7 @@ class _Reader:
     parts: int = 0
 
     def take(self, keyword: Keyword) -> None:
-        """Take in a keyword with its data lines."""
+        """Process a keyword with its data lines."""
         name = keyword.name
         if name in REFUSED:
             raise keyword.refused(REFUSED[name])
@@ -110,7 +111,7 @@ class _Reader:
                 raise keyword.refused("an instance that is not moved")
 
     def _name(self, keyword: Keyword, option: str) -> str | None:
-        """Name that an option gives, in upper case; its spelling is kept."""
+        """Name given by an option, in upper case; its spelling is stored."""
         given = keyword.options.get(option)
         if not given:
             return None
@@ -149,7 +150,7 @@ class _Reader:
         if written in LINES:
             size = LINES[written]
             return ("line" if size == 2 else "line3"), size
-        # H (hybrid), I (incompatible modes), M (modified) and R (reduced) change the rule only
+        # H (hybrid), I (incompatible modes), M (modified), R (reduced) only change the formulation
         plain = written.rstrip("HIMRT")
         if plain[:3] in ("CPE", "CPS") and plain[3:].isdigit() and int(plain[3:]) in PLANE_OF:
             if plain != written:
@@ -199,9 +200,9 @@ class _Reader:
             face = words[1] if len(words) > 1 else ""
             rows.append((words[0], "NODE" if kind == "NODE" else face))
 
-    # --- from the file's numbers to places --------------------------------------------------------
+    # --- from the file's numbers to node indices ------------------------------------------------
     def file_mesh(self) -> FileMesh:
-        """What was read, as a mesh."""
+        """Content of the file as a mesh."""
         if not self.nodes:
             raise BadFile("a readable mesh file", "no *NODE in it")
         place_of = {number: place for place, number in enumerate(self.nodes)}

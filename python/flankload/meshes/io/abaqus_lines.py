@@ -1,4 +1,4 @@
-"""The lines of an .inp file: keywords with options, and the data that belong to them."""
+"""The lines of an .inp file: keywords with options, and their data lines."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from flankload.meshes.io.parts import BadFile
 
-#: Numbers of nodes and elements beyond it are taken for garbage.
+#: Largest credible number of a node or element; larger ones come from a damaged file.
 LARGEST_NUMBER = 10**9
 
 
@@ -18,9 +18,9 @@ class Row:
     Attributes
     ----------
     line : int
-        Its number in the file, from 1.
+        Line number in the file, from 1.
     words : list of str
-        What stands between the commas.
+        The comma-separated values.
     """
 
     line: int
@@ -28,7 +28,7 @@ class Row:
 
     @property
     def text(self) -> str:
-        """The row as it may stand in a message."""
+        """The row as quoted in a message."""
         return repr(", ".join(self.words)[:40])
 
     def refused(self, expected: str, found: str) -> BadFile:
@@ -44,9 +44,9 @@ class Keyword:
     ----------
     line : int
     name : str
-        In upper case, without the star.
+        In upper case, without the asterisk.
     options : dict of str to str
-        Names in upper case; options without a value have "".
+        Names in upper case; an option without a value has "".
     data : list of Row
     """
 
@@ -60,28 +60,28 @@ class Keyword:
         return BadFile(expected, f"*{self.name} in line {self.line}")
 
     def needed(self, option: str) -> str:
-        """Value of an option that must be there."""
+        """Value of a required option."""
         value = self.options.get(option, "")
         if not value:
             raise self.refused(f"{option}= on the keyword line")
         return value
 
     def numbers(self, row: Row) -> list[float]:
-        """Words of a row as numbers, those left out as 0; Fortran's exponents count."""
+        """Values of a row as numbers, empty ones as 0; Fortran's exponents (D) are accepted."""
         try:
             return [float(word.upper().replace("D", "E") or 0) for word in row.words]
         except ValueError:
             raise row.refused(f"numbers after *{self.name}", row.text) from None
 
     def integers(self, row: Row) -> list[int]:
-        """Words of a row as whole numbers."""
+        """Values of a row as whole numbers."""
         values = self.numbers(row)
         if any(not value.is_integer() or abs(value) > LARGEST_NUMBER for value in values):
             raise row.refused(f"whole numbers after *{self.name}", row.text)
         return [int(value) for value in values]
 
     def whole_rows(self, size: int) -> Iterator[Row]:
-        """Rows of `size` words each: short ones are continued by those that follow."""
+        """Rows of `size` values each; a shorter row is continued by the following ones."""
         waiting: Row | None = None
         for row in self.data:
             words = [word for word in row.words if word]
@@ -109,7 +109,7 @@ def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
     Raises
     ------
     BadFile
-        If data stand before the first keyword.
+        If there are data before the first keyword.
     """
     current: Keyword | None = None
     number = 0

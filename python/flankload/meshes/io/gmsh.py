@@ -1,7 +1,7 @@
-"""gmsh's .msh, versions 2.2 and 4.1, as text or binary.
+"""Reading of gmsh's .msh, versions 2.2 and 4.1, as text or binary.
 
-Physical groups become named sets: a group's nodes are those of its elements. A group without a name
-is called by its dimension and number ("line 2").
+Physical groups become named sets: the nodes of a set are those of the group's elements. A group
+without a name is named by its dimension and number ("line 2").
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from flankload.meshes.io.gmsh_stream import INT, REAL, SIZE, Stream
 from flankload.meshes.io.parts import BadFile, FileMesh, Numbers, disjoint_groups
 
-#: gmsh's number of an element type → meshio's name and its number of nodes.
+#: gmsh's element type number → meshio's name and number of nodes.
 ELEMENTS = {
     1: ("line", 2),
     2: ("triangle", 3),
@@ -57,7 +57,7 @@ def read_gmsh(path: Path) -> FileMesh:
     Raises
     ------
     BadFile
-        If it is no such file, or not whole.
+        If it is not a gmsh file, or is truncated.
     """
     return _Reader(Stream(path.read_bytes())).read()
 
@@ -67,7 +67,7 @@ class _Reader:
         self._stream = stream
         self._names: dict[tuple[int, int], str] = {}
         self._groups_of: dict[tuple[int, int], list[int]] = {}
-        #: numbers of the nodes, ascending, and their places
+        #: node numbers, ascending, and their positions in the file
         self._tags = self._order = np.empty(0, dtype=np.int64)
         self._points = np.empty((0, 3))
         #: (kind, nodes (E, k), groups as (dimension, number)) of elements, in the file's numbers
@@ -157,7 +157,7 @@ class _Reader:
             count = take.one(SIZE)
             data = take.take(SIZE, count * (1 + size)).reshape(count, 1 + size)
             groups = self._groups_of.get((dimension, entity), [])
-            # a negative number marks a group that takes the entity the other way round
+            # a negative number means that the group has the entity in reverse direction
             named = [(dimension, abs(group)) for group in groups]
             self._found.append((kind, data[:, 1:].astype(np.int64), named))
 
@@ -181,7 +181,7 @@ class _Reader:
         count = take.one(INT) if take.text else take.count_line()
         by_group: dict[tuple[str, int, int], list[Numbers]] = {}
         while count > 0:
-            # as text each element has its own head; in binary elements of a type share one
+            # a text file has a header for each element, a binary one for each run of a type
             if take.text:
                 _, number, n_tags = (int(word) for word in take.take(INT, 3))
                 together = 1
@@ -198,7 +198,7 @@ class _Reader:
             nodes = np.array(members, dtype=np.int64)
             self._found.append((kind, nodes, [(dimension, group)] if group else []))
 
-    # --- what both have in common -----------------------------------------------------------------
+    # --- common to both versions ------------------------------------------------------------------
     def _keep_nodes(self, tags: Numbers, points: Any) -> None:
         order = np.argsort(tags, kind="stable")
         self._tags, self._order = np.asarray(tags, dtype=np.int64)[order], order
@@ -223,7 +223,7 @@ class _Reader:
             if _dimension(kind) != 2:
                 mesh.blocks.append((kind, nodes))
                 continue
-            # version 2.2 writes an element once for each of its groups
+            # version 2.2 repeats an element for each of its groups
             numbers, new = [], []
             for row, key in enumerate(map(tuple, np.sort(nodes, axis=1).tolist())):
                 repeated = key in known and bool(groups)

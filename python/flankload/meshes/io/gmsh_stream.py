@@ -1,4 +1,4 @@
-"""The sections of a .msh file and the numbers in them, as text or binary."""
+"""The sections of a .msh file and their numbers, as text or binary."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from flankload.meshes.io.parts import BadFile
 
-#: Kinds of number in a file.
+#: Types of numbers in a file.
 INT, SIZE, REAL = "i4", "u8", "f8"
 
 
 class Stream:
-    """A file of sections, as text or binary: numbers are taken one after the other."""
+    """A file of sections, as text or binary, read number by number."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -38,19 +38,19 @@ class Stream:
         return self._content[start:end]
 
     def lines(self) -> list[str]:
-        """Lines of a section that is always text; the stream then stands behind it."""
+        """Lines of a section that is always text; the stream is then after the section."""
         body = self._content[self._at : self._end()]
         self._skip()
         return body.decode("utf-8", "replace").strip().splitlines()
 
     def open_numbers(self) -> None:
-        """Begin to take numbers from the section."""
+        """Start reading numbers of the section."""
         if self.text:
             self._words = self._content[self._at : self._end()].split()
             self._next = 0
 
     def take(self, kind: str, count: int) -> Any:
-        """Take the next numbers of the section, (count,)."""
+        """Read the next numbers of the section, (count,)."""
         if self.text:
             words = self._words[self._next : self._next + count]
             self._next += count
@@ -71,18 +71,18 @@ class Stream:
         return np.frombuffer(part, dtype=kind)
 
     def count_line(self) -> int:
-        """Take a number that stands on a line of its own in a binary section."""
+        """Read a number on a line of its own in a binary section."""
         line = self._line_from(self._at)
         if not line.strip().isdigit():
             raise self._cut_off()
         return int(line)
 
     def one(self, kind: str) -> int:
-        """Take the next number of the section."""
+        """Read the next number of the section."""
         return int(self.take(kind, 1)[0])
 
     def close_numbers(self) -> None:
-        """Go behind the end of the section."""
+        """Go past the end of the section."""
         self._skip()
 
     def _skip(self) -> None:

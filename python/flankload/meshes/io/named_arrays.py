@@ -1,7 +1,7 @@
-"""Files of named arrays: .npz, and .csv of one table; the only room that opens them.
+"""Reading of files of named arrays: .npz, and .csv with one table.
 
-Nothing in a file is ever executed: pickled arrays are refused. What comes out are plain arrays by
-name; whether they make sense is for who asks for them, with `NamedArrays` to say what is wrong.
+Nothing in a file is ever executed: pickled arrays are refused. The result is plain arrays by name;
+the caller checks their meaning and reports errors through `NamedArrays`.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from numpy.typing import NDArray
 from flankload.base.array_archive import BadArchive, Member, read_members
 from flankload.errors import ComplianceFileError, SceneError
 
-#: Columns of a table in front of the matrix: which tooth is displaced, and the place.
+#: Columns of a table in front of the matrix: offset of the displaced tooth, and the point.
 LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
 PLAIN = "a .npz file of plain arrays"
-#: Along an axis: more than nodes of any flank, less than would fill the memory.
+#: Largest length of an axis: more than the nodes of any flank, little enough for the memory.
 MOST_ROWS = 100000
 MOST_CHARACTERS = 10000
-#: Beyond any length, stiffness or compliance in mm and N; powers of it stay within a double.
+#: Larger than any length, stiffness or compliance in mm and N; its powers stay within a double.
 LARGEST = 1e30
 
 
 @dataclass(frozen=True)
 class NamedArrays:
-    """Arrays of one file, asked for by name; each is read when it is asked for.
+    """Arrays of one file, by name; each is read when it is requested.
 
     Attributes
     ----------
@@ -45,11 +45,11 @@ class NamedArrays:
         return name in self.members
 
     def refuse(self, name: str, expected: str, found: object) -> NoReturn:
-        """Raise: an array is not what it should be."""
+        """Raise an error: an array is not as expected."""
         raise ComplianceFileError(file=self.file, key=name, expected=expected, found=found)
 
     def check_names(self, *known: str) -> None:
-        """Refuse arrays that nobody asks for: a misspelt one would go unnoticed."""
+        """Refuse arrays of unknown names, so that a misspelled name does not go unnoticed."""
         for name in self.members:
             if name not in known:
                 self.refuse(
@@ -57,7 +57,7 @@ class NamedArrays:
                 )
 
     def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
-        """An array of finite numbers; None in the shape stands for any length up to MOST_ROWS."""
+        """An array of finite numbers; None in the shape means any length up to MOST_ROWS."""
         member = self._member(name, "numbers")
         wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
         if member.dtype.kind not in "fiu":
@@ -111,7 +111,7 @@ class NamedArrays:
         return value
 
     def texts(self, name: str) -> tuple[str, ...]:
-        """A list of words."""
+        """A list of texts."""
         member = self._member(name, "text")
         count = member.shape[0] if len(member.shape) == 1 else MOST_ROWS + 1
         if count > MOST_ROWS or (count and not _is_text(member)):
@@ -119,7 +119,7 @@ class NamedArrays:
         return tuple(str(value) for value in self._read(name))
 
     def text(self, name: str, *choices: str) -> str:
-        """A single word, one of the choices where there are any."""
+        """A single text, one of the choices if there are any."""
         member = self._member(name, "text")
         is_text = member.shape == () and _is_text(member)
         value = str(self._read(name)) if is_text else ""
@@ -130,7 +130,7 @@ class NamedArrays:
         return value
 
     def flags(self, name: str, count: int) -> NDArray[np.bool_]:
-        """So many times true or false."""
+        """An array of `count` truth values."""
         member = self._member(name, "true or false")
         if member.shape != (count,) or member.dtype != np.bool_:
             self.refuse(
@@ -139,7 +139,7 @@ class NamedArrays:
         return self._read(name)
 
     def dimensions(self, name: str) -> int:
-        """Number of axes of an array; 0 where there is none."""
+        """Number of axes of an array; 0 if the file does not have it."""
         return len(self.members[name].shape) if name in self else 0
 
     def _member(self, name: str, what: str) -> Member:
@@ -160,7 +160,7 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
     Parameters
     ----------
     path : path
-        .npz, or .csv (a table of places and a matrix, with names and values in comments).
+        .npz, or .csv (a table of points and a matrix, with names and values in comments).
     key : str
         The scene's key that names the file, for messages.
 
@@ -171,10 +171,10 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
     Raises
     ------
     ComplianceFileError
-        If the file is missing, unreadable, pickled, or its rows are ragged.
+        If the file is missing, unreadable or pickled, or its rows have different lengths.
     """
     path = Path(path)
-    if not isfile(path):  # no error either of a name that is too long
+    if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
         found = "a folder" if isdir(path) else "no such file"
         raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
     suffix = path.suffix.lower()
@@ -194,7 +194,7 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
 
 
 def _is_text(member: Member) -> bool:
-    """Of a length that texts have."""
+    """Whether an array is text of a plausible length."""
     return member.dtype.kind == "U" and member.dtype.itemsize <= 4 * MOST_CHARACTERS
 
 
@@ -208,8 +208,8 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
     Parameters
     ----------
     path : path
-        .csv: rows of numbers, with or without the names of the columns in the first one; lines
-        that begin with # are passed over.
+        .csv: rows of numbers, with or without column names in the first row; lines that begin
+        with # are skipped.
     key : str
         The scene's key that names the file, for messages.
     names : tuple of str
@@ -222,7 +222,7 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
     Raises
     ------
     SceneError
-        If the file is missing, unreadable, or a cell is no finite number; names the line.
+        If the file is missing or unreadable, or a cell is not a finite number; names the line.
     """
     path = Path(path)
     wanted = f"a .csv file with the columns {', '.join(names)}"
@@ -286,7 +286,7 @@ def _value_of(text: str) -> NDArray[Any]:
 
 
 def _tables_of(path: Path, rows: list[tuple[int, list[str]]]) -> dict[str, NDArray[Any]]:
-    """Offsets (k,), points (n, 2) and compliance (k, n, n) of the rows of a table."""
+    """Offsets (k,), points (n, 2) and compliance (k, n, n) from the rows of a table."""
 
     def refuse(number: int, expected: str, found: str) -> NoReturn:
         raise ComplianceFileError(

@@ -1,6 +1,6 @@
-"""Everything that meshio reads: VTU and its kin.
+"""Reading of all other formats (VTU and others) with meshio.
 
-Such files have no sets, or meshio's: integer 0/1 arrays over points or cells stand for them.
+Sets are meshio's sets, or integer 0/1 arrays over points or cells.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import meshio
     from numpy.typing import NDArray
 
-#: Arrays over cells that name a material, in lower case.
+#: Arrays over cells that contain material numbers, in lower case.
 MATERIAL_ARRAYS = ("material", "materials", "material_id", "material_ids", "materialid",
                    "materialids", "mat", "mat_id", "matid")  # fmt: skip
 
@@ -44,7 +44,7 @@ def read_with_meshio(path: Path) -> FileMesh:
     Raises
     ------
     BadFile
-        Whatever way meshio reports trouble (SystemExit, prints).
+        For any kind of failure of meshio (SystemExit, printed messages).
     """
     import meshio
 
@@ -83,7 +83,7 @@ def _add_sets(mesh: FileMesh, raw: meshio.Mesh) -> None:
 
 
 def _are_marks(parts: list[Any]) -> bool:
-    """Whether an array is 0 or 1 everywhere, and 1 somewhere."""
+    """Whether an array contains only 0 and 1, and at least one 1."""
     if any(np.asarray(part).ndim != 1 for part in parts):
         return False
     values = set(np.unique(np.concatenate([np.asarray(part) for part in parts])).tolist())

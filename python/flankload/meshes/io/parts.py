@@ -1,4 +1,4 @@
-"""What a mesh file holds: as its reader found it, and as the rooms behind want it."""
+"""Content of a mesh file: as read from the file, and as a plane mesh for other packages."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 Numbers = NDArray[np.int64]
 
-#: Plane elements that can be read; linear ones are raised to quadratic by the body.
+#: Plane elements that can be read; linear ones are converted to quadratic ones by the body.
 PLANE_CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")
-#: Cells that carry names only.
+#: Cells that only carry names.
 LOWER_CELLS = ("vertex", "line", "line3")
 
 
 class BadFile(Exception):  # noqa: N818 - becomes a MeshError where file and key are known
-    """What was expected at a place of a file, and what stands there."""
+    """What was expected at a place of a file, and what was found."""
 
     def __init__(self, expected: str, found: str) -> None:
         super().__init__(expected, found)
@@ -28,19 +28,19 @@ class BadFile(Exception):  # noqa: N818 - becomes a MeshError where file and key
 
 @dataclass
 class FileMesh:
-    """A mesh file as its reader found it; filled while it reads.
+    """A mesh file in the form of its reader, filled during reading.
 
     Attributes
     ----------
     points : (N, 2) or (N, 3) array
     blocks : list of (kind, (E, k) array)
-        Every element, in meshio's names and node order.
+        All elements, in meshio's names and node order.
     sets : dict of str to list of arrays
-        Nodes of each named set, in any order, also repeated.
+        Nodes of each named set, in any order; repetitions are allowed.
     materials : dict of str to int
-        Plane elements of each material, or of each group that may stand for one.
+        Number of plane elements of each material, or of each group that may mean a material.
     elastic : (float, float) or None
-        Young's modulus and Poisson's ratio, where the file has them once.
+        Young's modulus and Poisson's ratio, if the file has exactly one material law.
     notes : list of str
     """
 
@@ -52,29 +52,29 @@ class FileMesh:
     notes: list[str] = field(default_factory=list)
 
     def add_to_set(self, name: str, nodes: Numbers) -> None:
-        """Put nodes into a named set."""
+        """Add nodes to a named set."""
         self.sets.setdefault(name, []).append(np.asarray(nodes, dtype=np.int64).ravel())
 
 
 @dataclass(frozen=True)
 class RawMesh:
-    """A plane mesh as its file has it.
+    """A plane mesh as in its file.
 
     Attributes
     ----------
     file : Path
     nodes : (N, 2) array
-        mm. Nodes that no element uses are dropped.
+        mm. Nodes without an element are dropped.
     cells : ((kind, (E, k) array), ...)
-        Element blocks in meshio's names and node order.
+        Blocks of elements, in meshio's names and node order.
     sets : dict of str to array
         Nodes of each named set, ascending.
     materials : dict of str to int
-        Elements of each material, or of each group that may stand for one.
+        Number of elements of each material, or of each group that may mean a material.
     elastic : (float, float) or None
-        Young's modulus and Poisson's ratio, where the file has them once.
+        Young's modulus and Poisson's ratio, if the file has exactly one material law.
     notes : tuple of str
-        What a user must know of how the file was read.
+        Remarks for the user on how the file was read.
     """
 
     file: Path
@@ -86,7 +86,7 @@ class RawMesh:
     notes: tuple[str, ...] = ()
 
     def set_name(self, wanted: str) -> str | None:
-        """Name of a set as the file spells it: exactly, else without regard to case."""
+        """Name of a set as spelled in the file: exact match first, then without regard to case."""
         if wanted in self.sets:
             return wanted
         alike = [name for name in self.sets if name.casefold() == wanted.casefold()]
@@ -94,7 +94,7 @@ class RawMesh:
 
 
 def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
-    """Sizes of element groups that may stand for materials: those that share no element.
+    """Sizes of element groups that may mean materials: groups that share no element.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]
     Returns
     -------
     dict of str to int
-        Empty where a group holds all elements, or where groups overlap.
+        Empty if a group contains all elements, or if groups overlap.
     """
     members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
     whole = any(elements.size == count for elements in members.values())

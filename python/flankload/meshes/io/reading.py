@@ -1,4 +1,4 @@
-"""From a mesh file to a plane mesh with named sets: which reader, and what any file must hold."""
+"""Reading of a mesh file into a plane mesh with named sets, with checks for all formats."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from flankload.meshes.io.gmsh import read_gmsh
 from flankload.meshes.io.others import known_to_meshio, read_with_meshio
 from flankload.meshes.io.parts import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh, RawMesh
 
-#: Nodes may stand this far out of the plane, relative to the size of the mesh.
+#: Largest distance of nodes from the plane, relative to the size of the mesh.
 PLANE_TOLERANCE = 1e-9
 
-#: Coordinates beyond it are garbage.
+#: Largest credible coordinate, mm; larger ones come from a damaged file.
 LARGEST_MM = 1e9
 
 READERS = {".msh": read_gmsh, ".inp": read_abaqus}
 
 
 def is_mesh_name(path: Path) -> bool:
-    """Whether a file is a mesh, as its name says."""
+    """Whether the name of a file is that of a mesh file."""
     suffix = path.suffix.lower()
     if suffix in ("", ".toml"):
         return False
@@ -36,7 +36,7 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     Parameters
     ----------
     path : path
-        gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or what else meshio reads.
+        gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio.
     key : str
         The scene's key that names the file, for error messages.
 
@@ -50,14 +50,14 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
         If the file is missing, cannot be read, or is no plane mesh of triangles and quadrilaterals.
     """
     path = Path(path)
-    if not isfile(path):  # no error either of a name that is too long
+    if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
         found = "a folder" if isdir(path) else "no such file"
         raise MeshError(file=path, key=key, expected="a mesh file", found=found)
     try:
         found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)
         _check(found_mesh)
     except (ValueError, LookupError, OverflowError) as error:
-        # a damaged file: numbers that do not fit together
+        # a damaged file: inconsistent numbers
         reason = f"numbers that do not fit together ({' '.join(str(error).split())[:80]})"
         raise MeshError(file=path, key=key, expected="a readable mesh file", found=reason) from None
     except BadFile as error:
@@ -69,7 +69,7 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
 
 
 def _check(mesh: FileMesh) -> None:
-    """Plane elements only, and all of them in one plane."""
+    """Check that all elements are plane elements and lie in one plane."""
     strange: dict[str, int] = {}
     for kind, data in mesh.blocks:
         if kind not in PLANE_CELLS + LOWER_CELLS and len(data):
@@ -95,7 +95,7 @@ def _check(mesh: FileMesh) -> None:
 
 
 def _plane_mesh(mesh: FileMesh, path: Path) -> RawMesh:
-    """Plane elements, the nodes that they use, and the sets in the new numbers."""
+    """Plane elements, the nodes that they use, and the sets, renumbered."""
     cells = [(kind, data) for kind, data in mesh.blocks if kind in PLANE_CELLS and len(data)]
     used = np.unique(np.concatenate([data.ravel() for _, data in cells]))
     new_number = np.full(len(mesh.points), -1)

@@ -1,4 +1,4 @@
-"""Plane meshes as files."""
+"""Writing of plane meshes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Suffixes that can be written.
 WRITERS = (".msh", ".vtu", ".inp")
-#: Abaqus' names of plane-strain elements; the centre nodes of nine-node ones are left out.
+#: Abaqus' names of plane-strain elements; the centre nodes of nine-node elements are omitted.
 ABAQUS_TYPES = {"triangle6": ("CPE6", 6), "quad8": ("CPE8", 8), "quad9": ("CPE8", 8)}
 
 
@@ -37,9 +37,9 @@ def write_mesh(
     Parameters
     ----------
     path : path
-        Its suffix decides the format: .msh (gmsh 2.2, sets as physical groups), .vtu (sets as 0/1
-        point data) or .inp (Abaqus, node sets; nine-node elements without their centre nodes, which
-        reading puts back).
+        Its suffix selects the format: .msh (gmsh 2.2, sets as physical groups), .vtu (sets as 0/1
+        point data) or .inp (Abaqus, node sets; nine-node elements without their centre nodes,
+        which are restored on reading).
     nodes : (N, 2) array
         mm.
     cells : ((kind, (E, k) array), ...)
@@ -49,7 +49,7 @@ def write_mesh(
     Raises
     ------
     MeshError
-        If the suffix is not known.
+        If the suffix is unknown.
     """
     path = Path(path)
     if path.suffix not in WRITERS:
@@ -70,7 +70,7 @@ def _by_meshio(
     cells: tuple[tuple[str, Numbers], ...],
     edges: Mapping[str, Numbers],
 ) -> bytes:
-    """Content of a .vtu or .msh file; meshio writes to files only."""
+    """Content of a .vtu or .msh file; meshio can only write to files."""
     import meshio
 
     if suffix == ".vtu":
@@ -110,7 +110,7 @@ def _gmsh_mesh(
 def _abaqus_text(
     points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
 ) -> str:
-    """An .inp file: numbers from 1, all elements in the set BODY."""
+    """Content of an .inp file: numbers from 1, all elements in the set BODY."""
     kept = [(*ABAQUS_TYPES[kind], data) for kind, data in cells]
     used = np.unique(np.concatenate([data[:, :size].ravel() for _, size, data in kept]))
     lines = ["** coordinates in mm", "*NODE"]

@@ -1,8 +1,9 @@
-"""The effects that a scene can call for: a record for each, and what follows from the records.
+"""The effects that a scene can request: one record for each, and queries of the records.
 
-A record says which keys call for an effect and which it is refused with, what it adds to a run, in
-which counters that shows and how its size is found before the run (`Effect`). Other modules read
-one truth value an effect (`Effects`), and on request because of which key it is so (`Switch`).
+A record lists the keys that switch an effect on and the keys with which it is refused, the work it
+adds to a run, the counters that show this work, and the method that estimates its size before the
+run (`Effect`). Other modules read one truth value per effect (`Effects`) or, on request, the key
+that decides (`Switch`).
 """
 
 from flankload.scene.effects.record import Effect, SizeBy, Switch, Work

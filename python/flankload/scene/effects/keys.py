@@ -1,4 +1,4 @@
-"""The table [effects]: the keys by which a scene calls for effects."""
+"""The table [effects]: the keys by which a scene requests effects."""
 
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -8,14 +8,14 @@ from flankload.scene.table import Table, about
 
 LARGEST_COEFFICIENT = 2.0
 Coefficient = Annotated[float, Meta(ge=0, le=LARGEST_COEFFICIENT)]
-#: Roll position and coefficient there. (msgspec crashes on tuple[float, float] in a list.)
+#: Roll position and friction coefficient. (msgspec crashes on tuple[float, float] in a list.)
 CoefficientRow = Annotated[tuple[float, ...], Meta(min_length=2, max_length=2)]
 Coefficients = Annotated[tuple[Coefficient | CoefficientRow, ...], Meta(min_length=1)]
 Rise = Annotated[float, Meta(ge=-273, le=2000)]
 Expansion = Annotated[float, Meta(ge=0, le=1e-3)]
 Density = Annotated[float, Meta(ge=1, le=1e5)]
 Number = TypeVar("Number")
-#: One for body 1, one for body 2. (msgspec crashes on tuple[float, float] in a union.)
+#: One value per body. (msgspec crashes on tuple[float, float] in a union.)
 PerBody = Annotated[tuple[Number, ...], Meta(min_length=2, max_length=2)]
 
 
@@ -176,12 +176,12 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
 
     @property
     def has_friction(self) -> bool:
-        """Whether flanks slide with friction anywhere: a coefficient that is not 0."""
+        """Whether any friction coefficient of the flanks is not 0."""
         return has_amount(self.friction_coefficient)
 
 
 def has_amount(value: float | tuple[Any, ...] | None) -> bool:
-    """Whether a number, one of a list, or the second one of a row is not 0."""
+    """Whether a number, any number of a list, or any second entry of its rows is not 0."""
     if not isinstance(value, tuple):
         return bool(value)
     return any(row[1] if isinstance(row, tuple) else row for row in value)

@@ -1,4 +1,4 @@
-"""The record of an effect: what calls for it, what it goes with, what it adds to a run."""
+"""The record of an effect: its keys, the effects it excludes, the work it adds to a run."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from flankload.scene.effects.keys import EffectsAsked, has_amount
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
-#: How the size of an effect is found before the run: the same pair with another compliance, with
-#: other gaps, with other places of contact, with other levers; by a law, from how far apart nodes
-#: stand; or it changes no state at all.
+#: How the size of an effect is estimated before the run: by solving the same pair with another
+#: compliance, other gaps, other contact places or other lever arms; by a law of the node spacing;
+#: or not at all, if the effect changes no contact state.
 SizeBy = Literal["compliance", "gaps", "places", "levers", "spacing", "nothing"]
 
 
 @dataclass(frozen=True)
 class Switch:
-    """Whether a scene calls for an effect, and because of what.
+    """Whether a scene requests an effect, and the reason.
 
     Attributes
     ----------
     on : bool
     because : str
-        The key that says so, with its value; or what holds without a key.
+        The key that decides, with its value; or the condition that holds without a key.
     named : bool
-        The scene names the key.
+        The scene sets the key.
     """
 
     on: bool
@@ -37,20 +37,20 @@ class Switch:
 
 @dataclass(frozen=True)
 class Work:
-    """What an effect adds to a run, in units of what is there without it; negative: saves.
+    """Work that an effect adds to a run, relative to the run without it; negative: it saves work.
 
     Attributes
     ----------
     factorisations, growth_loads : float
-        Of each body with finite elements; load cases that stand for the body's own forces.
+        Per body with finite elements; growth loads are load cases of expansion.
     normal_loads, tangential_loads, coast_readings : float
-        For each pressure mode of each loaded flank.
+        Per pressure mode of each loaded flank.
     recoveries : float
-        For each place in the root fillets of a tooth.
+        Per place in the root fillets of a tooth.
     columns : float
-        Influence columns, for each of the contact pairs of a position under a torque.
+        Influence columns, per contact pair of a position under a torque.
     solves : float
-        Contact problems, for each position under a torque.
+        Contact problems, per position under a torque.
     """
 
     factorisations: float = 0
@@ -70,36 +70,36 @@ class Effect:
     Attributes
     ----------
     name : str
-        Field of `Effects`.
+        Name of the field of `Effects`.
     title : str
     keys : tuple of str
-        What calls for it; "body_*" is either body. Absent: those of `on`.
+        Keys that switch the effect on; "body_*" is either body. Default: the keys of `on`.
     stages : tuple of str
-        Stages of the run that do its work, as `result.cost["stages"]` names them.
+        Stages of the run that do its work, with the names of `result.cost["stages"]`.
     on : mapping of str to object
-        Keys of [effects] with which a scene has the effect; None: the key is absent. The first one
-        decides. A number is what is assumed where a scene names none: with any but 0 the effect
-        is on.
+        Keys of [effects] and the values with which the effect is on; None: the key is absent. The
+        first key decides. A number is the assumed value if the scene sets none: the effect is on
+        with any number but 0.
     called_for : callable or None
-        Scene to Switch, for an effect that no key of [effects] decides on.
+        Function from Scene to Switch, for an effect without a key in [effects].
     needs_load : bool
-        Without load there is no such effect.
+        The effect needs a load.
     work : Work
     counters : tuple of str
-        Counters of `result.cost` that are 0 or absent without it.
+        Counters of `result.cost` that are 0 or absent without the effect.
     size_by : SizeBy
     refused_with : mapping of str to str
-        Effects beside which the scene's key is refused, and what the refusal says is expected.
+        Excluded effects, and the text of the refusal ("expected") of the scene's key.
     excludes : tuple of str
-        Effects that do not go with it, whichever of the two is refused.
+        All effects that cannot be combined with it, whichever of the two is refused.
     refused_for : mapping of str to str
-        The same of kinds of bodies; "{body}" is the table of the body.
+        Excluded kinds of bodies, with the text of the refusal; "{body}" is the table of the body.
     only_for : str or None
-        Kind of body 2 that alone knows the effect; a chain or a belt knows no other effects.
+        The only kind of body 2 with this effect; a chain or a belt has no other effects.
     of_teeth : bool
-        Only bodies with teeth know it; a cam and its follower do not.
+        Only bodies with teeth have the effect; a cam and its follower do not.
     coarser : bool
-        With it less is computed than without: what it changes is an error.
+        The effect simplifies the model: the change of the result is an error.
     """
 
     name: str
@@ -126,7 +126,7 @@ class Effect:
 
     @property
     def off(self) -> dict[str, Any]:
-        """Keys of [effects] with which a scene has it not: as they are by default, or false."""
+        """Keys of [effects] with the values that switch the effect off: the defaults, or false."""
         plain = EffectsAsked()
         keys = [key.removeprefix("effects.") for key in self.keys if key.startswith("effects.")]
         defaults = {key: getattr(plain, key) for key in keys}
@@ -134,23 +134,23 @@ class Effect:
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Keys of [effects] with the numbers that are assumed where a scene names none."""
+        """Keys of [effects] with the numbers that are assumed if a scene sets none."""
         return {key: value for key, value in self.on.items() if type(value) in (int, float)}
 
     @property
     def is_quantity(self) -> bool:
-        """Whether a number decides, not a level."""
+        """Whether the deciding key is a number, not a choice."""
         return self.key in self.numbers
 
     def is_named(self, asked: EffectsAsked) -> bool:
-        """Whether the key has the value of the effect; of a quantity, any but 0 itself."""
+        """Whether the key has the value of the effect; for a quantity, any number but 0."""
         if self.key is None:
             return False
         value = getattr(asked, self.key)
         return bool(value) if self.is_quantity else value == self.on[self.key]
 
     def switch(self, scene: Scene) -> Switch:
-        """Whether a scene calls for the effect, and because of what."""
+        """Whether a scene requests the effect, and the reason."""
         switch = self.called_for(scene) if self.called_for else self._switch_by_key(scene)
         if switch.on and self.needs_load and not scene.is_loaded:
             return Switch(False, "load.torque_Nm = 0", True)
@@ -169,7 +169,7 @@ class Effect:
 
 
 def as_key(value: Any) -> str:
-    """A value as a scene file has it, of a list no more than its length."""
+    """A value as in a scene file; a list is shortened to its length."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, tuple):

@@ -1,4 +1,4 @@
-"""The effects: one record for each. What a scene does not call for is not computed."""
+"""The effects, one record each; an effect that a scene does not request is not computed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 BODIES = ("compliance body 1", "compliance body 2")
 SWEEPS = ("sweep", "tangent", "estimate")
-#: Kinds of bodies whose coast flanks are not known, and why.
+#: Kinds of bodies whose coast flanks are not modelled, with the reason.
 ONE_FLANK = {
     "mesh": "of whose teeth a file names one flank",
     "compliance": "of whose teeth a file names one flank",
@@ -40,7 +40,7 @@ def _effect(title: str, **record: Any) -> Any:
 
 @dataclass(frozen=True)
 class Effects:
-    """What a scene calls for: a truth value for each effect, beside its record (`Effect`)."""
+    """The effects that a scene requests: one truth value per effect, with its record (`Effect`)."""
 
     elastic_body_1: bool = _effect(
         "body 1 yields",
@@ -257,7 +257,7 @@ class Effects:
 
 
 def _records() -> tuple[Effect, ...]:
-    """The records with their keys; what refuses the other is excluded both ways."""
+    """The complete records; an exclusion that one record states holds for both effects."""
     rows = {item.name: dict(item.metadata) for item in fields(Effects)}
     for row in rows.values():
         on = row.get("on", {})
@@ -277,7 +277,7 @@ EFFECTS = _records()
 
 
 def effects_of(scene: Scene) -> Effects:
-    """Effects that a scene calls for.
+    """Effects that a scene requests.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def effects_of(scene: Scene) -> Effects:
 
 
 def switches_of(scene: Scene) -> dict[str, Switch]:
-    """Effects that a scene calls for, each with the key that says so.
+    """Effects that a scene requests, each with the key that decides.
 
     Parameters
     ----------
@@ -306,7 +306,7 @@ def switches_of(scene: Scene) -> dict[str, Switch]:
 
 
 def work_in(stage: str, effects: Effects) -> Work:
-    """What all effects that are called for add to a stage.
+    """Work that all requested effects add to a stage.
 
     Parameters
     ----------
@@ -316,7 +316,7 @@ def work_in(stage: str, effects: Effects) -> Work:
     Returns
     -------
     Work
-        Sum of their records.
+        Sum over the records.
     """
     work = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
     return Work(

@@ -1,4 +1,4 @@
-"""Effects that do not go together, or not with these bodies: one refusal at a time, both keys."""
+"""Refusal of effects that exclude each other or do not apply to the bodies; names both keys."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     from flankload.scene.scene_file import BodySpec, SceneFile
 
 RECORDS = {effect.name: effect for effect in EFFECTS}
-#: Strain up to which growth is linear, far beyond what any machine bears.
+#: Largest strain for which expansion is linear; far beyond that of any machine.
 LARGEST_STRAIN = 0.02
 
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse combinations of effects and bodies that have no meaning.
+    """Refuse meaningless combinations of effects and bodies.
 
     Parameters
     ----------
     asked : SceneFile
     given : mapping
-        The scene as it stands in the file.
+        The scene as in the file.
 
     Raises
     ------
     SceneError
-        Names the key, and in what it expects the other one.
+        Names the key, and the other key in the expected value.
     """
     named = [effect for effect in EFFECTS if effect.is_named(asked.effects)]
     _check_known(asked, given.get("effects", {}))
@@ -52,7 +52,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 
 def check_coast_kinds(kind_1: str, kind_2: str) -> None:
-    """Check that both flanks of every tooth of body 1, of body 2 are known.
+    """Check that both flanks of every tooth of both bodies are known.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec
 
 
 def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """A drive knows its own effects only, and no other bodies know them."""
+    """Check that a drive has its own effects only, and that no other body has those."""
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
     for drive in dict.fromkeys(effect.only_for for effect in EFFECTS if effect.only_for):
         own = [effect.key for effect in EFFECTS if effect.only_for == drive]
@@ -89,7 +89,7 @@ def _check_kinds(effect: Effect, kind_1: str, kind_2: str, *, found: str) -> Non
 
 
 def _check_friction(asked: SceneFile) -> None:
-    """A list has one number per tooth, or rows of ascending roll position and coefficient."""
+    """Check that a list has one number per tooth, or rows of ascending roll position."""
     given, key = asked.effects.friction_coefficient, "effects.friction_coefficient"
     if given and not asked.body_2.has_teeth:
         expected = "nothing: this version knows no friction between a cam and its follower"
@@ -111,7 +111,7 @@ def _check_friction(asked: SceneFile) -> None:
 
 
 def _check_extent(asked: SceneFile) -> None:
-    """A segment has an odd number of sectors, and the bodies have as many."""
+    """Check that a segment has an odd number of sectors, at most as many as the bodies."""
     body, segment_teeth = asked.effects.body, asked.effects.segment_teeth
     key = "effects.segment_teeth"
     if body != "segment" and segment_teeth is not None:
@@ -145,7 +145,7 @@ def _check_extent(asked: SceneFile) -> None:
 
 
 def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """One tooth alone has no neighbours to move; a cam has no teeth, and no tips to leave out."""
+    """Check tooth coupling and tip contact: a single tooth and a cam have neither."""
     effects, key = asked.effects, "effects.tooth_coupling"
     if effects.body == "tooth" and given.get("tooth_coupling"):
         why = "of a tooth by itself no other moves"
@@ -161,7 +161,7 @@ def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 
 def _check_growth(asked: SceneFile) -> None:
-    """No key of growth without its cause, no large strain, no elements where there are none."""
+    """Check that each key of expansion has its cause, a small strain, and elements to act on."""
     effects = asked.effects
     for key, other in (
         ("thermal_expansion_per_K", "temperature_rise_K"),
@@ -187,7 +187,7 @@ def _check_growth(asked: SceneFile) -> None:
 
 
 def _check_elements(asked: SceneFile, key: str) -> None:
-    """Growth beside what holds a body, or by its speed, is a load of finite elements."""
+    """Check for finite elements: expansion by speed or against a support is a load on them."""
     if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
         why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
         refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
@@ -198,12 +198,12 @@ def _check_elements(asked: SceneFile, key: str) -> None:
 
 
 def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
-    """A number for each body; 0 where there is none."""
+    """One number per body; 0 if there is none."""
     return value if isinstance(value, tuple) else (value or 0.0,) * 2
 
 
 def _check_levels(asked: SceneFile) -> None:
-    """Lumped contact has no strips; nodes have no modes, and carry on the active flank only."""
+    """Check accuracy keys: lumped contact has no cells, nodal forces have no pressure modes."""
     accuracy = asked.accuracy
     if asked.effects.contact == "lumped":
         for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
@@ -230,7 +230,7 @@ def _check_levels(asked: SceneFile) -> None:
 
 
 def _check_forces(asked: SceneFile) -> None:
-    """Something holds a belt off its pulley; something yields between flanks across a tooth."""
+    """Check that a lifted belt has prestress, and that coast flanks have an elastic body."""
     belt = asked.body_2
     if asked.effects.land_lift and isinstance(belt, Belt) and belt.prestress_N == 0.0:
         why = "what holds a belt straight off its pulley"

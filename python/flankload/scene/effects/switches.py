@@ -1,4 +1,4 @@
-"""Effects that no key of [effects] decides on: whether a scene calls for them."""
+"""Switches of the effects that no key of [effects] decides on."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from flankload.scene.effects.record import Switch, as_key
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
-#: Keys of a body by which its flank departs from the involute.
+#: Keys of a body that modify its flank.
 MODIFICATIONS = ("tip_relief_um", "profile_crowning_um", "tip_radius_mm", "tip_chamfer_mm")
 
 
 def is_elastic(number: int) -> Callable[[Scene], Switch]:
-    """A body is elastic unless it is rigid; a pulley is rigid unless the scene says otherwise."""
+    """Whether a body is elastic; bodies are elastic by default, except for pulleys."""
 
     def switch(scene: Scene) -> Switch:
         body = (scene.body_1, scene.body_2)[number - 1]
@@ -29,7 +29,7 @@ def is_elastic(number: int) -> Callable[[Scene], Switch]:
 
 
 def is_modified(scene: Scene) -> Switch:
-    """The first key that says so."""
+    """Whether a flank is modified; the reason is the first such key."""
     for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         inside, table = body.flank_keys
         for key in MODIFICATIONS if table is not None else ():
@@ -39,7 +39,7 @@ def is_modified(scene: Scene) -> Switch:
 
 
 def is_misplaced(scene: Scene) -> Switch:
-    """A tooth that stands beside its place."""
+    """Whether a body has pitch errors."""
     for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         if any(body.pitch_errors_um):
             return Switch(True, f"body_{number}.pitch_errors_um", True)
@@ -47,6 +47,6 @@ def is_misplaced(scene: Scene) -> Switch:
 
 
 def has_several_torques(scene: Scene) -> Switch:
-    """A list of torques."""
+    """Whether the scene has a list of torques."""
     torque = scene.load.torque_Nm
     return Switch(scene.has_torque_list, f"load.torque_Nm = {as_key(torque)}", True)
