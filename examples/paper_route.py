@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 import flankload as fl
-from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.bodies import Body
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.nodal_loads import flank_nodes
 from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 SCENE = Path(__file__).parent / "scenes" / "external_gear.toml"
 ANGLE_DEG = 11.25  # half a pitch on: two pairs of teeth carry

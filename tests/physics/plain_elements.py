@@ -17,7 +17,8 @@ from unittest import mock
 import numpy as np
 
 import flankload as fl
-from flankload.bodies import Body, SectorMesh, sector_breaks
+from flankload.bodies import Body, SectorMesh
+from flankload.bodies.involute import sector_breaks
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.flank_pair.assembly import build_bodies
