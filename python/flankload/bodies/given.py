@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 
+#: Metal at a corner is no thinner than this wedge, degrees: a thinner one is bent by its load.
+LEAST_CORNER_ANGLE = 30.0
+
+
 @dataclass(frozen=True)
 class ModalCompliance:
     """As flankload itself computes it, per mm of face width.
@@ -38,6 +42,9 @@ class ModalCompliance:
         Like smooth, by modes of load along the flank; None where the file has no such part.
     jump : float
         Strength of the jump, mm²/N.
+    corner_angles_deg : (float, float)
+        Interior angles of the metal at the low and the high end of the modes' range; 180 without a
+        corner.
     """
 
     file: Path
@@ -48,6 +55,7 @@ class ModalCompliance:
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
+    corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
     @property
     def description(self) -> str:
@@ -76,6 +84,8 @@ class NodalCompliance:
         Twice the work of loads on tooth 0 on the displacements of tooth offsets[k]: of consistent
         nodal forces along the normal, mm²/N, or of nodal pressures, mm⁴/N.
     asymmetry : float
+    corner_angles_deg : (float, float)
+        Interior angles of the metal at the first and the last node; 180 without a corner.
     """
 
     file: Path
@@ -86,6 +96,7 @@ class NodalCompliance:
     offsets: NDArray[np.int64]
     matrix: NDArray[np.float64]
     asymmetry: float
+    corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
     @property
     def tangential(self) -> None:
@@ -107,6 +118,35 @@ class NodalCompliance:
 
 
 GivenCompliance = ModalCompliance | NodalCompliance
+
+
+def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
+    """Interior angles of the metal at both ends of the flank, degrees; 180 where they are not told.
+
+    Parameters
+    ----------
+    found : NamedArrays
+
+    Returns
+    -------
+    (float, float)
+
+    Raises
+    ------
+    ComplianceFileError
+        If an angle is out of range.
+    """
+    if "corner_angles_deg" not in found:
+        return 180.0, 180.0
+    low, high = found.numbers("corner_angles_deg", 2)
+    for angle in (low, high):
+        if not LEAST_CORNER_ANGLE <= angle <= 360.0:
+            found.refuse(
+                "corner_angles_deg",
+                f"interior angles from {LEAST_CORNER_ANGLE:g} to 360",
+                f"{angle:g}",
+            )
+    return float(low), float(high)
 
 
 def read_material(found: NamedArrays) -> Material:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.body import Body
-from flankload.bodies.given import ModalCompliance, read_material
+from flankload.bodies.free_corner import corner_angles
+from flankload.bodies.given import ModalCompliance, read_corner_angles, read_material
 from flankload.bodies.involute import Involute
 from flankload.flank_curve import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
@@ -27,8 +28,9 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version; a file without friction is of version 1, which earlier flankloads read, too.
-VERSION = 2
+#: The latest version, of files of bodies with a free corner; one without friction, too, is of version
+#: 1, else of 2, which earlier flankloads read.
+VERSION = 3
 
 #: The arrays, beside those of the involute.
 NAMES = (
@@ -44,6 +46,7 @@ NAMES = (
     "curve_labels",
     "curve_corners",
     "mode_range_mm",
+    "corner_angles_deg",
     "smooth",
     "kernel",
     "smooth_nt",
@@ -87,7 +90,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": 1 if compliance.tangential is None else 2,
+        "version": 3 if any(compliance.wedge) else 1 if compliance.tangential is None else 2,
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -113,6 +116,8 @@ def modal_arrays(
     }
     if compliance.tangential is not None:
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
+    if any(compliance.wedge):
+        arrays["corner_angles_deg"] = corner_angles(body)
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
@@ -168,6 +173,7 @@ def read_modal(found: NamedArrays) -> Body:
         flanks=flanks,
         tangential=tangential,
         jump=jump,
+        corner_angles_deg=read_corner_angles(found),
     )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):
