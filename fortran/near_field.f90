@@ -195,36 +195,96 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: i, j, m
-        real(wp) :: step, even(0:2*size(place) - 2), of_even(0:2*size(place) - 2)
+        !> So far beside even cells, over the distance of an image, four terms of a Taylor series are
+        !> enough: the fifth is below 1e-9.
+        real(wp), parameter :: beside = 0.008_wp
+        integer :: i, m
+        real(wp) :: step, limit, away(size(place))
 
         m = size(place)
-        if (is_even(place, cell)) then
-            do i = 0, 2*m - 2
-                of_even(i) = strip_kernel(2.0_wp*place(1) + i*cell(1), cell(1), kernel)
-            end do
-            do j = 1, m
-                do i = j, m
-                    matrix(first - 1 + i, first - 1 + j) = &
-                        & matrix(first - 1 + i, first - 1 + j) + of_even(i + j - 2)
-                end do
-            end do
-        else if (is_nearly_even(place, cell) &
-            & .and. 2.0_wp*minval(abs(place)) >= far*maxval(cell)) then
-            step = (place(m) - place(1))/(m - 1)
-            even = abs([(2.0_wp*place(1) + i*step, i=0, 2*m - 2)])
-            of_even = log(even)
-            do j = 1, m
-                do i = j, m
-                    matrix(first - 1 + i, first - 1 + j) = &
-                        & matrix(first - 1 + i, first - 1 + j) + far_strip(abs(place(i) &
-                        & + place(j)), cell(i)*cell(j), even(i + j - 2), of_even(i + j - 2), kernel)
-                end do
-            end do
+        step = (place(m) - place(1))/max(1, m - 1)
+        do i = 1, m
+            away(i) = place(i) - (place(1) + (i - 1)*step)
+        end do
+        limit = max(far*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
+        if (limit < abs(place(1) + place(m))) then
+            call add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
         else
             call add_uneven(place, -place, cell, kernel, first, matrix)
         end if
     end subroutine add_images
+
+    !> Images of cells that stand nearly as even ones do: further than a limit by what those do and
+    !> its derivatives. There their step is the width of all of them, which changes the mean of a
+    !> logarithm by less than 1e-3 of what widths do to it (1/24 (width/distance)²).
+    pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+        !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
+        real(wp), contiguous, intent(in) :: place(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Step of even ones [mm]
+        real(wp), intent(in) :: step
+        !> What cells stand beside even ones [mm], shape (m)
+        real(wp), contiguous, intent(in) :: away(:)
+        !> Least distance of an image for the series [mm]
+        real(wp), intent(in) :: limit
+        !> Strength of the images' logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Row and column of the first cell
+        integer, intent(in) :: first
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        !> Cells that stand beside even ones by no more than this part of the distance are even.
+        real(wp), parameter :: none = 1.0e-11_wp
+        integer :: i, j, m, low, high
+        logical :: even
+        real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three
+
+        m = size(away)
+        even = maxval(abs(away)) <= none*limit
+        do i = 0, 2*m - 2
+            distance(i) = 2.0_wp*place(1) + i*step
+        end do
+        one = 1.0_wp/distance
+        zeroth = -kernel*(log(abs(distance)) - (step*one)**2/24.0_wp)
+        two = kernel*one**2/2.0_wp
+        three = -kernel*one**3/3.0_wp
+        one = -kernel*one
+        do j = 1, m
+            ! places follow each other: far images of a cell stand side by side
+            low = j
+            high = m
+            do while (low <= high)
+                if (abs(place(low) + place(j)) >= limit) exit
+                low = low + 1
+            end do
+            do while (high >= low)
+                if (abs(place(high) + place(j)) >= limit) exit
+                high = high - 1
+            end do
+            if (even) then
+                do i = low, high
+                    matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                        & + zeroth(i + j - 2)
+                end do
+            else
+                do i = low, high
+                    matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                        & + (zeroth(i + j - 2) + (away(i) + away(j))*(one(i + j - 2) &
+                        & + (away(i) + away(j))*(two(i + j - 2) + (away(i) + away(j)) &
+                        & *three(i + j - 2))))
+                end do
+            end if
+            do i = j, low - 1
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+            do i = high + 1, m
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+        end do
+    end subroutine add_nearly_even_images
 
     !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)
@@ -336,16 +396,16 @@ contains
         real(wp), intent(in) :: kernel
         real(wp) :: displacement
 
-        real(wp) :: u, v, w
+        real(wp) :: u, v, w, inverse
 
-        u = (distance - even)/(distance + even)   ! |u| < 1/10
+        inverse = 1.0_wp/(distance**2*(distance + even))
+        u = (distance - even)*distance**2*inverse   ! |u| < 1/10
         v = u**2
-        w = 0.25_wp*cells/distance**2   ! (h/d)² < 1/64
+        w = 0.25_wp*cells*(distance + even)*inverse   ! (h/d)² < 1/64
         displacement = -kernel*(log_even + 2.0_wp*u*(1.0_wp + v*(1.0_wp/3.0_wp &
             & + v*(1.0_wp/5.0_wp + v*(1.0_wp/7.0_wp + v*(1.0_wp/9.0_wp &
-            & + v*(1.0_wp/11.0_wp + v/13.0_wp)))))) - w*(1.0_wp/6.0_wp &
-            & + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp + w*(1.0_wp/72.0_wp &
-            & + w*(1.0_wp/110.0_wp + w*(1.0_wp/156.0_wp + w/210.0_wp)))))))
+            & + v/11.0_wp))))) - w*(1.0_wp/6.0_wp + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp &
+            & + w*(1.0_wp/72.0_wp + w*(1.0_wp/110.0_wp + w/156.0_wp))))))
     end function far_strip
 
     !> Cells of any widths.
