@@ -3,8 +3,8 @@
 !>
 !> Beside a free corner of interior angle w the flank moves under a force by
 !> -c0 [ln|s - s'| + psi ln(d + d')], d and d' the distances from the corner (Eq. (W1) of
-!> `README.md`): by what the half-plane does, and by a mirror image of the load whose strength psi(w)
-!> a wedge has that carries a force at its apex.
+!> `README.md`): by the logarithm of a half-plane, and by that of a mirror image of the load, whose
+!> strength psi(w) is that of a wedge under a force at its apex.
 module flankload_near_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: closed_strip_kernel, compliance_type, mean_strip_kernel, &
@@ -182,8 +182,8 @@ contains
         end do
     end subroutine add_closed
 
-    !> Add what the mirror images of cells behind an end of their flank do: their distance is the sum
-    !> of both distances from that end.
+    !> Add what the mirror images of cells behind an end of their flank do: their distance is the
+    !> sum of both distances from that end.
     pure subroutine add_images(place, cell, kernel, first, matrix)
         !> Distances of the cells from the end, all of one sign, and their widths [mm], shape (m)
         real(wp), contiguous, intent(in) :: place(:)
@@ -195,8 +195,8 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> So far beside even cells, over the distance of an image, four terms of a Taylor series are
-        !> enough: the fifth is below 1e-9.
+        !> So far beside even cells, over the distance of an image, four terms of a Taylor series
+        !> are enough: the fifth is below 1e-9.
         real(wp), parameter :: beside = 0.008_wp
         integer :: i, m
         real(wp) :: step, limit, away(size(place))

@@ -307,8 +307,9 @@ contains
                         mean = sqrt(cell(i)*cell(j))
                         wanted = 1.0_wp
                         if (i >= j) wanted = 1.0_wp + exact_strip(s(i) - s(j), mean, kernel) &
-                            & + body%wedge(1)*exact_strip(s(i) + s(j) - 2*body%s_low, mean, kernel) &
-                            & + body%wedge(2)*exact_strip(2*body%s_high - s(i) - s(j), mean, kernel)
+                            & + exact_strip(s(i) + s(j) - 2*body%s_low, mean, &
+                            & kernel*body%wedge(1)) + exact_strip(2*body%s_high - s(i) - s(j), &
+                            & mean, kernel*body%wedge(2))
                         call expect(abs(matrix(first - 1 + i, first - 1 + j) - wanted) &
                             & <= 20.0_wp*round_off*kernel, 'near field of cells')
                     end do
@@ -318,8 +319,8 @@ contains
         end do
     end subroutine test_near_field_of_cells
 
-    !> Loads without a resultant take up work in the near field of a sharp corner, whatever the widths
-    !> of their cells: all pivots of K projected on them are positive.
+    !> Loads without a resultant take up work in the near field of a sharp corner, whatever the
+    !> widths of their cells: all pivots of K projected on them are positive.
     subroutine test_images_take_up_work
         real(wp), parameter :: growth(3) = [1.0_wp, 1.004_wp, 1.3_wp]
         real(wp) :: s(n), cell(n), matrix(n, n)
