@@ -196,17 +196,30 @@ contains
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         !> So far beside even cells, over the distance of an image, four terms of a Taylor series
-        !> are enough: the fifth is below 1e-9.
-        real(wp), parameter :: beside = 0.008_wp
-        integer :: i, m
-        real(wp) :: step, limit, away(size(place))
+        !> are enough: the fifth is below 1e-9. So many widths away the derivatives are those of a
+        !> logarithm, to 1e-6.
+        real(wp), parameter :: beside = 0.008_wp, widths = 20.0_wp
+        integer :: i, j, m
+        real(wp) :: step, limit, away(size(place)), of_even(0:2*size(place) - 2)
 
         m = size(place)
+        if (is_even(place, cell)) then
+            do i = 0, 2*m - 2
+                of_even(i) = strip_kernel(2.0_wp*place(1) + i*cell(1), cell(1), kernel)
+            end do
+            do j = 1, m
+                do i = j, m
+                    matrix(first - 1 + i, first - 1 + j) = &
+                        & matrix(first - 1 + i, first - 1 + j) + of_even(i + j - 2)
+                end do
+            end do
+            return
+        end if
         step = (place(m) - place(1))/max(1, m - 1)
         do i = 1, m
             away(i) = place(i) - (place(1) + (i - 1)*step)
         end do
-        limit = max(far*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
+        limit = max(widths*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
         if (limit < abs(place(1) + place(m))) then
             call add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
         else
@@ -215,8 +228,7 @@ contains
     end subroutine add_images
 
     !> Images of cells that stand nearly as even ones do: further than a limit by what those do and
-    !> its derivatives. There their step is the width of all of them, which changes the mean of a
-    !> logarithm by less than 1e-3 of what widths do to it (1/24 (width/distance)²).
+    !> its derivatives.
     pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
         !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
         real(wp), contiguous, intent(in) :: place(:)
@@ -234,19 +246,16 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> Cells that stand beside even ones by no more than this part of the distance are even.
-        real(wp), parameter :: none = 1.0e-11_wp
         integer :: i, j, m, low, high
-        logical :: even
-        real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three
+        real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three, of_widths
 
         m = size(away)
-        even = maxval(abs(away)) <= none*limit
         do i = 0, 2*m - 2
             distance(i) = 2.0_wp*place(1) + i*step
         end do
         one = 1.0_wp/distance
-        zeroth = -kernel*(log(abs(distance)) - (step*one)**2/24.0_wp)
+        zeroth = -kernel*log(abs(distance))
+        of_widths = kernel*one**2/24.0_wp   ! the mean over a strip is ln d - (width/d)²/24
         two = kernel*one**2/2.0_wp
         three = -kernel*one**3/3.0_wp
         one = -kernel*one
@@ -262,19 +271,12 @@ contains
                 if (abs(place(high) + place(j)) >= limit) exit
                 high = high - 1
             end do
-            if (even) then
-                do i = low, high
-                    matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
-                        & + zeroth(i + j - 2)
-                end do
-            else
-                do i = low, high
-                    matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
-                        & + (zeroth(i + j - 2) + (away(i) + away(j))*(one(i + j - 2) &
-                        & + (away(i) + away(j))*(two(i + j - 2) + (away(i) + away(j)) &
-                        & *three(i + j - 2))))
-                end do
-            end if
+            do i = low, high
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + (zeroth(i + j - 2) + cell(i)*cell(j)*of_widths(i + j - 2) &
+                    & + (away(i) + away(j))*(one(i + j - 2) + (away(i) + away(j)) &
+                    & *(two(i + j - 2) + (away(i) + away(j))*three(i + j - 2))))
+            end do
             do i = j, low - 1
                 matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
                     & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
