@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,11 +22,10 @@ from flankload.elasticity.near_field import (
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.cam_scenes import FLAT_FOLLOWER, cam_scene
+from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-SCENE = tomllib.loads(
-    (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
-)
+SCENE = tomllib.loads((SCENES / "external_gear.toml").read_text("utf-8"))
 #: Degrees that elements along a flank leave of an angle between two curves.
 ON_ELEMENTS = 0.05
 #: The same beside a root fillet, which bends much within an element.
