@@ -131,7 +131,7 @@ class Parameters:
         """Elements short enough for the modes; None where they cannot be."""
         if ELEMENTS not in values or values[MODES] <= ANYWHERE:
             return values
-        longest = float(f"{self.flank_mm / elements_for_modes(int(values[MODES])):.3g}")
+        longest = _rounded(self.flank_mm / elements_for_modes(int(values[MODES])))
         if values[ELEMENTS] <= longest:
             return values
         can = self.steps.get(ELEMENTS, (inf,))[-1] <= longest
@@ -175,7 +175,7 @@ def _of_belt(scene: Scene) -> Parameters:
     if length is None:
         fixed.setdefault(ELEMENTS, "flanks that are bare have no elements")
     return Parameters(
-        {} if length is None else {ELEMENTS: scene.accuracy.flank_element_mm or length},
+        {} if length is None else {ELEMENTS: scene.accuracy.flank_element_mm or _rounded(length)},
         fixed,
         {} if ELEMENTS in fixed or length is None else {ELEMENTS: _lengths(scene, length)},
         BELT_POWERS,
@@ -216,7 +216,7 @@ def _of_flanks(scene: Scene) -> Parameters:
         STRIPS: STRIPS_STEPS,
     }
     if length is not None:
-        values[ELEMENTS] = named_mm or length
+        values[ELEMENTS] = named_mm or _rounded(length)
         steps[ELEMENTS] = _lengths(scene, length)
     return Parameters(
         values,
@@ -250,7 +250,11 @@ def _lengths(scene: Scene, default_mm: float) -> tuple[float, ...]:
     """Lengths of elements, each four of them half as long."""
     least = FINEST_PART if scene.accuracy.tolerance < FINE else LEAST_PART
     parts = [2.0 ** (-step / STEPS) for step in range(1, 4 * STEPS)]
-    return tuple(float(f"{part * default_mm:.3g}") for part in parts if part >= least)
+    return tuple(_rounded(part * default_mm) for part in parts if part >= least)
+
+
+def _rounded(length_mm: float) -> float:
+    return float(f"{length_mm:.3g}")
 
 
 def _elements(scene: Scene) -> tuple[float | None, int]:

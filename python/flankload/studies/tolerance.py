@@ -87,9 +87,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
         return NamedDiscretization()
     parameters = parameters_of(scene)
     default: dict[str, Any] = {
-        name: x if isinstance(x, int) else float(f"{x:.3g}")
-        for name, x in parameters.values.items()
-        if name in parameters.steps
+        name: x for name, x in parameters.values.items() if name in parameters.steps
     }
     return replace(first_choice(scene, parameters).positions, **default)
 

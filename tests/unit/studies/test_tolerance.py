@@ -316,6 +316,15 @@ def test_a_quantity_that_no_parameter_answers_for_asks_for_no_run(met: fl.Result
     assert choose_discretization(*_one(attempt({"tip": 0.03, "strips": 0.005}, met)), 0.01) is None
 
 
+def test_what_parameters_answer_for_is_refined_beside_what_they_do_not(met: fl.Result) -> None:
+    """Beside an error of tips that stayed, modes that left 1.5 % were left: 1.05 % were true."""
+    parameters, run = attempt({"tip": 0.0174, "modes": 0.0145}, met)
+    choice = choose_discretization(parameters, [run], 0.01)
+    assert choice is not None
+    assert choice.values[MODES] > run.choice.values[MODES]
+    assert choice.foreseen["load_share"] > 0.0174
+
+
 def test_a_smaller_tolerance_never_chooses_less(met: fl.Result) -> None:
     parameters, run = attempt({"modes": 0.02, "strips": 0.007, "elements": 0.002}, met)
     before = run.choice.values
@@ -335,7 +344,10 @@ def test_what_cannot_be_met_costs_no_more_than_a_few_runs(met: fl.Result) -> Non
     assert choice is not None
     part = choice.values[ELEMENTS] / run.choice.values[ELEMENTS]
     assert part > LEAST_PART
-    assert part**-2 <= PATIENCE * 1.001
+    stages = {name: stage["cpu_s"] for name, stage in met.cost["stages"].items()}
+    elements = sum(seconds for name, seconds in stages.items() if name.startswith("compliance"))
+    states = sum(stages[name] for name in ("sweep", "tangent", "estimate"))
+    assert elements * part**-2 + states <= PATIENCE * (elements + states)
 
 
 def test_a_third_run_solves_no_elements_and_is_the_last(met: fl.Result) -> None:
@@ -367,6 +379,15 @@ def test_elements_bear_the_modes_that_are_chosen(name: str, modes: float, met: f
         assert elements_for_modes(keys[MODES]) <= FEWER_DO * body.mesh.flank_elements
 
 
+def test_more_modes_come_with_elements_that_bear_them_or_not_at_all() -> None:
+    """Six modes want twelve elements, of which a flank has nine by default."""
+    open_ = parameters_of(fl.Scene.from_dict(small(tolerance=0.01)))
+    assert open_.finer(open_.values, "modes") == {**open_.values, MODES: 6, ELEMENTS: 0.75}
+    named = parameters_of(fl.Scene.from_dict(small(tolerance=0.01, flank_element_mm=1.0)))
+    assert named.values[MODES] == 5
+    assert named.finer(named.values, "modes") is None
+
+
 # --- why it is missed -----------------------------------------------------------------------------
 def reasons(
     tree: dict[str, Any], result: fl.Result, values: dict[str, float], foreseen: float | None
@@ -387,7 +408,7 @@ def reasons(
 
 def test_a_miss_says_what_ends_it(met: fl.Result) -> None:
     end, unlikely = "the finest step of its ladder", "no step of its ladder is likely to bring"
-    assert reasons(small(), met, {ELEMENTS: 0.25}, 0.0).startswith(end)
+    assert reasons(small(), met, {ELEMENTS: 0.2}, 0.0).startswith(end)
     assert reasons(small(), met, {}, None).startswith(unlikely)
     assert reasons(small(), met, {ELEMENTS: 0.5}, 0.002).startswith(unlikely)
     assert reasons(small(), met, {ELEMENTS: 0.5}, 0.0005).startswith("more than could be")
