@@ -31,8 +31,9 @@ from flankload.belt_states import state_under
 from flankload.belt_work import Asked, PieceWork, pieces_of, work_of_pulley
 from flankload.bodies.belt_mesh import STRAND, coarser, mesh_strip
 from flankload.cost import Account
-from flankload.plan.effect_size import Size, States, size_of
+from flankload.plan.effect_size import States
 from flankload.plan.elements import load_packages
+from flankload.plan.screening import Screening
 from flankload.plan.toggles import Toggle, toggles, with_keys, without_keys
 from flankload.premises import Torque, broken_by_turn, held
 from flankload.rounding import round_down
@@ -58,16 +59,7 @@ BYTES = 8
 
 @dataclass(frozen=True)
 class BeltSizes:
-    """How large the arrays of a belt are; of its largest position.
-
-    Attributes
-    ----------
-    teeth, elements : int
-        Of the wrap, and on a flank.
-    pieces : list of PieceWork
-    unknowns : list of int
-        Of the pieces.
-    """
+    """How large the arrays of a belt are; of its largest position."""
 
     teeth: int
     elements: int
@@ -76,18 +68,7 @@ class BeltSizes:
 
     @classmethod
     def of(cls, strip: Strip, elements: int, position_rad: Floats) -> BeltSizes:
-        """Of a belt with so many elements on a flank; ends as if their strands began in mid-land.
-
-        Parameters
-        ----------
-        strip : Strip
-        elements : int
-        position_rad : (P,) array
-
-        Returns
-        -------
-        BeltSizes
-        """
+        """Of so many elements on a flank; ends as if their strands began in mid-land."""
         pieces = pieces_of(strip, elements, position_rad)
         last = 2 * (strip.wrapped_teeth - 1)
         places = {(0, 0): (0, 2), (1, 0): (-STRAND, 0), (0, 1): (last, last + STRAND)}
@@ -133,21 +114,8 @@ class BeltSizes:
         return BYTES * (3 * (self.pairs + asked.lifting * self.hats) + 4 * self.teeth)
 
 
-class BeltScreening:
-    """The effects of a belt with few elements at few positions, and what its run will cost.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a pulley and a belt.
-    levels : bool
-        Of no account: a belt knows few.
-
-    Raises
-    ------
-    FlankloadError
-        If a position has no state, or a torque breaks a premise of the model.
-    """
+class BeltScreening(Screening):
+    """The effects of a belt with few elements at few positions, and what its run will cost."""
 
     def __init__(self, scene: Scene, *, levels: bool = False) -> None:
         del levels
@@ -157,6 +125,7 @@ class BeltScreening:
         self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
         with Account() as self._bodies:
             self._strip = strip = strip_of(scene)
+            self.reference_radius_mm = strip.pitch_radius_mm
             self._position_rad, _ = positions_of(scene, strip)
         self._bodies.bytes = self._position_rad.nbytes
         at = self._position_rad[_tried(strip, self._position_rad)]
@@ -166,13 +135,13 @@ class BeltScreening:
         self._state_s: dict[Scene, float] = {}
         self._known: dict[tuple[int, int], BeltSizes] = {}
         self._pulleys: dict[int, PulleyMesh] = {}
-        self._base = self._states(scene)
+        self.base = self.states(scene)
         # lands that rub would turn a pulley without torque
         still = without_keys(scene, "land_friction")
-        self._unloaded_rad = self._under(still, 0.0).rotation_rad
-        for states in self._base:
+        self.unloaded_rad = self._under(still, 0.0).rotation_rad
+        for states in self.base:
             torque = Torque(scene, scene.torques_Nm.index(states.torque_Nm))
-            turned_rad = float((states.rotation_rad - self._unloaded_rad).max())
+            turned_rad = float((states.rotation_rad - self.unloaded_rad).max())
             held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
 
     def _solve(self, scene: Scene, at: Floats) -> None:
@@ -198,29 +167,8 @@ class BeltScreening:
             self._yielding = [rest_on(response, strip, known) for response in self._held]
             self._sector = len(mesh.sector.nodes)
 
-    # --- sizes ------------------------------------------------------------------------------------
-    def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state."""
-        scene = self.toggles[name].scene
-        if name == "several_torques" or scene is None:
-            return None
-        other = self._states(scene)
-        return self._between(*((self._base, other) if on else (other, self._base)))
-
-    def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
-        return self._between(self._states(scene), self._base)
-
-    def _between(self, with_it: list[States], without: list[States]) -> Size:
-        return size_of(
-            with_it,
-            without,
-            base=self._base,
-            unloaded_rad=self._unloaded_rad,
-            reference_radius_mm=self._strip.pitch_radius_mm,
-        )
-
-    def _states(self, scene: Scene) -> list[States]:
+    def states(self, scene: Scene) -> list[States]:
+        """Contact problems of the same answers, of a rigid pulley or of one that yields."""
         start = process_time()
         found = [self._under(scene, torque) for torque in self._torques]
         self._state_s[scene] = (process_time() - start) / (len(found) * len(self._held))

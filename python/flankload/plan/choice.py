@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from flankload.effects import EFFECTS, Effect, switches_of
 from flankload.errors import SceneError
-from flankload.plan.planning import sizes
 from flankload.plan.planned import Chosen
+from flankload.plan.planning import sizes
 from flankload.plan.screening import screening_of
 from flankload.plan.significance import against_threshold, is_significant, threshold_text
 from flankload.plan.toggles import LEVELS, QUANTITIES, RIGID, with_keys, with_rigid, without_keys

@@ -66,18 +66,7 @@ class Duration:
 
 
 def duration_of(scene: Scene, pair: BodyPair) -> Duration:
-    """How long a run of two bodies with flanks will take.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Its bodies.
-
-    Returns
-    -------
-    Duration
-    """
+    """How long a run of two bodies with flanks will take."""
     counted, elements_s, unknowns = predicted_work(scene, pair), 0.0, 0
     for z, body in enumerate((pair.body_1, pair.body_2)):
         counters = counted.get(f"compliance body {z + 1}")
@@ -96,17 +85,7 @@ def duration_of(scene: Scene, pair: BodyPair) -> Duration:
 
 
 def duration_of_belt(scene: Scene) -> Duration:
-    """How long a run of a belt will take.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a pulley and a belt.
-
-    Returns
-    -------
-    Duration
-    """
+    """How long a run of a belt will take."""
     from flankload.belt_drive import flank_elements, positions_of, predicted_work, strip_of
     from flankload.plan.belt import BeltSizes
 

@@ -41,15 +41,7 @@ def unknowns_of(body: Body) -> int:
 
 @dataclass(frozen=True)
 class ElementRates:
-    """What the job of a body with linear elements took.
-
-    Attributes
-    ----------
-    body : Body
-    linear_s : float
-        CPU seconds of the stiffness of the linear elements.
-    job : BodyCompliance
-    """
+    """What the job of a body with linear elements took."""
 
     body: Body
     linear_s: float
@@ -67,21 +59,7 @@ class ElementRates:
         return self.linear_s * quadratic / linear
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
-        """CPU seconds and bytes of elements.
-
-        Parameters
-        ----------
-        counters : mapping of str to int
-            Of the stage.
-        places : int
-            In the root fillets of a tooth.
-        finer : float
-            So many times the unknowns of the run's mesh.
-
-        Returns
-        -------
-        Account
-        """
+        """CPU seconds and bytes of elements."""
         job, steps = self.job, self.job.seconds
         unknowns = finer * unknowns_of(self.body)
         more = unknowns / max(1, job.degrees_of_freedom)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from math import log
 from time import process_time
 from typing import TYPE_CHECKING, Any
@@ -28,9 +27,10 @@ from flankload.errors import ContactError, FlankloadError
 from flankload.estimate import n_sweeps
 from flankload.friction import friction_of
 from flankload.growth import growth_of
-from flankload.plan.effect_size import Size, States, size_of
+from flankload.plan.effect_size import Size, States
 from flankload.plan.elements import ElementRates, load_packages
 from flankload.plan.nodes import nodal_size, node_spacings
+from flankload.plan.screening import Screening
 from flankload.plan.toggles import Toggle, toggles, with_keys, with_rigid
 from flankload.prediction import elements_estimated, predicted_work
 from flankload.premises import blame_load, broken_by_geometry, broken_by_load, held
@@ -77,16 +77,7 @@ TINY_S = 1e-5
 
 @dataclass(frozen=True)
 class StateRate:
-    """CPU seconds of a sweep.
-
-    Attributes
-    ----------
-    call_s, state_s, coarser_s : float
-        Of a call whatever it solves; of a state; of one on cells twice as wide.
-    sweep : Account
-        Of the states that were tried: bytes and counters.
-    states : int
-    """
+    """CPU seconds of a sweep."""
 
     call_s: float
     state_s: float
@@ -95,7 +86,7 @@ class StateRate:
     states: int
 
 
-class FlankPairScreening:
+class FlankPairScreening(Screening):
     """The effects of a scene on a coarse discretization, and what its run will cost.
 
     Parameters
@@ -104,13 +95,6 @@ class FlankPairScreening:
         Without `effects.choose`.
     levels : bool
         Levels that are off are tried, too.
-
-    Attributes
-    ----------
-    rows : tuple of str
-        Effects that the pair knows.
-    toggles : dict of str to Toggle
-        The scene with each of them the other way, as far as that is tried.
 
     Raises
     ------
@@ -136,7 +120,8 @@ class FlankPairScreening:
             if levels or name not in OFF or getattr(effects, name) or toggle.impossible
         }
         self._assemblies = {scene: self._pair}
-        self._at = _spread(self._pair.position_rad, MOST_POSITIONS)
+        at = self._pair.position_rad
+        self._at = at[_every(at, MOST_POSITIONS)]
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
         self._torques = tuple(dict.fromkeys((min(loaded), max(loaded)))) if loaded else (0.0,)
         self._jobs: list[dict[Any, BodyCompliance]] = [{}, {}]
@@ -148,45 +133,35 @@ class FlankPairScreening:
             self._solve_elements(z)
         base, self._base_s = self._first_states()
         self._check_load(base)
-        self._base = self._states(self._screened, base)
-        self._unloaded = self._base[0].rotation_rad
+        self.base = self._states(self._screened, base)
+        self.unloaded_rad = self.base[0].rotation_rad
         if loaded:
-            self._unloaded = self._swept(self._screened, self._at, (0.0,))[0].rotation_rad
+            self.unloaded_rad = self._timed(self._screened, torques_Nm=(0.0,))[0][0].rotation_rad
+        self.reference_radius_mm = self._pair.body_1.reference_radius_mm
         self._rate = self._state_rate()
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state.
-
-        Raises
-        ------
-        FlankloadError
-            If the other scene has no answer.
-        """
-        row, scene = next(row for row in EFFECTS if row.name == name), self.toggles[name].scene
-        if scene is None or row.size_by == "nothing":
+        """What a row changes; three levels are looked at in ways of their own."""
+        scene = self.toggles[name].scene
+        if scene is None:
             return None
-        if row.size_by == "spacing":
+        if name == "nodal_near_field":
             nodal = self._scene if on else scene
-            return nodal_size(nodal, self._pair, self._base[0], self._unloaded)
+            return nodal_size(nodal, self._pair, self.base[0], self.unloaded_rad)
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":  # cells are what differs
-            few = _spread(self._at, FINE_POSITIONS)
+            few = _every(self._at, FINE_POSITIONS)
             found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
-            self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / few.size)
-            base, other = self._fine, self._states(screened(scene), found)
-            return self._between(*((base, other) if on else (other, base)), few)
-        other = self._other(scene)
-        return self._between(*((self._base, other) if on else (other, self._base)))
+            self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
+            other = self._states(screened(scene), found)
+            return self.between(other, on=on, mine=self._fine, which=few)
+        return super().size(name, on=on)
 
-    def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
-        return self._between(self._other(scene), self._base)
-
-    def _other(self, scene: Scene) -> list[States]:
+    def states(self, scene: Scene) -> list[States]:
         """States with other effects; how much longer each takes is kept."""
-        found, seconds = self._timed(screened(scene), self._at, self._torques)
+        found, seconds = self._timed(screened(scene))
         other, mine = (max(TINY_S, each - self._rate.call_s) for each in (seconds, self._base_s))
         self._state_s[scene] = self._rate.state_s * other / mine
         return self._states(screened(scene), found)
@@ -195,28 +170,14 @@ class FlankPairScreening:
         """Of forces that turn on their cells: what they change goes with the width of a cell."""
         if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
             return None
-        few = _spread(self._at, FINITE_POSITIONS)
-        finite_scene = with_keys(self._screened, influence="finite")
-        finite, finite_s = self._timed(finite_scene, few, self._torques[-1:])
+        few = _every(self._at, FINITE_POSITIONS)
+        finite = with_keys(self._screened, influence="finite")
+        found, seconds = self._timed(finite, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # each two pairs have numbers of their own
-        more = finer**2 * max(0.0, finite_s - self._rate.call_s) / few.size
+        more = finer**2 * max(0.0, seconds - self._rate.call_s) / found[0].status.size
         self._state_s[scene] = max(TINY_S, self._rate.state_s + (-more if on else more))
-        small = [_at_positions(self._base[-1], np.isin(self._at, few))]
-        return self._between(self._states(finite_scene, finite), small, few).times(1.0 / finer)
-
-    def _between(
-        self, with_it: list[States], without: list[States], at: Floats | None = None
-    ) -> Size:
-        which = np.isin(self._at, self._at if at is None else at)
-        base = [_at_positions(part, which) for part in self._base[-len(with_it) :]]
-        return size_of(
-            with_it,
-            without,
-            base=base,
-            unloaded_rad=self._unloaded[which],
-            reference_radius_mm=self._pair.body_1.reference_radius_mm,
-        )
+        return self.between(self._states(finite, found), on=False, which=few).times(1.0 / finer)
 
     @property
     def _grid(self) -> Grid:
@@ -231,35 +192,27 @@ class FlankPairScreening:
         ]
 
     def _timed(
-        self, scene: Scene, at: Floats, torques_Nm: tuple[float, ...], grid: Grid = COARSE.grid
-    ) -> tuple[tuple[Sweep, ...], float]:
-        """The sweep, and the CPU seconds of its states at all torques."""
-        pair = self.assembly(scene)
-        self._compliances(scene, pair)
-        start = process_time()
-        return self._swept(scene, at, torques_Nm, grid), process_time() - start
-
-    def _swept(
         self,
         scene: Scene,
-        at: Floats,
-        torques_Nm: tuple[float, ...],
+        few: slice = slice(None),
+        torques_Nm: tuple[float, ...] | None = None,
         grid: Grid = COARSE.grid,
         account: Account | None = None,
-        *,
-        keep_pairs: bool = False,
-    ) -> tuple[Sweep, ...]:
+    ) -> tuple[tuple[Sweep, ...], float]:
+        """The sweep of some positions, and its CPU seconds."""
         pair = self.assembly(scene)
         pair, compliances = grown_pair(pair, self._compliances(scene, pair))
-        return sweep_of(scene, pair)(
+        torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
+        found = sweep_of(scene, pair)(
             compliances=compliances,
-            position_rad=at,
-            torques_Nmm=[1000.0 * torque for torque in torques_Nm],
+            position_rad=self._at[few],
+            torques_Nmm=[1000.0 * torque for torque in torques],
             grid=grid,
-            keep_pairs=keep_pairs,
+            keep_pairs=account is not None,
             account=account,
             watched=False,
         )
+        return found, process_time() - start
 
     def _check_load(self, base: tuple[Sweep, ...]) -> None:
         """Refuse a scene whose least or largest torque breaks a premise of the model."""
@@ -276,11 +229,13 @@ class FlankPairScreening:
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
         """States of the scene; where there are none, a part of the torque may break a premise."""
         try:
-            return self._timed(self._screened, self._at, self._torques)
+            return self._timed(self._screened)
         except ContactError as error:
             pair, geometry = self._geometry()
-            swept = partial(self._swept, self._screened, self._at)
-            again = lambda torque: swept((torque / 1000.0,))  # noqa: E731
+
+            def again(torque_Nmm: float) -> tuple[Sweep, ...]:
+                return self._timed(self._screened, torques_Nm=(torque_Nmm / 1000.0,))[0]
+
             blame_load(self._scene, pair, geometry, error, again)
             raise
 
@@ -491,26 +446,19 @@ class FlankPairScreening:
 
     def _state_rate(self) -> StateRate:
         """What a state takes on the run's own cells, and on cells twice as wide."""
-        few, torque = _spread(self._at, FINE_POSITIONS), self._torques[-1:]
-
-        def timed(at: Floats) -> tuple[float, Account, tuple[Sweep, ...]]:
-            account, start = Account(), process_time()
-            found = self._swept(self._scene, at, torque, self._grid, account, keep_pairs=True)
-            return process_time() - start, account, found
-
-        seconds, account, found = timed(few)
-        self._fine = self._states(self._scene, found)
-        account.bytes = held_bytes(found)
-        call = 0.0
-        if few.size > 1:
-            one, _, _ = timed(few[:1])
-            call = max(0.0, one - (seconds - one) / (few.size - 1))
+        few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
+        found, seconds = self._timed(self._scene, few, torque, self._grid, account)
+        self._fine, count = self._states(self._scene, found), found[0].status.size
+        account.bytes, call = held_bytes(found), 0.0
+        if count > 1:
+            _, one = self._timed(self._scene, slice(1), torque, self._grid, Account())
+            call = max(0.0, one - (seconds - one) / (count - 1))
         wide = (self._base_s - call) / (self._at.size * len(self._torques))
-        state, wide = max(TINY_S, (seconds - call) / few.size), max(TINY_S, wide)
+        state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
         ratio = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # by the power law between both
         power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
-        return StateRate(call, state, state * 0.5**power, account, few.size)
+        return StateRate(call, state, state * 0.5**power, account, count)
 
 
 def screened(scene: Scene) -> Scene:
@@ -537,12 +485,6 @@ def _with(spec: Any, **keys: Any) -> Any:
     return structs.replace(spec, **here)
 
 
-def _at_positions(states: States, which: NDArray[np.bool_]) -> States:
-    """Some of the positions."""
-    share = states.load_share[which]
-    return replace(states, rotation_rad=states.rotation_rad[which], load_share=share)
-
-
-def _spread(position_rad: Floats, most: int) -> Floats:
+def _every(positions: Floats, most: int) -> slice:
     """At most so many of some positions, evenly spread, the first among them."""
-    return position_rad[:: max(1, -(-position_rad.size // most))]
+    return slice(None, None, max(1, -(-positions.size // most)))

@@ -32,19 +32,7 @@ SHARE = 1.5
 
 
 def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
-    """Distance of the nodes of each body, mm, if the scene has forces at nodes.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        As the scene has it, or without forces at nodes.
-
-    Returns
-    -------
-    list of float or None
-        None for a body without elements.
-    """
+    """Distance of the nodes of each body, mm, if the scene has forces at nodes."""
     bodies = pair.body_1, pair.body_2
     wanted = scene.accuracy.flank_element_mm
     if wanted is None:
@@ -63,23 +51,7 @@ def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
 def nodal_size(
     scene: Scene, pair: BodyPair, states: States, unloaded_rad: NDArray[np.float64]
 ) -> Size | None:
-    """Size of forces at nodes.
-
-    Parameters
-    ----------
-    scene : Scene
-        That has them.
-    pair : BodyPair
-    states : States
-        Of the least torque: the narrowest contact is missed most.
-    unloaded_rad : (P,) array
-        Rotation without torque.
-
-    Returns
-    -------
-    Size or None
-        None without torque, or where neither body has elements.
-    """
+    """Size of forces at nodes."""
     spacings = [each for each in node_spacings(scene, pair) if each is not None]
     if not spacings or states.torque_Nm <= 0.0:
         return None

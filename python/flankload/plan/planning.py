@@ -87,17 +87,7 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
 
 
 def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect that a scene knows, or why there is none.
-
-    Parameters
-    ----------
-    screening : Screening
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to Measured
-    """
+    """The size of each effect that a scene knows, or why there is none."""
     switches, found = switches_of(scene), {}
     for name in screening.rows:
         toggle = screening.toggles.get(name)

@@ -61,17 +61,7 @@ REMOVED: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Toggle:
-    """A scene with one effect the other way.
-
-    Attributes
-    ----------
-    scene : Scene or None
-        None where the scene cannot have it.
-    assumed : str or None
-        What the scene does not say and was taken all the same, as key and value.
-    impossible : str or None
-        Why the scene cannot have it.
-    """
+    """A scene with one effect the other way."""
 
     scene: Scene | None
     assumed: str | None = None
@@ -79,18 +69,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """A scene with each of some effects the other way, those left out that nothing switches.
-
-    Parameters
-    ----------
-    scene : Scene
-    names : iterable of str
-        Rows of the table of effects.
-
-    Returns
-    -------
-    dict of str to Toggle
-    """
+    """A scene with each of some effects the other way, those left out that nothing switches."""
     switches, found = switches_of(scene), {}
     for name in names:
         try:
@@ -103,26 +82,7 @@ def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
 
 
 def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
-    """A scene with one effect switched.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Row of the table of effects.
-    on : bool
-        Whether the scene has it.
-
-    Returns
-    -------
-    Toggle or None
-        None where nothing says what the scene would be the other way.
-
-    Raises
-    ------
-    SceneError
-        If there is no such scene.
-    """
+    """A scene with one effect switched."""
     taken = {} if on else ASSUMED.get(name, {})
     assumed = next((f"effects.{key} = {value:g}" for key, value in taken.items()), None)
     if name in QUANTITIES and on:
