@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec import structs
 
 import flankload as fl
 from flankload.errors import FlankloadError
@@ -21,7 +22,7 @@ from flankload.plan import Plan, PlannedEffect, Size
 from flankload.plan.choice import without_choice
 from flankload.plan.effect_size import States, size_of
 from flankload.plan.toggles import toggled
-from flankload.scene.pair_tables import Load, Positions
+from flankload.scene.pair_tables import Positions
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 #: Wanted: factor between predicted and measured, of sizes and of what an effect adds; of the
@@ -67,7 +68,9 @@ def _of(scene: fl.Scene, plan: Plan, off: list[str], name: str) -> list[str]:
     if not 1 / RUN_FACTOR <= factor <= RUN_FACTOR:
         off.append(f"off: {name}, seconds: {factor:.2f}")
     lines.append(f"{'the run':<28}{'':>60}{plan.seconds:10.3f}{spent:10.3f}{factor:8.2f}")
-    unloaded, _ = _solved(replace(plain, load=Load(torque_Nm=0.0)), once=True)
+    unloaded, _ = _solved(
+        replace(plain, load=structs.replace(plain.load, torque_Nm=0.0)), once=True
+    )
     for effect in plan.effects:
         if effect.size is None:
             if effect.unknown is not None:

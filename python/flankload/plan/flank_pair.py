@@ -7,51 +7,39 @@ and columns of one factorisation, rigid bodies need none, and all else is anothe
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import log
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import structs
 
-from flankload.assembly import BodyPair, bodies_of, build_bodies, without_ends
+from flankload.assembly import BodyPair, build_bodies
 from flankload.bodies import SectorMesh
-from flankload.coast_sites import coast_sites
-from flankload.compliance import BodyCompliance, flank_compliances, no_compliance
 from flankload.cost import Account, held_bytes
 from flankload.effects import EFFECTS, effects_of
-from flankload.elasticity import linear_cells, stiffness
-from flankload.errors import ContactError, FlankloadError
+from flankload.errors import ContactError
 from flankload.estimate import n_sweeps
-from flankload.friction import friction_of
-from flankload.growth import growth_of
 from flankload.plan.effect_size import Size, States
-from flankload.plan.elements import ElementRates, load_packages
 from flankload.plan.nodes import nodal_size, node_spacings
+from flankload.plan.pair_models import COARSE, PairModels, screened
 from flankload.plan.screening import Screening
-from flankload.plan.toggles import Toggle, toggles, with_keys, with_rigid
+from flankload.plan.toggles import Toggle, toggles, with_keys
 from flankload.prediction import elements_estimated, predicted_work
 from flankload.premises import blame_load, broken_by_geometry, broken_by_load, held
-from flankload.resolution import Grid, Resolution
+from flankload.resolution import Grid
 from flankload.result.geometry import PairGeometry, pair_geometry
-from flankload.scene.effect_rules import check_coast_kinds
-from flankload.stages import compliance_of, grown_pair, modes_of, sweep_of
+from flankload.stages import grown_pair, sweep_of
 from flankload.tangent import SIDES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
-    from flankload.growth import Growth
     from flankload.scene import Scene
     from flankload.sweep import Sweep
 
     Floats = NDArray[np.float64]
 
-#: Modes and cells of the screening; its mesh is that of the run.
-COARSE = Resolution(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
 #: Rounds of adaptive positions end with about so many times those that they begin with.
@@ -119,24 +107,20 @@ class FlankPairScreening(Screening):
             for name, toggle in toggles(scene, self.rows).items()
             if levels or name not in OFF or getattr(effects, name) or toggle.impossible
         }
-        self._assemblies = {scene: self._pair}
         at = self._pair.position_rad
         self._at = at[_every(at, MOST_POSITIONS)]
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
         self._torques = tuple(dict.fromkeys((min(loaded), max(loaded)))) if loaded else (0.0,)
-        self._jobs: list[dict[Any, BodyCompliance]] = [{}, {}]
-        self._rates: dict[int, ElementRates] = {}
-        self._meshes: dict[int, Body] = {}
         self._state_s: dict[Scene, float] = {}
-        self._screened = screened(scene)
-        for z in (0, 1):
-            self._solve_elements(z)
+        self._models = PairModels(scene, self._pair, self.toggles)
         base, self._base_s = self._first_states()
         self._check_load(base)
-        self.base = self._states(self._screened, base)
+        self.base = self._states(self._models.screened, base)
         self.unloaded_rad = self.base[0].rotation_rad
         if loaded:
-            self.unloaded_rad = self._timed(self._screened, torques_Nm=(0.0,))[0][0].rotation_rad
+            self.unloaded_rad = self._timed(self._models.screened, torques_Nm=(0.0,))[0][
+                0
+            ].rotation_rad
         self.reference_radius_mm = self._pair.body_1.reference_radius_mm
         self._rate = self._state_rate()
 
@@ -171,7 +155,7 @@ class FlankPairScreening(Screening):
         if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
             return None
         few = _every(self._at, FINITE_POSITIONS)
-        finite = with_keys(self._screened, influence="finite")
+        finite = with_keys(self._models.screened, influence="finite")
         found, seconds = self._timed(finite, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # each two pairs have numbers of their own
@@ -185,7 +169,7 @@ class FlankPairScreening(Screening):
         return self._pair.resolution.grid
 
     def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
-        sites = self.assembly(scene).pairing.sites
+        sites = self._models.assembly(scene).pairing.sites
         return [
             States.of(part.torque_Nmm / 1000.0, sites, part.rotation_rad, part.site_force_N)
             for part in found
@@ -200,8 +184,8 @@ class FlankPairScreening(Screening):
         account: Account | None = None,
     ) -> tuple[tuple[Sweep, ...], float]:
         """The sweep of some positions, and its CPU seconds."""
-        pair = self.assembly(scene)
-        pair, compliances = grown_pair(pair, self._compliances(scene, pair))
+        pair = self._models.assembly(scene)
+        pair, compliances = grown_pair(pair, self._models.compliances(scene, pair))
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
         found = sweep_of(scene, pair)(
             compliances=compliances,
@@ -222,156 +206,28 @@ class FlankPairScreening(Screening):
             held(self._scene, tuple(broken_by_load(self._scene, pair, geometry, found, number)))
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
-        pair = replace(self.assembly(self._screened), position_rad=self._at)
-        pair, compliances = grown_pair(pair, self._compliances(self._screened, pair))
+        pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
+        pair, compliances = grown_pair(pair, self._models.compliances(self._models.screened, pair))
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
         """States of the scene; where there are none, a part of the torque may break a premise."""
         try:
-            return self._timed(self._screened)
+            return self._timed(self._models.screened)
         except ContactError as error:
             pair, geometry = self._geometry()
 
             def again(torque_Nmm: float) -> tuple[Sweep, ...]:
-                return self._timed(self._screened, torques_Nm=(torque_Nmm / 1000.0,))[0]
+                return self._timed(self._models.screened, torques_Nm=(torque_Nmm / 1000.0,))[0]
 
             blame_load(self._scene, pair, geometry, error, again)
             raise
-
-    # --- bodies and compliances -------------------------------------------------------------------
-    def assembly(self, scene: Scene) -> BodyPair:
-        """Bodies of a scene with other effects, without those that are there already."""
-        if scene not in self._assemblies:
-            self._assemblies[scene] = self._assembled(scene)
-        return self._assemblies[scene]
-
-    def _assembled(self, scene: Scene) -> BodyPair:
-        pair, specs = self._pair, (scene.body_1, scene.body_2)
-        mine = (self._scene.body_1, self._scene.body_2)
-        effects = effects_of(scene)
-        body_1, body_2 = (self._body(scene, z, tip_contact=effects.tip_contact) for z in (0, 1))
-        if any(_geometric(one) != _geometric(two) for one, two in zip(specs, mine, strict=True)):
-            return build_bodies(scene, pair.resolution, bodies=(body_1, body_2))
-        coast = None
-        if effects.coast_flanks:
-            check_coast_kinds(body_1.kind, body_2.kind)
-            coast = pair.pairing.coast or coast_sites(pair.pairing.sites, body_1, body_2)
-        pairing = replace(pair.pairing, coast=coast)
-        return replace(
-            pair,
-            body_1=body_1,
-            body_2=body_2,
-            pairing=pairing,
-            effects=replace(
-                effects,
-                pitch_errors=pair.effects.pitch_errors,
-                flank_modifications=pair.effects.flank_modifications,
-            ),
-            friction=friction_of(scene, body_1, pairing),
-            fillets=pair.fillets if effects.root_stress else (None, None),
-            growth=growth_of(scene, pairing),
-        )
-
-    def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
-        """A body as another scene has it; its elements stay, if its curve is another one."""
-        body, spec = (self._pair.body_1, self._pair.body_2)[z], (scene.body_1, scene.body_2)[z]
-        mine = (self._scene.body_1, self._scene.body_2)[z]
-        if body.mesh is None and body.given is None and not spec.rigid:
-            if z not in self._meshes:
-                (self._meshes[z],) = bodies_of(scene, self._pair.resolution, (z,))
-            body = replace(body, mesh=self._meshes[z].mesh)
-        if _unplaced(spec) != _unplaced(mine):
-            rigid = with_rigid(scene, f"body_{z + 1}", rigid=True)
-            (built,) = bodies_of(rigid, self._pair.resolution, (z,))
-            body = replace(built, mesh=body.mesh)
-        own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
-            own = own or body.pitch_errors_um
-        ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
-        return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
-
-    def _solve_elements(self, z: int) -> None:
-        """One job for all that the elements of a body are asked for by any of the scenes."""
-        asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
-        if not asked:
-            return
-        body = self._body(asked[0], z, tip_contact=True)
-        if body.mesh is None:
-            return
-        load_packages()
-        plane, cells = self._scene.accuracy.plane, linear_cells(body.mesh.cells)
-        start = process_time()
-        matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
-        seconds = process_time() - start
-        variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
-        finite = not self._pair.pairing.whole_circle and "finite_influence" in self.toggles
-        along = finite and self.toggles["finite_influence"].scene is not None
-        found = flank_compliances(
-            body,
-            variants,
-            n_modes=modes_of(body, self._screened, COARSE),
-            plane=plane,
-            friction=along or any(scene.has_friction for scene in asked),
-            along=along and self._scene.has_friction,
-            coast_flanks=any(scene.effects.coast_flank for scene in asked),
-            matrix=matrix,
-            linear=True,
-        )
-        self._jobs[z] = dict(zip(variants, found, strict=True))
-        self._rates[z] = ElementRates(body, seconds, found[0])
-
-    def _possible(self) -> list[Scene]:
-        """The scene and its toggles as they are screened, but for those that are not solved."""
-        scenes = [self._screened]
-        for name, toggle in self.toggles.items():
-            if toggle.scene is not None and name not in ("nodal_near_field", "finite_influence"):
-                with suppress(FlankloadError):  # said when its size is asked for
-                    self.assembly(screened(toggle.scene))
-                    scenes.append(screened(toggle.scene))
-        return list(dict.fromkeys(scenes))
-
-    def _needs_elements(self, scene: Scene, z: int) -> bool:
-        pair = self.assembly(scene)
-        growth = pair.growth[z]
-        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
-        return elastic or (growth is not None and growth.needs_elements)
-
-    def _variant(self, scene: Scene, z: int) -> tuple[int | None, Growth | None]:
-        """What is built of a sector: so many of them, growing so."""
-        growth = self.assembly(scene).growth[z]
-        return scene.sectors, growth if growth is not None and growth.needs_elements else None
-
-    def _compliances(self, scene: Scene, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
-        return self._compliance(scene, pair, 0), self._compliance(scene, pair, 1)
-
-    def _compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
-        """Compliance of a body, before it grows as a whole."""
-        body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
-        if not self._needs_elements(scene, z):
-            return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
-        if growth is not None and not growth.needs_elements:
-            found = replace(found, expansion=growth.strain)
-        if not scene.effects.coast_flank:
-            found = replace(found, crossing=None, crossing_tangential=None)
-        return found if scene.effects.tooth_coupling else found.without_coupling()
-
-    def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Of a body that brings its compliance along."""
-        growth = self.assembly(scene).growth[z]
-        key = scene.has_friction, scene.effects.influence, growth
-        if key not in self._jobs[z]:
-            plain = with_keys(scene, tooth_coupling=True)
-            found = compliance_of(body, plain, self._pair.resolution, growth=growth)
-            self._jobs[z][key] = found
-        return self._jobs[z][key]
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
         """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
         nodal = effects_of(scene).nodal_near_field and not self._pair.effects.nodal_near_field
-        pair = self._pair if nodal else self.assembly(scene)
+        pair = self._pair if nodal else self._models.assembly(scene)
         counted = predicted_work(scene, pair)
         stages = {"bodies": replace(self._bodies, counters={})}
         smoothing = 0.0
@@ -379,8 +235,8 @@ class FlankPairScreening(Screening):
             name = f"compliance body {z + 1}"
             if name not in counted:
                 continue
-            if z not in self._rates:  # it comes from a file
-                stages[name] = Account(bytes=held_bytes(self._compliance(scene, pair, z)))
+            if z not in self._models.rates:  # it comes from a file
+                stages[name] = Account(bytes=held_bytes(self._models.compliance(scene, pair, z)))
                 continue
             counters, finer = counted[name], 1.0
             if nodal:
@@ -389,12 +245,12 @@ class FlankPairScreening(Screening):
             if fillets is not None:
                 places = int(fillets.points.arc_length_mm.size)
             elif pair.effects.root_stress:  # of another scene: so many, about
-                places = PLACES * isinstance(self._rates[z].body.mesh, SectorMesh)
+                places = PLACES * isinstance(self._models.rates[z].body.mesh, SectorMesh)
                 counters = counters | {"fe_solutions": counters["fe_solutions"] + places}
-            stages[name] = self._rates[z].price(counters, places=places, finer=finer)
+            stages[name] = self._models.rates[z].price(counters, places=places, finer=finer)
             stages[name].bytes += held_bytes(fillets.points) if fillets is not None else 0
             if z in elements_estimated(pair):
-                smoothing += self._rates[z].smoothing_s(counters)
+                smoothing += self._models.rates[z].smoothing_s(counters)
         stages |= self._sweeps(scene, pair)
         if "estimate" in stages:
             stages["estimate"].cpu_s += smoothing
@@ -459,30 +315,6 @@ class FlankPairScreening(Screening):
         # by the power law between both
         power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
         return StateRate(call, state, state * 0.5**power, account, count)
-
-
-def screened(scene: Scene) -> Scene:
-    """The scene as it is screened: without what changes no state, or is looked at by itself."""
-    effects = structs.replace(
-        scene.effects, root_stress=False, near_field="analytic", influence="small"
-    )
-    accuracy = structs.replace(scene.accuracy, modes=None)
-    return replace(scene, effects=effects, accuracy=accuracy)
-
-
-def _unplaced(spec: Any) -> Any:
-    """The table of a body as far as its curve and its mesh depend on it."""
-    return _with(spec, rigid=False, pitch_errors_um=())
-
-
-def _geometric(spec: Any) -> Any:
-    """The same, with the places of the teeth."""
-    return _with(spec, rigid=False)
-
-
-def _with(spec: Any, **keys: Any) -> Any:
-    here = {key: value for key, value in keys.items() if key in spec.__struct_fields__}
-    return structs.replace(spec, **here)
 
 
 def _every(positions: Floats, most: int) -> slice:
