@@ -1,8 +1,8 @@
 """The screening of two bodies with flanks: gears, rings, splines, cams.
 
-The bodies are those of the run. Their elements are linear, which leaves a quarter of the unknowns;
-modes, cells and positions are few. Segments, growth, friction and coast flanks are other closures
-and columns of one factorisation, rigid bodies need none, and all else is another sweep.
+Each effect is another sweep of few positions, with few modes and wide cells; what the sweeps take
+stands in `pair_models`. The run costs what its bodies, elements and states took here, scaled by
+what is counted.
 """
 
 from __future__ import annotations
@@ -118,9 +118,8 @@ class FlankPairScreening(Screening):
         self.base = self._states(self._models.screened, base)
         self.unloaded_rad = self.base[0].rotation_rad
         if loaded:
-            self.unloaded_rad = self._timed(self._models.screened, torques_Nm=(0.0,))[0][
-                0
-            ].rotation_rad
+            (unloaded,), _ = self._timed(self._models.screened, torques_Nm=(0.0,))
+            self.unloaded_rad = unloaded.rotation_rad
         self.reference_radius_mm = self._pair.body_1.reference_radius_mm
         self._rate = self._state_rate()
 
