@@ -1,9 +1,10 @@
 """How long a run will take, said before it starts: what can be counted, times rates.
 
 Nothing is solved and nothing is tried, so that it costs next to nothing and is right to a factor of
-two or so; `flankload plan` solves some states on the machine itself. The rates were measured on gears, rings, cams and splines with 10 to 40 cells on a half-width, and on elements with
-600 to 16000 unknowns (CPU seconds, the shortest of several runs on one thread of a core at 3 GHz);
-on another machine they scale with its speed.
+two or so; `flankload plan` solves some states on the machine itself. The rates were measured on
+gears, rings, cams and splines with 10 to 40 cells on a half-width, and on elements with 600 to
+16000 unknowns (CPU seconds, the shortest of several runs on one thread of a core at 3 GHz); on
+another machine they scale with its speed.
 """
 
 from __future__ import annotations
