@@ -20,17 +20,7 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class States:
-    """Curves of one torque at P positions on S sites.
-
-    Attributes
-    ----------
-    torque_Nm : float
-    sites : (S,) array
-        Pair numbers.
-    rotation_rad : (P,) array
-    load_share : (P, S) array
-        Force over the sum of the forces at a position.
-    """
+    """Curves of one torque at P positions on S sites."""
 
     torque_Nm: float
     sites: NDArray[np.int64]
@@ -44,6 +34,11 @@ class States:
         """From the forces of the sites (P, S)."""
         total = np.maximum(site_force_N.sum(axis=1, keepdims=True), TINY)
         return cls(torque_Nm, sites, rotation_rad, site_force_N / total)
+
+    def at(self, which: slice) -> States:
+        """At some of the positions."""
+        share = self.load_share[which]
+        return replace(self, rotation_rad=self.rotation_rad[which], load_share=share)
 
     def share_on(self, sites: NDArray[np.int64]) -> Floats:
         """Load share (P, n) of more sites."""
@@ -106,20 +101,7 @@ def size_of(
     unloaded_rad: Floats,
     reference_radius_mm: float,
 ) -> Size:
-    """Size of an effect, at the torque at which it is largest.
-
-    Parameters
-    ----------
-    with_it, without, base : sequences of States
-        One for each torque, at the same positions; the scene as it stands is `base`.
-    unloaded_rad : (P,) array
-        Rotation of the scene as it stands without torque.
-    reference_radius_mm : float
-
-    Returns
-    -------
-    Size
-    """
+    """Size of an effect, at the torque at which it is largest."""
     sizes = [
         _size(one, other, scene.rotation_rad - unloaded_rad, reference_radius_mm)
         for one, other, scene in zip(with_it, without, base, strict=True)

@@ -14,10 +14,9 @@ if TYPE_CHECKING:
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.duration import Duration
-    from flankload.mechanisms.effect_size import Size
     from flankload.mechanisms.premises import Broken
+    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import StageClock
-    from flankload.mechanisms.toggles import Toggle
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
@@ -78,36 +77,6 @@ class States(Protocol):
     @property
     def found(self) -> tuple[Any, ...]:
         """States in the form of the drive, one entry per torque."""
-
-
-class Screening(Protocol):
-    """A scene on a coarse discretization, with its effects and with each of them the other way.
-
-    Attributes
-    ----------
-    rows : tuple of str
-        Effects that the kind knows, in the order of the table of effects.
-    toggles : mapping of str to Toggle
-        The scene with each of them the other way; without those that nothing switches, and those
-        that are not tried.
-    """
-
-    @property
-    def rows(self) -> tuple[str, ...]:
-        """Effects that the kind of drive knows."""
-
-    @property
-    def toggles(self) -> Mapping[str, Toggle]:
-        """The scene with each effect switched."""
-
-    def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row changes that the scene has, or has not; None where it changes no state."""
-
-    def change(self, scene: Scene) -> Size:
-        """What another scene of the same bodies changes against this one."""
-
-    def price(self, scene: Scene) -> Mapping[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
 
 
 class Mechanism(Protocol):

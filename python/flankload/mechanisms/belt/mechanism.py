@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.belt.drive import BeltAssembly, BeltCompliances, BeltStates
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, Screening
+    from flankload.mechanisms.protocol import Counted, Mechanism
+    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene

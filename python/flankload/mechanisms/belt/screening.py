@@ -31,9 +31,10 @@ from flankload.mechanisms.belt.row import BeltRow
 from flankload.mechanisms.belt.sizes import BeltSizes
 from flankload.mechanisms.belt.states import state_under
 from flankload.mechanisms.belt.work import work_of_pulley
-from flankload.mechanisms.effect_size import Size, States, size_of
+from flankload.mechanisms.effect_size import States
 from flankload.mechanisms.element_rates import load_packages
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
+from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys, without_keys
 
 if TYPE_CHECKING:
@@ -53,21 +54,8 @@ POSITIONS = 3
 BYTES = 8
 
 
-class BeltScreening:
-    """The effects of a belt with few elements at few positions, and what its run will cost.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a pulley and a belt.
-    levels : bool
-        Of no account: a belt knows few.
-
-    Raises
-    ------
-    FlankloadError
-        If a position has no state, or a torque breaks a premise of the model.
-    """
+class BeltScreening(Screening):
+    """The effects of a belt with few elements at few positions, and what its run will cost."""
 
     def __init__(self, scene: Scene, *, levels: bool = False) -> None:
         del levels
@@ -77,6 +65,7 @@ class BeltScreening:
         self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
         with Account() as self._bodies:
             self._strip = strip = strip_of(scene)
+            self.reference_radius_mm = strip.pitch_radius_mm
             self._position_rad, _ = positions_of(scene, strip)
         self._bodies.bytes = self._position_rad.nbytes
         at = self._position_rad[_tried(strip, self._position_rad)]
@@ -86,13 +75,13 @@ class BeltScreening:
         self._state_s: dict[Scene, float] = {}
         self._known: dict[tuple[int, int], BeltSizes] = {}
         self._pulleys: dict[int, PulleyMesh] = {}
-        self._base = self._states(scene)
+        self.base = self.states(scene)
         # lands that rub would turn a pulley without torque
         still = without_keys(scene, "land_friction")
-        self._unloaded_rad = self._under(still, 0.0).rotation_rad
-        for states in self._base:
+        self.unloaded_rad = self._under(still, 0.0).rotation_rad
+        for states in self.base:
             torque = Torque(scene, scene.torques_Nm.index(states.torque_Nm))
-            turned_rad = float((states.rotation_rad - self._unloaded_rad).max())
+            turned_rad = float((states.rotation_rad - self.unloaded_rad).max())
             held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
 
     def _solve(self, scene: Scene, at: Floats) -> None:
@@ -118,29 +107,8 @@ class BeltScreening:
             self._yielding = [rest_on(response, strip, known) for response in self._held]
             self._sector = len(mesh.sector.nodes)
 
-    # --- sizes ------------------------------------------------------------------------------------
-    def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state."""
-        scene = self.toggles[name].scene
-        if name == "several_torques" or scene is None:
-            return None
-        other = self._states(scene)
-        return self._between(*((self._base, other) if on else (other, self._base)))
-
-    def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
-        return self._between(self._states(scene), self._base)
-
-    def _between(self, with_it: list[States], without: list[States]) -> Size:
-        return size_of(
-            with_it,
-            without,
-            base=self._base,
-            unloaded_rad=self._unloaded_rad,
-            reference_radius_mm=self._strip.pitch_radius_mm,
-        )
-
-    def _states(self, scene: Scene) -> list[States]:
+    def states(self, scene: Scene) -> list[States]:
+        """Contact problems of the same answers, of a rigid pulley or of one that yields."""
         start = process_time()
         found = [self._under(scene, torque) for torque in self._torques]
         self._state_s[scene] = (process_time() - start) / (len(found) * len(self._held))

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.chain.drive import ChainAssembly, ChainStates
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, Screening
+    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
+    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene

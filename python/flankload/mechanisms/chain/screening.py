@@ -18,8 +18,9 @@ from flankload.mechanisms.chain.drive import (
     solve_position,
 )
 from flankload.mechanisms.chain.wrap import wrap_at
-from flankload.mechanisms.effect_size import Size, States, size_of
+from flankload.mechanisms.effect_size import States
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
+from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles
 
 if TYPE_CHECKING:
@@ -32,19 +33,8 @@ if TYPE_CHECKING:
 POSITIONS = 2
 
 
-class ChainScreening:
-    """The effects of a chain at two positions, and what its run will cost.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a sprocket and a chain.
-
-    Raises
-    ------
-    FlankloadError
-        If the rollers do not fit, a position has no state or a torque breaks a premise.
-    """
+class ChainScreening(Screening):
+    """The effects of a chain at two positions, and what its run will cost."""
 
     rows = ("several_torques", "large_displacement")
 
@@ -58,7 +48,7 @@ class ChainScreening:
             every = max(1, -(-positions.size // POSITIONS))
             angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
             wraps = [wrap_at(sprocket, angle, float(each)) for each in positions[::every]]
-        self._radius_mm, self._positions = sprocket.pitch_radius_mm, positions.size
+        self.reference_radius_mm, self._positions = sprocket.pitch_radius_mm, positions.size
         part = positions.size / len(wraps)
         self._bodies = Account(cpu_s=part * bodies.cpu_s, bytes=round(part * held_bytes(wraps)))
         spent: dict[bool, float] = {}
@@ -88,33 +78,16 @@ class ChainScreening:
             )
 
         unloaded = [solved(p, 0.0, large=self._large) for p in range(len(wraps))]
-        self._unloaded_rad = np.array([state.rotation_rad for state in unloaded])
+        self.unloaded_rad = np.array([state.rotation_rad for state in unloaded])
         other = not self._large
         followed = timed(other, lambda p: solved(p, self._torque_Nm, large=other))
         self._found, self._pass_s = {self._large: mine, other: followed}, spent
         self._first = [wrap.first for wrap in wraps]
+        self.base = self.states(scene)
 
-    def size(self, name: str, *, on: bool) -> Size | None:
-        """What rollers that are followed change, at the largest torque."""
-        if name != "large_displacement":
-            return None
-        with_it, without, base = ([self._states(self._found[large])] for large in (True, False, on))
-        return size_of(
-            with_it,
-            without,
-            base=base,
-            unloaded_rad=self._unloaded_rad,
-            reference_radius_mm=self._radius_mm,
-        )
-
-    def change(self, scene: Scene) -> Size:
-        """What another scene changes: nothing is chosen for a chain."""
-        base = [self._states(self._found[self._large])]
-        other = [self._states(self._found[scene.effects.large_displacement])]
-        radius = self._radius_mm
-        return size_of(
-            other, base, base=base, unloaded_rad=self._unloaded_rad, reference_radius_mm=radius
-        )
+    def states(self, scene: Scene) -> list[States]:
+        """With rollers that are followed, or not."""
+        return [self._states(self._found[scene.effects.large_displacement])]
 
     def _states(self, found: list[WrapState]) -> States:
         first = min(self._first)

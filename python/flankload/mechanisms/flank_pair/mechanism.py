@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, Screening
+    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile
+    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene

@@ -1,59 +1,47 @@
 """The screening of two bodies with flanks: gears, rings, splines, cams.
 
-The bodies are those of the run. Their elements are linear, which leaves a quarter of the unknowns;
-modes, cells and positions are few. Segments, growth, friction and coast flanks are other closures
-and columns of one factorisation, rigid bodies need none, and all else is another sweep.
+Each effect is another sweep of few positions, with few modes and wide cells; what the sweeps take
+stands in `pair_models`. The run costs what its bodies, elements and states took here, scaled by
+what is counted.
 """
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from math import log
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import structs
 
 from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies import SectorMesh
 from flankload.cost import Account, held_bytes
-from flankload.elasticity.compliance import BodyCompliance, flank_compliances, no_compliance
-from flankload.elasticity.finite_elements import linear_cells, stiffness
-from flankload.errors import ContactError, FlankloadError
-from flankload.mechanisms.effect_size import Size, States, size_of
-from flankload.mechanisms.element_rates import ElementRates, load_packages
-from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, without_ends
+from flankload.errors import ContactError
+from flankload.mechanisms.effect_size import Size, States
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.pair_models import COARSE, PairModels, screened
 from flankload.mechanisms.flank_pair.prediction import elements_estimated, predicted_work
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.screened_nodes import nodal_size, node_spacings
-from flankload.mechanisms.flank_pair.stages import compliance_of, grown_pair, modes_of, sweep_of
+from flankload.mechanisms.flank_pair.stages import grown_pair, sweep_of
 from flankload.mechanisms.premises import held
-from flankload.mechanisms.toggles import Toggle, toggles, with_keys, with_rigid
+from flankload.mechanisms.screening import Screening
+from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.coast_sites import coast_sites
-from flankload.pairing.expansion import growth_of
-from flankload.pairing.friction import friction_of
 from flankload.result.geometry import PairGeometry, pair_geometry
-from flankload.scene.discretization import Discretization, Grid
+from flankload.scene.discretization import Grid
 from flankload.scene.effects import EFFECTS, effects_of
-from flankload.scene.effects.rules import check_coast_kinds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
-    from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
 
-#: Modes and cells of the screening; its mesh is that of the run.
-COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
 #: Rounds of adaptive positions end with about so many times those that they begin with.
@@ -79,16 +67,7 @@ TINY_S = 1e-5
 
 @dataclass(frozen=True)
 class StateRate:
-    """CPU seconds of a sweep.
-
-    Attributes
-    ----------
-    call_s, state_s, coarser_s : float
-        Of a call whatever it solves; of a state; of one on cells twice as wide.
-    sweep : Account
-        Of the states that were tried: bytes and counters.
-    states : int
-    """
+    """CPU seconds of a sweep."""
 
     call_s: float
     state_s: float
@@ -97,7 +76,7 @@ class StateRate:
     states: int
 
 
-class FlankPairScreening:
+class FlankPairScreening(Screening):
     """The effects of a scene on a coarse discretization, and what its run will cost.
 
     Parameters
@@ -106,13 +85,6 @@ class FlankPairScreening:
         Without `effects.choose`.
     levels : bool
         Levels that are off are tried, too.
-
-    Attributes
-    ----------
-    rows : tuple of str
-        Effects that the pair knows.
-    toggles : dict of str to Toggle
-        The scene with each of them the other way, as far as that is tried.
 
     Raises
     ------
@@ -137,58 +109,44 @@ class FlankPairScreening:
             for name, toggle in toggles(scene, self.rows).items()
             if levels or name not in OFF or getattr(effects, name) or toggle.impossible
         }
-        self._assemblies = {scene: self._pair}
-        self._at = _spread(self._pair.position_rad, MOST_POSITIONS)
+        at = self._pair.position_rad
+        self._at = at[_every(at, MOST_POSITIONS)]
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
         self._torques = tuple(dict.fromkeys((min(loaded), max(loaded)))) if loaded else (0.0,)
-        self._jobs: list[dict[Any, BodyCompliance]] = [{}, {}]
-        self._rates: dict[int, ElementRates] = {}
-        self._meshes: dict[int, Body] = {}
         self._state_s: dict[Scene, float] = {}
-        self._screened = screened(scene)
-        for z in (0, 1):
-            self._solve_elements(z)
+        self._models = PairModels(scene, self._pair, self.toggles)
         base, self._base_s = self._first_states()
         self._check_load(base)
-        self._base = self._states(self._screened, base)
-        self._unloaded = self._base[0].rotation_rad
+        self.base = self._states(self._models.screened, base)
+        self.unloaded_rad = self.base[0].rotation_rad
         if loaded:
-            self._unloaded = self._swept(self._screened, self._at, (0.0,))[0].rotation_rad
+            (unloaded,), _ = self._timed(self._models.screened, torques_Nm=(0.0,))
+            self.unloaded_rad = unloaded.rotation_rad
+        self.reference_radius_mm = self._pair.body_1.reference_radius_mm
         self._rate = self._state_rate()
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state.
-
-        Raises
-        ------
-        FlankloadError
-            If the other scene has no answer.
-        """
-        row, scene = next(row for row in EFFECTS if row.name == name), self.toggles[name].scene
-        if scene is None or row.size_by == "nothing":
+        """What a row changes; three levels are looked at in ways of their own."""
+        scene = self.toggles[name].scene
+        if scene is None:
             return None
-        if row.size_by == "spacing":
+        if name == "nodal_near_field":
             nodal = self._scene if on else scene
-            return nodal_size(nodal, self._pair, self._base[0], self._unloaded)
+            return nodal_size(nodal, self._pair, self.base[0], self.unloaded_rad)
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":  # cells are what differs
-            few = _spread(self._at, FINE_POSITIONS)
+            few = _every(self._at, FINE_POSITIONS)
             found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
-            self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / few.size)
-            base, other = self._fine, self._states(screened(scene), found)
-            return self._between(*((base, other) if on else (other, base)), few)
-        other = self._other(scene)
-        return self._between(*((self._base, other) if on else (other, self._base)))
+            self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
+            other = self._states(screened(scene), found)
+            return self.between(other, on=on, mine=self._fine, which=few)
+        return super().size(name, on=on)
 
-    def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
-        return self._between(self._other(scene), self._base)
-
-    def _other(self, scene: Scene) -> list[States]:
+    def states(self, scene: Scene) -> list[States]:
         """States with other effects; how much longer each takes is kept."""
-        found, seconds = self._timed(screened(scene), self._at, self._torques)
+        found, seconds = self._timed(screened(scene))
         other, mine = (max(TINY_S, each - self._rate.call_s) for each in (seconds, self._base_s))
         self._state_s[scene] = self._rate.state_s * other / mine
         return self._states(screened(scene), found)
@@ -197,28 +155,14 @@ class FlankPairScreening:
         """Of forces that turn on their cells: what they change goes with the width of a cell."""
         if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
             return None
-        few = _spread(self._at, FINITE_POSITIONS)
-        finite_scene = with_keys(self._screened, influence="finite")
-        finite, finite_s = self._timed(finite_scene, few, self._torques[-1:])
+        few = _every(self._at, FINITE_POSITIONS)
+        finite = with_keys(self._models.screened, influence="finite")
+        found, seconds = self._timed(finite, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # each two pairs have numbers of their own
-        more = finer**2 * max(0.0, finite_s - self._rate.call_s) / few.size
+        more = finer**2 * max(0.0, seconds - self._rate.call_s) / found[0].status.size
         self._state_s[scene] = max(TINY_S, self._rate.state_s + (-more if on else more))
-        small = [_at_positions(self._base[-1], np.isin(self._at, few))]
-        return self._between(self._states(finite_scene, finite), small, few).times(1.0 / finer)
-
-    def _between(
-        self, with_it: list[States], without: list[States], at: Floats | None = None
-    ) -> Size:
-        which = np.isin(self._at, self._at if at is None else at)
-        base = [_at_positions(part, which) for part in self._base[-len(with_it) :]]
-        return size_of(
-            with_it,
-            without,
-            base=base,
-            unloaded_rad=self._unloaded[which],
-            reference_radius_mm=self._pair.body_1.reference_radius_mm,
-        )
+        return self.between(self._states(finite, found), on=False, which=few).times(1.0 / finer)
 
     @property
     def _grid(self) -> Grid:
@@ -226,42 +170,34 @@ class FlankPairScreening:
         return self._pair.discretization.grid
 
     def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
-        sites = self.assembly(scene).pairing.sites
+        sites = self._models.assembly(scene).pairing.sites
         return [
             States.of(part.torque_Nmm / 1000.0, sites, part.rotation_rad, part.site_force_N)
             for part in found
         ]
 
     def _timed(
-        self, scene: Scene, at: Floats, torques_Nm: tuple[float, ...], grid: Grid = COARSE.grid
-    ) -> tuple[tuple[Sweep, ...], float]:
-        """The sweep, and the CPU seconds of its states at all torques."""
-        pair = self.assembly(scene)
-        self._compliances(scene, pair)
-        start = process_time()
-        return self._swept(scene, at, torques_Nm, grid), process_time() - start
-
-    def _swept(
         self,
         scene: Scene,
-        at: Floats,
-        torques_Nm: tuple[float, ...],
+        few: slice = slice(None),
+        torques_Nm: tuple[float, ...] | None = None,
         grid: Grid = COARSE.grid,
         account: Account | None = None,
-        *,
-        keep_pairs: bool = False,
-    ) -> tuple[Sweep, ...]:
-        pair = self.assembly(scene)
-        pair, compliances = grown_pair(pair, self._compliances(scene, pair))
-        return sweep_of(scene, pair)(
+    ) -> tuple[tuple[Sweep, ...], float]:
+        """The sweep of some positions, and its CPU seconds."""
+        pair = self._models.assembly(scene)
+        pair, compliances = grown_pair(pair, self._models.compliances(scene, pair))
+        torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
+        found = sweep_of(scene, pair)(
             compliances=compliances,
-            position_rad=at,
-            torques_Nmm=[1000.0 * torque for torque in torques_Nm],
+            position_rad=self._at[few],
+            torques_Nmm=[1000.0 * torque for torque in torques],
             grid=grid,
-            keep_pairs=keep_pairs,
+            keep_pairs=account is not None,
             account=account,
             watched=False,
         )
+        return found, process_time() - start
 
     def _check_load(self, base: tuple[Sweep, ...]) -> None:
         """Refuse a scene whose least or largest torque breaks a premise of the model."""
@@ -271,154 +207,28 @@ class FlankPairScreening:
             held(self._scene, tuple(broken_by_load(self._scene, pair, geometry, found, number)))
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
-        pair = replace(self.assembly(self._screened), position_rad=self._at)
-        pair, compliances = grown_pair(pair, self._compliances(self._screened, pair))
+        pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
+        pair, compliances = grown_pair(pair, self._models.compliances(self._models.screened, pair))
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
         """States of the scene; where there are none, a part of the torque may break a premise."""
         try:
-            return self._timed(self._screened, self._at, self._torques)
+            return self._timed(self._models.screened)
         except ContactError as error:
             pair, geometry = self._geometry()
-            swept = partial(self._swept, self._screened, self._at)
-            again = lambda torque: swept((torque / 1000.0,))  # noqa: E731
+
+            def again(torque_Nmm: float) -> tuple[Sweep, ...]:
+                return self._timed(self._models.screened, torques_Nm=(torque_Nmm / 1000.0,))[0]
+
             blame_load(self._scene, pair, geometry, error, again)
             raise
-
-    # --- bodies and compliances -------------------------------------------------------------------
-    def assembly(self, scene: Scene) -> BodyPair:
-        """Bodies of a scene with other effects, without those that are there already."""
-        if scene not in self._assemblies:
-            self._assemblies[scene] = self._assembled(scene)
-        return self._assemblies[scene]
-
-    def _assembled(self, scene: Scene) -> BodyPair:
-        pair, specs = self._pair, (scene.body_1, scene.body_2)
-        mine = (self._scene.body_1, self._scene.body_2)
-        effects = effects_of(scene)
-        body_1, body_2 = (self._body(scene, z, tip_contact=effects.tip_contact) for z in (0, 1))
-        if any(_geometric(one) != _geometric(two) for one, two in zip(specs, mine, strict=True)):
-            return build_bodies(scene, pair.discretization, bodies=(body_1, body_2))
-        coast = None
-        if effects.coast_flanks:
-            check_coast_kinds(body_1.kind, body_2.kind)
-            coast = pair.pairing.coast or coast_sites(pair.pairing.sites, body_1, body_2)
-        pairing = replace(pair.pairing, coast=coast)
-        return replace(
-            pair,
-            body_1=body_1,
-            body_2=body_2,
-            pairing=pairing,
-            effects=replace(
-                effects,
-                pitch_errors=pair.effects.pitch_errors,
-                flank_modifications=pair.effects.flank_modifications,
-            ),
-            friction=friction_of(scene, body_1, pairing),
-            fillets=pair.fillets if effects.root_stress else (None, None),
-            growth=growth_of(scene, pairing),
-        )
-
-    def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
-        """A body as another scene has it; its elements stay, if its curve is another one."""
-        body, spec = (self._pair.body_1, self._pair.body_2)[z], (scene.body_1, scene.body_2)[z]
-        mine = (self._scene.body_1, self._scene.body_2)[z]
-        if body.mesh is None and body.given is None and not spec.rigid:
-            if z not in self._meshes:
-                (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
-            body = replace(body, mesh=self._meshes[z].mesh)
-        if _unplaced(spec) != _unplaced(mine):
-            rigid = with_rigid(scene, f"body_{z + 1}", rigid=True)
-            (built,) = bodies_of(rigid, self._pair.discretization, (z,))
-            body = replace(built, mesh=body.mesh)
-        own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
-            own = own or body.pitch_errors_um
-        ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
-        return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
-
-    def _solve_elements(self, z: int) -> None:
-        """One job for all that the elements of a body are asked for by any of the scenes."""
-        asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
-        if not asked:
-            return
-        body = self._body(asked[0], z, tip_contact=True)
-        if body.mesh is None:
-            return
-        load_packages()
-        plane, cells = self._scene.accuracy.plane, linear_cells(body.mesh.cells)
-        start = process_time()
-        matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
-        seconds = process_time() - start
-        variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
-        finite = not self._pair.pairing.whole_circle and "finite_influence" in self.toggles
-        along = finite and self.toggles["finite_influence"].scene is not None
-        found = flank_compliances(
-            body,
-            variants,
-            n_modes=modes_of(body, self._screened, COARSE),
-            plane=plane,
-            friction=along or any(scene.has_friction for scene in asked),
-            along=along and self._scene.has_friction,
-            coast_flanks=any(scene.effects.coast_flank for scene in asked),
-            matrix=matrix,
-            linear=True,
-        )
-        self._jobs[z] = dict(zip(variants, found, strict=True))
-        self._rates[z] = ElementRates(body, seconds, found[0])
-
-    def _possible(self) -> list[Scene]:
-        """The scene and its toggles as they are screened, but for those that are not solved."""
-        scenes = [self._screened]
-        for name, toggle in self.toggles.items():
-            if toggle.scene is not None and name not in ("nodal_near_field", "finite_influence"):
-                with suppress(FlankloadError):  # said when its size is asked for
-                    self.assembly(screened(toggle.scene))
-                    scenes.append(screened(toggle.scene))
-        return list(dict.fromkeys(scenes))
-
-    def _needs_elements(self, scene: Scene, z: int) -> bool:
-        pair = self.assembly(scene)
-        growth = pair.growth[z]
-        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
-        return elastic or (growth is not None and growth.needs_elements)
-
-    def _variant(self, scene: Scene, z: int) -> tuple[int | None, Growth | None]:
-        """What is built of a sector: so many of them, growing so."""
-        growth = self.assembly(scene).growth[z]
-        return scene.sectors, growth if growth is not None and growth.needs_elements else None
-
-    def _compliances(self, scene: Scene, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
-        return self._compliance(scene, pair, 0), self._compliance(scene, pair, 1)
-
-    def _compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
-        """Compliance of a body, before it grows as a whole."""
-        body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
-        if not self._needs_elements(scene, z):
-            return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
-        if growth is not None and not growth.needs_elements:
-            found = replace(found, expansion=growth.strain)
-        if not scene.effects.coast_flank:
-            found = replace(found, crossing=None, crossing_tangential=None)
-        return found if scene.effects.tooth_coupling else found.without_coupling()
-
-    def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Of a body that brings its compliance along."""
-        growth = self.assembly(scene).growth[z]
-        key = scene.has_friction, scene.effects.influence, growth
-        if key not in self._jobs[z]:
-            plain = with_keys(scene, tooth_coupling=True)
-            found = compliance_of(body, plain, self._pair.discretization, growth=growth)
-            self._jobs[z][key] = found
-        return self._jobs[z][key]
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
         """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
         nodal = effects_of(scene).nodal_near_field and not self._pair.effects.nodal_near_field
-        pair = self._pair if nodal else self.assembly(scene)
+        pair = self._pair if nodal else self._models.assembly(scene)
         counted = predicted_work(scene, pair)
         stages = {"bodies": replace(self._bodies, counters={})}
         smoothing = 0.0
@@ -426,8 +236,8 @@ class FlankPairScreening:
             name = f"compliance body {z + 1}"
             if name not in counted:
                 continue
-            if z not in self._rates:  # it comes from a file
-                stages[name] = Account(bytes=held_bytes(self._compliance(scene, pair, z)))
+            if z not in self._models.rates:  # it comes from a file
+                stages[name] = Account(bytes=held_bytes(self._models.compliance(scene, pair, z)))
                 continue
             counters, finer = counted[name], 1.0
             if nodal:
@@ -436,12 +246,12 @@ class FlankPairScreening:
             if fillets is not None:
                 places = int(fillets.points.arc_length_mm.size)
             elif pair.effects.root_stress:  # of another scene: so many, about
-                places = PLACES * isinstance(self._rates[z].body.mesh, SectorMesh)
+                places = PLACES * isinstance(self._models.rates[z].body.mesh, SectorMesh)
                 counters = counters | {"fe_solutions": counters["fe_solutions"] + places}
-            stages[name] = self._rates[z].price(counters, places=places, finer=finer)
+            stages[name] = self._models.rates[z].price(counters, places=places, finer=finer)
             stages[name].bytes += held_bytes(fillets.points) if fillets is not None else 0
             if z in elements_estimated(pair):
-                smoothing += self._rates[z].smoothing_s(counters)
+                smoothing += self._models.rates[z].smoothing_s(counters)
         stages |= self._sweeps(scene, pair)
         if "estimate" in stages:
             stages["estimate"].cpu_s += smoothing
@@ -493,58 +303,21 @@ class FlankPairScreening:
 
     def _state_rate(self) -> StateRate:
         """What a state takes on the run's own cells, and on cells twice as wide."""
-        few, torque = _spread(self._at, FINE_POSITIONS), self._torques[-1:]
-
-        def timed(at: Floats) -> tuple[float, Account, tuple[Sweep, ...]]:
-            account, start = Account(), process_time()
-            found = self._swept(self._scene, at, torque, self._grid, account, keep_pairs=True)
-            return process_time() - start, account, found
-
-        seconds, account, found = timed(few)
-        self._fine = self._states(self._scene, found)
-        account.bytes = held_bytes(found)
-        call = 0.0
-        if few.size > 1:
-            one, _, _ = timed(few[:1])
-            call = max(0.0, one - (seconds - one) / (few.size - 1))
+        few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
+        found, seconds = self._timed(self._scene, few, torque, self._grid, account)
+        self._fine, count = self._states(self._scene, found), found[0].status.size
+        account.bytes, call = held_bytes(found), 0.0
+        if count > 1:
+            _, one = self._timed(self._scene, slice(1), torque, self._grid, Account())
+            call = max(0.0, one - (seconds - one) / (count - 1))
         wide = (self._base_s - call) / (self._at.size * len(self._torques))
-        state, wide = max(TINY_S, (seconds - call) / few.size), max(TINY_S, wide)
+        state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
         ratio = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         # by the power law between both
         power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
-        return StateRate(call, state, state * 0.5**power, account, few.size)
+        return StateRate(call, state, state * 0.5**power, account, count)
 
 
-def screened(scene: Scene) -> Scene:
-    """The scene as it is screened: without what changes no state, or is looked at by itself."""
-    effects = structs.replace(
-        scene.effects, root_stress=False, near_field="analytic", influence="small"
-    )
-    accuracy = structs.replace(scene.accuracy, modes=None)
-    return replace(scene, effects=effects, accuracy=accuracy)
-
-
-def _unplaced(spec: Any) -> Any:
-    """The table of a body as far as its curve and its mesh depend on it."""
-    return _with(spec, rigid=False, pitch_errors_um=())
-
-
-def _geometric(spec: Any) -> Any:
-    """The same, with the places of the teeth."""
-    return _with(spec, rigid=False)
-
-
-def _with(spec: Any, **keys: Any) -> Any:
-    here = {key: value for key, value in keys.items() if key in spec.__struct_fields__}
-    return structs.replace(spec, **here)
-
-
-def _at_positions(states: States, which: NDArray[np.bool_]) -> States:
-    """Some of the positions."""
-    share = states.load_share[which]
-    return replace(states, rotation_rad=states.rotation_rad[which], load_share=share)
-
-
-def _spread(position_rad: Floats, most: int) -> Floats:
+def _every(positions: Floats, most: int) -> slice:
     """At most so many of some positions, evenly spread, the first among them."""
-    return position_rad[:: max(1, -(-position_rad.size // most))]
+    return slice(None, None, max(1, -(-positions.size // most)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.mechanisms.effect_size import Size
-    from flankload.mechanisms.protocol import Screening
+    from flankload.mechanisms.screening import Screening
     from flankload.scene import Scene
     from flankload.studies.plan.planned import Chosen
 
@@ -87,17 +87,7 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
 
 
 def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect that a scene knows, or why there is none.
-
-    Parameters
-    ----------
-    screening : Screening
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to Measured
-    """
+    """The size of each effect that a scene knows, or why there is none."""
     switches, found = switches_of(scene), {}
     for name in screening.rows:
         toggle = screening.toggles.get(name)

@@ -28,16 +28,7 @@ SHOWN = (
 
 
 def plan_text(plan: Plan) -> str:
-    """Table of the effects, table of the stages, sentences.
-
-    Parameters
-    ----------
-    plan : Plan
-
-    Returns
-    -------
-    str
-    """
+    """Table of the effects, table of the stages, sentences."""
     threshold = threshold_text(plan.tolerance)
     title = f"{plan.name}: what exceeds {threshold}, a quarter of the tolerance, matters"
     parts = [[title], _effects(plan), _stages(plan)]
@@ -128,18 +119,7 @@ def _stages(plan: Plan) -> list[str]:
 
 
 def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
-    """A sentence on an effect that is left out and significant, or that is an error of the run.
-
-    Parameters
-    ----------
-    row : PlannedEffect
-    coarser : bool
-        With it less is computed than without.
-
-    Returns
-    -------
-    str or None
-    """
+    """A sentence on an effect that is left out and significant, or that is an error of the run."""
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None
