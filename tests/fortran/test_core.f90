@@ -8,6 +8,7 @@ program test_core
     use flankload_factor_block, only: extend_block, cut
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
+    use flankload_twice_precision, only: two_part, add_product, rounded
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
     use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
@@ -40,6 +41,7 @@ program test_core
     call test_three_pairs
     call test_no_numbers_after_failure
     call test_certificate_of_a_wrong_state
+    call test_what_products_lose
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
@@ -584,5 +586,15 @@ contains
         call expect(state%status == 1, 'an open pair that is pushed in')
         call expect(abs(state%backward_error - 1.0_wp) <= round_off, 'by all that it is moved')
     end subroutine test_certificate_of_a_wrong_state
+
+    !> (1 + 2^-30)² - (1 + 2^-29) = 2^-60, of which a product of doubles keeps nothing.
+    subroutine test_what_products_lose
+        type(two_part) :: total
+        real(wp), parameter :: factor = 1.0_wp + 2.0_wp**(-30)
+
+        call add_product(total, factor, factor)
+        call add_product(total, -(1.0_wp + 2.0_wp**(-29)), 1.0_wp)
+        call expect(abs(rounded(total) - 2.0_wp**(-60)) <= 0.0_wp, 'what products lose')
+    end subroutine test_what_products_lose
 
 end program test_core
