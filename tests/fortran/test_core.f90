@@ -8,6 +8,9 @@ program test_core
     use flankload_factor_block, only: extend_block, cut
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
+    use flankload_twice_precision, only: two_part, add_product, rounded
+    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
     use flankload_compliance_field, only: compliance_type, strip_kernel, mean_strip_kernel
@@ -40,6 +43,9 @@ program test_core
     call test_three_pairs
     call test_no_numbers_after_failure
     call test_certificate_of_a_wrong_state
+    call test_what_products_lose
+    call test_estimate_of_one_place
+    call test_curvature_of_a_cubic
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
@@ -644,5 +650,48 @@ contains
         call expect(state%status == 1, 'an open pair that is pushed in')
         call expect(abs(state%backward_error - 1.0_wp) <= round_off, 'by all that it is moved')
     end subroutine test_certificate_of_a_wrong_state
+
+    !> (1 + 2^-30)² - (1 + 2^-29) = 2^-60, of which a product of doubles keeps nothing.
+    subroutine test_what_products_lose
+        type(two_part) :: total
+        real(wp), parameter :: factor = 1.0_wp + 2.0_wp**(-30)
+
+        call add_product(total, factor, factor)
+        call add_product(total, -(1.0_wp + 2.0_wp**(-29)), 1.0_wp)
+        call expect(abs(rounded(total) - 2.0_wp**(-60)) <= 0.0_wp, 'what products lose')
+    end subroutine test_what_products_lose
+
+    !> A place that carries all: b φ = c F (1/2 + ln(2/h)) with the half-width of Hertz.
+    subroutine test_estimate_of_one_place
+        real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
+        real(wp), parameter :: half_width = 0.2_wp
+        real(wp) :: coupling(1, 1), rotation, approach
+        real(wp), allocatable :: forces(:)
+        integer :: pivots
+        type(error_type), allocatable :: error
+
+        coupling = 0.0_wp
+        call lumped_contact(coupling, [0.0_wp], [lever], [2.0_wp*force*kernel/half_width**2], &
+            & [1.0_wp], 10.0_wp, kernel, lever*force, forces, rotation, pivots, error)
+        call expect(.not. allocated(error), 'one place is estimated')
+        approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
+        call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')
+    end subroutine test_estimate_of_one_place
+
+    !> (2 u, u³) turns to the left, away from the material: -12 u/(4 + 9 u⁴)^(3/2).
+    subroutine test_curvature_of_a_cubic
+        type(flank_curve_type) :: curve
+        real(wp) :: coefficients(4, 2, 1), point(2), tangent(2), curvature, u, wanted
+
+        coefficients = 0.0_wp
+        coefficients(2, 1, 1) = 2.0_wp
+        coefficients(4, 2, 1) = 1.0_wp
+        curve = new_flank_curve([0.0_wp, 2.0_wp], coefficients, [1, 1])
+        call curve_point(curve, 1.5_wp, point, tangent, curvature)
+        u = 0.5_wp*point(1)
+        wanted = -12.0_wp*u/(4.0_wp + 9.0_wp*u**4)**1.5_wp
+        call expect(abs(point(2) - u**3) <= round_off, 'a place on a cubic')
+        call expect(abs(curvature - wanted) <= round_off, 'the curvature of a cubic')
+    end subroutine test_curvature_of_a_cubic
 
 end program test_core

@@ -138,7 +138,7 @@ _FORTRAN = (
     ),
     *_in(
         "lumped_hertz.f90",
-        "physics/test_lumped_contact.py::test_a_cylinder_has_the_contact_of_hertz",
+        "core",
         ("sqrt(2.0_wp*max(force, 0.0_wp)*kernel", "sqrt(4.0_wp*max(force, 0.0_wp)*kernel"),
         ("kernel*(0.5_wp + log(2.0_wp/near))", "kernel*log(2.0_wp/near)"),
     ),
@@ -158,7 +158,7 @@ _FORTRAN = (
     ),
     *_in(
         "flank_curve.f90",
-        "unit/contact/test_sweep.py physics/test_hertz.py unit/flank/test_flank_curve.py",
+        "core unit/contact/test_sweep.py physics/test_hertz.py unit/flank/test_flank_curve.py",
         ("second = second*x + 2.0_wp*first", "second = second*x + first"),
         ("/speed**3", "/speed**2"),
     ),

@@ -97,8 +97,11 @@ def read_members(path: Path) -> dict[str, Member]:
 
 def archive_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
     """Content of a .npz file; the same arrays give the same bytes."""
+    # numpy 2.0 takes the option allow_pickle for the name of an array
+    named: dict[str, Any] = dict(arrays)
+    assert not any(array.dtype.hasobject for array in named.values())
     out = io.BytesIO()
-    np.savez_compressed(out, allow_pickle=False, **arrays)
+    np.savez_compressed(out, **named)
     return out.getvalue()
 
 

@@ -275,6 +275,7 @@ def test_hundreds_of_pairs_meet_every_row() -> None:
     # with friction no energy falls: that fewer pairs are open tells the loop that it gets nearer
     rubs = {"load_rows": (1.0 + 0.1 * place)[:, None], "method": "primal"}
     rubbed = fl.solve_contact_general(matrix, gaps, np.ones((n, 1)), 1.0, **rubs)
+    assert rubbed.info.rung == "single"
     assert rubbed.info.pivots > 50
     assert rubbed.info.backward_error <= 10 * EPS
 

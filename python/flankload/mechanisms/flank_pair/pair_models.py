@@ -17,9 +17,10 @@ from flankload.elasticity.compliance import BodyCompliance, flank_compliances, n
 from flankload.elasticity.finite_elements import linear_cells, stiffness
 from flankload.errors import FlankloadError
 from flankload.mechanisms.element_rates import ElementRates, load_packages
-from flankload.mechanisms.flank_pair.assembly import BodyPair, bodies_of, build_bodies, without_ends
+from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, without_ends
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
+from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.coast_sites import coast_sites
 from flankload.pairing.expansion import growth_of
 from flankload.pairing.friction import friction_of
