@@ -120,7 +120,7 @@ _FORTRAN = (
     ),
     *_in(
         "bodies/free_corner.py",
-        "python/test_free_corner.py",
+        "unit/elasticity/test_free_corner.py",
         ("across / (w - np.sin(w))", "across / (w + np.sin(w))"),
         ("- 3 * mesh.nodes[node]", "- 2 * mesh.nodes[node]"),
         ("SMOOTH - LEAST_TURN", "SMOOTH + LEAST_TURN"),
