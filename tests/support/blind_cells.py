@@ -16,10 +16,11 @@ import numpy as np
 import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import flank_compliance
-from flankload.elasticity.near_field import mode_values, strip_kernel
+from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import Grid
+from tests.support.cells_near_field import cells_near_field
 from tests.support.random_scenes import ANGLE, STEEL, inv
 
 
@@ -168,7 +169,7 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):
             matrix += np.where(offset == t, modes @ field.smooth[t] @ modes.T, 0.0)
-        near = strip_kernel(s[:, None] - s[None, :], np.sqrt(d[:, None] * d[None, :]), field.kernel)
+        near = cells_near_field(field, s, np.sqrt(d[:, None] * d[None, :]))
         matrix += np.where(same, near, 0.0)
     matrix /= job.width
     state = fl.solve_contact(

@@ -15,9 +15,10 @@ import numpy as np
 import flankload as fl
 from flankload import _core
 from flankload.bodies import Body
-from flankload.elasticity.near_field import mode_values, strip_kernel
+from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
+from tests.support.cells_near_field import cells_near_field
 from tests.support.paths import ROOT, SCENES
 
 DATA = ROOT / "examples" / "legacy_fortran" / "pair.dat"
@@ -93,7 +94,7 @@ def compliance_between(
         for tooth_i, v_i in zip(teeth, values, strict=True)
     ]
     for i, s in enumerate(places):
-        blocks[i][i] += strip_kernel(s[:, None] - s, s[1] - s[0], compliance.kernel)
+        blocks[i][i] += cells_near_field(compliance, s, s[1] - s[0])
     return np.block(blocks) / scene.pair.face_width_mm
 
 

@@ -19,7 +19,6 @@ from flankload.elasticity.near_field import (
     mode_loads,
     mode_norms,
     mode_values,
-    strip_kernel,
 )
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -28,6 +27,7 @@ from flankload.plot import plot_flank_forces, plot_loaded_pair
 from flankload.result import Result
 from flankload.scene import Ring
 from tests.support.cam_scenes import cam_scene
+from tests.support.cells_near_field import cells_near_field
 from tests.support.pair_scenes import EXTERNAL, RING_PAIR, SPLINE, solved
 from tests.support.ring_bodies import full_ring, gear_body
 from tests.support.tolerances import ROUND_OFF, RUBBING, SOLVER, SPEED_MM
@@ -266,8 +266,7 @@ def _compliance(body: Body, z: int, sides: np.ndarray, joined: dict[str, np.ndar
             result[i, j] = values[i] @ block @ values[j]
     same = (joined["site"][:, None] == joined["site"]) & (sides[:, None] == sides)
     cell = np.sqrt(joined["cell_mm"][:, None] * joined["cell_mm"])
-    near = strip_kernel(s[:, None] - s, cell, found.kernel)
-    return np.where(same, result + near, result)
+    return np.where(same, result + cells_near_field(found, s, cell), result)
 
 
 # --- what crosses a tooth -----------------------------------------------------------------------

@@ -45,7 +45,7 @@ from flankload.studies.tolerance_report import (
 from tests.support.paths import SCENES
 
 #: That the default of `small` misses: its dominant sources are modes and named positions.
-TIGHT = 0.008
+TIGHT = 0.004
 
 
 def small(**accuracy: Any) -> dict[str, Any]:
