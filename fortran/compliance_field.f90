@@ -13,8 +13,11 @@ module flankload_compliance_field
     implicit none
     private
 
-    public :: compliance_type
+    public :: compliance_type, tip_modes
     public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
+
+    !> Modes that a tip has of its own.
+    integer, parameter :: tip_modes = 2
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
@@ -24,6 +27,11 @@ module flankload_compliance_field
         real(wp), allocatable :: nodes(:)
         !> Arc lengths between which the pressure modes live [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
+        !> Where the modes of a tip rounding or chamfer behind them end [mm], no more than s_high where
+        !> there are none, and the lowest power of these: 1 on a rounding, 0 at the corner of a
+        !> chamfer
+        real(wp) :: s_tip = 0.0_wp
+        integer :: tip_power = 1
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
         real(wp) :: kernel = 0.0_wp
         !> Free corners where the modes' range ends, at s_low and s_high: the flank moves by
@@ -55,7 +63,8 @@ contains
 
     !> Legendre polynomials P_0 … P_p over the flank's arc length; harmonics on a closed one.
     !>
-    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values.
+    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where the
+    !> flank goes on over a tip, the last two modes are powers of the part of the tip that is passed.
     pure function mode_values(compliance, s) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
@@ -68,6 +77,14 @@ contains
         real(wp) :: xi(size(s))
 
         n_modes = size(compliance%smooth, 1)
+        if (compliance%s_tip > compliance%s_high .and. .not. compliance%closed) then
+            n_modes = n_modes - tip_modes
+            xi = min(1.0_wp, (s - compliance%s_high)/(compliance%s_tip - compliance%s_high))
+            do a = 1, tip_modes
+                values(:, n_modes + a) = 0.0_wp
+                where (xi > 0.0_wp) values(:, n_modes + a) = xi**(compliance%tip_power + a - 1)
+            end do
+        end if
         if (compliance%closed) then
             values = harmonics(n_modes, 2.0_wp*acos(-1.0_wp)*(s - compliance%s_low) &
                 & /(compliance%s_high - compliance%s_low))

@@ -15,6 +15,7 @@ from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
 from flankload.estimate import n_sweeps
 from flankload.stages import modes_of
+from flankload.tip_modes import TIP_MODES
 from flankload.tangent import SIDES
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if not elastic:  # its elements are there to grow
                 work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.resolution)
+            if body.tip is not None and not pair.effects.nodal_near_field:
+                modes += TIP_MODES
             places = _places(pair.fillets[z])
             stages[stage] = (
                 _whole(body, work, modes, growth)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.tip_modes import Tip
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -51,7 +53,7 @@ class SectorMesh:
         Number of equal sectors.
     tip_edges, tip_arc_length : (k, 3) arrays
         Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
-        of their nodes, mm: modes end before them, forces at nodes go on. Empty without.
+        of their nodes, mm. Empty without.
     """
 
     nodes: NDArray[np.float64]
@@ -248,6 +250,15 @@ class Body:
     turns_clockwise: bool = False
     active_range_mm: tuple[float, float] | None = None
     mirrored: bool = False
+
+    @property
+    def tip(self) -> Tip | None:
+        """Where the modes of a tip rounding or chamfer end; None where nothing follows the flank."""
+        if self.given is not None:
+            return self.given.tip
+        if not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
+            return None
+        return Tip(self.curve.length_mm, 0 if "tip_chamfer" in self.curve.labels else 1)
 
     @property
     def outward(self) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.body import Material
 from flankload.scene.table import LARGEST_MODULUS
+from flankload.tip_modes import Tip
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,6 +46,8 @@ class ModalCompliance:
     corner_angles_deg : (float, float)
         Interior angles of the metal at the low and the high end of the modes' range; 180 without a
         corner.
+    tip : Tip or None
+        Where modes of a tip rounding or chamfer end; the last two are theirs.
     """
 
     file: Path
@@ -56,6 +59,7 @@ class ModalCompliance:
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
+    tip: Tip | None = None
 
     @property
     def description(self) -> str:
@@ -97,6 +101,9 @@ class NodalCompliance:
     matrix: NDArray[np.float64]
     asymmetry: float
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
+
+    #: A matrix between nodes is projected on the flank's modes.
+    tip = None
 
     @property
     def tangential(self) -> None:

@@ -18,6 +18,7 @@ from flankload.bodies.given import ModalCompliance, read_corner_angles, read_mat
 from flankload.bodies.involute import Involute
 from flankload.flank_curve import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
+from flankload.tip_modes import TIP_MODES, Tip
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version, of files of bodies with a free corner; one without friction, too, is of version
-#: 1, else of 2, which earlier flankloads read.
+#: The latest version, of files of bodies with a free corner or a rounded or chamfered tip; one
+#: without friction, too, is of version 1, else of 2, which earlier flankloads read.
 VERSION = 3
 
 #: The arrays, beside those of the involute.
@@ -47,6 +48,7 @@ NAMES = (
     "curve_corners",
     "mode_range_mm",
     "corner_angles_deg",
+    "tip_modes",
     "smooth",
     "kernel",
     "smooth_nt",
@@ -90,7 +92,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": 3 if any(compliance.wedge) else 1 if compliance.tangential is None else 2,
+        "version": _version(compliance),
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -118,6 +120,8 @@ def modal_arrays(
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
     if any(compliance.wedge):
         arrays["corner_angles_deg"] = corner_angles(body)
+    if compliance.tip is not None:
+        arrays["tip_modes"] = compliance.tip
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
@@ -174,6 +178,7 @@ def read_modal(found: NamedArrays) -> Body:
         tangential=tangential,
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
+        tip=_read_tip(found, float(high), curve.length_mm, smooth.shape[1]),
     )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):
@@ -197,6 +202,29 @@ def read_modal(found: NamedArrays) -> Body:
         named_teeth=named,
         given=given,
     )
+
+
+def _version(compliance: BodyCompliance) -> int:
+    """The least version that says all of a compliance."""
+    if any(compliance.wedge) or compliance.tip is not None:
+        return 3
+    return 1 if compliance.tangential is None else 2
+
+
+def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip | None:
+    """Where the modes of a tip end behind those of the flank, and their lowest power."""
+    if "tip_modes" not in found:
+        return None
+    tip, power = found.numbers("tip_modes", 2)
+    if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1):
+        found.refuse(
+            "tip_modes",
+            f"an arc length from {high:g} to {end:g}, and 0 or 1",
+            f"{tip:g} and {power:g}",
+        )
+    if n_modes <= TIP_MODES:
+        found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
+    return Tip(float(tip), int(power))
 
 
 def _read_tangential(

@@ -21,6 +21,7 @@ from flankload.cost import Account
 from flankload.elasticity import stiffness
 from flankload.element_error import missed_compliance
 from flankload.growth_loads import growth_loads, growth_of_flanks
+from flankload.tip_modes import TIP_MODES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,6 +59,7 @@ def flank_compliance(
         With a mesh, or rigid.
     n_modes : int
         Pressure modes of a flank; their degree should be at most half the number of flank elements.
+        A tip rounding or chamfer has two more.
     plane : {"strain", "stress"}
     friction : bool
         As many modes of load along the flank are solved, too.
@@ -86,7 +88,11 @@ def flank_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body, growth)
     laps, mesh = _Laps(), body.mesh
-    loads = node_loads(body, plane) if nodal else ModeLoads(body, n_modes, plane, friction=friction)
+    loads = (
+        node_loads(body, plane)
+        if nodal
+        else ModeLoads(body, n_modes + TIP_MODES * (body.tip is not None), plane, friction=friction)
+    )
     n_modes = loads.count
     if matrix is None:
         matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
@@ -131,6 +137,7 @@ def flank_compliance(
         smooth=response[:, :n_modes, :n_modes],
         kernel=loads.kernel,
         wedge=loads.wedge,
+        tip=loads.tip,
         mode_range_mm=body.mode_range_mm,
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,

@@ -152,7 +152,12 @@ def of_sector(job: Job, mesh: SectorMesh, *, sectors: int | None, coast_flanks: 
     """
     n, by_growth = job.loads.count, job.without_growth
     loads = unit_loads(
-        mesh, job.body.mode_range_mm, n, friction=job.friction, nodes=job.loads.nodes
+        mesh,
+        job.body.mode_range_mm,
+        n,
+        friction=job.friction,
+        nodes=job.loads.nodes,
+        tip=job.loads.tip,
     )
     coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
     columns = None if coast is None else coast.columns

@@ -1,0 +1,120 @@
+"""Modes that go on over a tip rounding or chamfer behind the flank.
+
+On a rounding the normal turns by 50 to 75 degrees towards the axis of the tooth, in which the tooth
+hardly yields: within a few tenths of a millimetre the compliance of a gear falls to a quarter. The
+Legendre polynomials of the flank cannot follow that. They keep their end values beyond the flank,
+and two powers of u, which grows from 0 to 1 over the tip, are added to them:
+
+    u and u^2 on a rounding, which the flank meets smoothly; 1 and u on a chamfer, where it has a
+    corner.
+
+So a mode is the same combination of a polynomial of the flank and of 1, u, u^2 on the tip,
+whatever is projected on it. The near field stays the logarithm of the distance along the profile:
+the corner behind the tip is as far away as the tip is long, and the modes carry its image.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legvander
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: Modes that a tip has of its own.
+TIP_MODES = 2
+#: Gauss's rule on each of the panels that shrink towards the place where two pieces meet, their
+#: ratio and number: the logarithm of the sum of both distances is exact to round-off.
+POINTS, RATIO, PANELS = 12, 0.2, 16
+#: 1, u and u^2 by the first three Legendre polynomials over the tip.
+POWERS = np.array([[1.0, 0.5, 1.0 / 3.0], [0.0, 0.5, 0.5], [0.0, 0.0, 1.0 / 6.0]])
+
+
+class Tip(NamedTuple):
+    """Where the modes of a tip end, behind those of the flank.
+
+    Attributes
+    ----------
+    end_mm : float
+        Arc length.
+    power : int
+        The lowest power of u: 1 where the flank meets the tip smoothly, 0 at a corner.
+    """
+
+    end_mm: float
+    power: int
+
+    def larger(self, times: float) -> Tip:
+        """The same on a curve that is so many times as long."""
+        return Tip(times * self.end_mm, self.power)
+
+
+def tip_values(s: Floats, high: float, tip: Tip) -> Floats:
+    """Values (n, 2) of the tip's own modes at arc lengths s (n,), mm; the flank ends at `high`."""
+    u = np.clip((s - high) / (tip.end_mm - high), 0.0, 1.0)[:, None]
+    return np.where(s[:, None] > high, u ** (tip.power + np.arange(TIP_MODES)), 0.0)
+
+
+def on_tip(n_modes: int, tip: Tip) -> Floats:
+    """All modes on the tip (3, n_modes) as its first three Legendre polynomials."""
+    parts = np.zeros((3, n_modes))
+    parts[0, : n_modes - TIP_MODES] = 1.0
+    parts[:, n_modes - TIP_MODES :] = POWERS[:, tip.power : tip.power + TIP_MODES]
+    return parts
+
+
+def joined(
+    projected: Callable[[int, float], Floats],
+    kernel: Callable[[Floats], Floats],
+    n_modes: int,
+    mode_range_mm: tuple[float, float],
+    tip: Tip,
+    *,
+    mirror: float = 1.0,
+) -> Floats:
+    """<P_a, K P_b> over flank and tip from what is known of single pieces.
+
+    Parameters
+    ----------
+    projected : callable
+        Number of Legendre polynomials and length of a piece, mm, to their matrix on it.
+    kernel : callable
+        K at distances of a place on the flank and one on the tip, mm; smooth but for a logarithm
+        at 0.
+    n_modes : int
+        Those of the tip included.
+    mode_range_mm : (float, float)
+        Of the flank.
+    tip : Tip
+    mirror : float
+        K(s', s)/K(s, s'): 1 or -1.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+    """
+    low, high = mode_range_mm
+    flank, parts = n_modes - TIP_MODES, on_tip(n_modes, tip)
+    result = parts.T @ projected(3, tip.end_mm - high) @ parts
+    result[:flank, :flank] += projected(flank, high - low)
+    (x, weight_x), (y, weight_y) = graded(high - low), graded(tip.end_mm - high)
+    before = legvander(1.0 - 2.0 * x / (high - low), flank - 1) * weight_x[:, None]
+    behind = (legvander(2.0 * y / (tip.end_mm - high) - 1.0, 2) * weight_y[:, None]) @ parts
+    across = np.zeros((n_modes, n_modes))
+    across[:flank] = before.T @ kernel(x[:, None] + y) @ behind
+    return np.asarray(result + across + mirror * across.T)
+
+
+def graded(length_mm: float) -> tuple[Floats, Floats]:
+    """Places from 0 to a length and weights of Gauss's rules on panels that shrink towards 0."""
+    ends = np.append(RATIO ** np.arange(PANELS), 0.0)[::-1]
+    points, weights = leggauss(POINTS)
+    half = 0.5 * np.diff(ends)[:, None]
+    places = ends[:-1, None] + half * (1.0 + points)
+    return length_mm * places.ravel(), length_mm * (half * weights).ravel()
