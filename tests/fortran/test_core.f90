@@ -41,6 +41,7 @@ program test_core
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
+    call test_images_take_up_work
     call test_tables_between_nodes
     call test_place_before_the_second_point
     call test_slope_of_the_mean_sign
@@ -316,6 +317,43 @@ contains
             end do
         end do
     end subroutine test_near_field_of_cells
+
+    !> Loads without a resultant take up work in the near field of a sharp corner, whatever the widths
+    !> of their cells: all pivots of K projected on them are positive.
+    subroutine test_images_take_up_work
+        real(wp), parameter :: growth(3) = [1.0_wp, 1.004_wp, 1.3_wp]
+        real(wp) :: s(n), cell(n), matrix(n, n)
+        integer :: way, i, j
+        type(compliance_type) :: body
+
+        body%kernel = 1.0_wp
+        body%wedge = [0.0_wp, 3.0_wp]
+        do way = 1, size(growth)
+            cell = [(0.02_wp*growth(way)**i, i=1, n)]
+            s = [(sum(cell(:i)) - 0.5_wp*cell(i), i=1, n)]
+            body%s_high = sum(cell)
+            matrix = 0.0_wp
+            call add_near_field(body, s, cell, 1, matrix)
+            do j = 1, n
+                matrix(j, j:) = matrix(j:, j)
+            end do
+            ! from the last cell each load is taken that stands against the others
+            do j = 1, n - 1
+                matrix(:n - 1, j) = matrix(:n - 1, j) - matrix(n, j)
+            end do
+            matrix(:n - 1, n) = matrix(:n - 1, n) - matrix(n, n)
+            do j = 1, n - 1
+                matrix(:n - 1, j) = matrix(:n - 1, j) - matrix(:n - 1, n)
+            end do
+            do j = 1, n - 1
+                call expect(matrix(j, j) > 0.0_wp, 'images take up work')
+                do i = j + 1, n - 1
+                    matrix(i, j + 1:n - 1) = matrix(i, j + 1:n - 1) &
+                        & - matrix(i, j)/matrix(j, j)*matrix(j, j + 1:n - 1)
+                end do
+            end do
+        end do
+    end subroutine test_images_take_up_work
 
     !> Stop where something does not hold.
     subroutine expect(holds, what)

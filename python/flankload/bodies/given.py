@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 
+#: Names of the interior angles at the low and the high end of a flank in a file.
+CORNER_ANGLES = ("root_corner_deg", "tip_corner_deg")
 #: Metal at a corner is no thinner than this wedge, degrees: a thinner one is bent by its load.
 LEAST_CORNER_ANGLE = 30.0
 
@@ -143,17 +145,11 @@ def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
     ComplianceFileError
         If an angle is out of range.
     """
-    if "corner_angles_deg" not in found:
-        return 180.0, 180.0
-    low, high = found.numbers("corner_angles_deg", 2)
-    for angle in (low, high):
-        if not LEAST_CORNER_ANGLE <= angle <= 360.0:
-            found.refuse(
-                "corner_angles_deg",
-                f"interior angles from {LEAST_CORNER_ANGLE:g} to 360",
-                f"{angle:g}",
-            )
-    return float(low), float(high)
+    low, high = (
+        found.number(name, least=LEAST_CORNER_ANGLE, most=360.0) if name in found else 180.0
+        for name in CORNER_ANGLES
+    )
+    return low, high
 
 
 def read_material(found: NamedArrays) -> Material:

@@ -14,7 +14,12 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.free_corner import corner_angles
-from flankload.bodies.given import ModalCompliance, read_corner_angles, read_material
+from flankload.bodies.given import (
+    CORNER_ANGLES,
+    ModalCompliance,
+    read_corner_angles,
+    read_material,
+)
 from flankload.bodies.involute import Involute
 from flankload.flank_curve import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
@@ -47,7 +52,7 @@ NAMES = (
     "curve_labels",
     "curve_corners",
     "mode_range_mm",
-    "corner_angles_deg",
+    *CORNER_ANGLES,
     "tip_modes",
     "smooth",
     "kernel",
@@ -119,7 +124,7 @@ def modal_arrays(
     if compliance.tangential is not None:
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
     if any(compliance.wedge):
-        arrays["corner_angles_deg"] = corner_angles(body)
+        arrays |= dict(zip(CORNER_ANGLES, corner_angles(body), strict=True))
     if compliance.tip is not None:
         arrays["tip_modes"] = compliance.tip
     if body.involute is not None:

@@ -11,7 +11,12 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.flank_elements import mass_matrix
-from flankload.bodies.given import NodalCompliance, read_corner_angles, read_material
+from flankload.bodies.given import (
+    CORNER_ANGLES,
+    NodalCompliance,
+    read_corner_angles,
+    read_material,
+)
 from flankload.bodies.sketch import sketched_tooth
 from flankload.flank_curve import curve_through_nodes, nodes_deviation
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
@@ -40,7 +45,7 @@ NAMES = (
     "plane",
     "reference_radius_mm",
     "teeth_stand",
-    "corner_angles_deg",
+    *CORNER_ANGLES,
 )
 
 #: A curve needs that many nodes.
