@@ -31,6 +31,9 @@ module flankload_contact_pairs
         !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
         !> sign, shape (n); not allocated without friction
         real(wp), allocatable :: sliding(:), friction(:)
+        !> By how much the force is turned from the normal of flank 1 and of flank 2 there towards
+        !> growing arc length [rad], shape (2, n): over an edge, where it follows the other flank
+        real(wp), allocatable :: turn(:, :)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
@@ -48,7 +51,7 @@ contains
         allocate (pairs%s_1(n), pairs%s_2(n), pairs%cell_1(n), pairs%cell_2(n), &
             & pairs%radius(n), pairs%gap_angle(n), pairs%torque_lever(n), pairs%lever(n), &
             & source=0.0_wp)
-        allocate (pairs%point(2, n), pairs%normal(2, n), source=0.0_wp)
+        allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), source=0.0_wp)
     end subroutine reserve_pairs
 
     !> Append the pairs of one zone.
@@ -113,6 +116,8 @@ contains
             else if (s_1 > zone%level_high) then
                 call take_steadier(last_even(2), own_1, own_2)
             end if
+            pairs%turn(:, i) = [angle_between(own_1, [-pair%tangent_1(2), pair%tangent_1(1)]), &
+                & angle_between(own_2, [pair%tangent_2(2), -pair%tangent_2(1)])]
             lever_1 = abs(cross(pair%point_1, own_1))   ! Eq. (17)
             lever_2 = abs(cross(pair%point_2, own_2))
             pairs%n = i

@@ -19,7 +19,7 @@ from flankload.near_field import (
     projected_near_field,
 )
 from flankload.nodal_loads import hat_values, hat_widths
-from flankload.tip_modes import TIP_MODES, Tip
+from flankload.tip_modes import TIP_MODES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -123,7 +123,7 @@ def _of_modes(
         products = mode_products(body.mode_range_mm, n, tip)
         whole = products @ smooth @ products
     wedge = image_strengths(body)
-    behind = None if tip is None else Tip(tip.end_mm - low, tip.power)
+    behind = None if tip is None else tip.behind(low)
     near = projected_near_field(n, high - low, wedge=wedge, tip=behind)
     whole[own] -= given.kernel * near
     least = _least_eigenvalue(whole, f)

@@ -339,9 +339,9 @@ def _core_arguments(
 
 
 def _mode_range(compliance: BodyCompliance) -> NDArray[np.float64]:
-    """Ends of the modes' range and of those of the tip, mm, and the lowest power of these."""
+    """Ends of the modes' range and of those of the tip, mm; lowest power of these, and turn, rad."""
     low, high = compliance.mode_range_mm
-    return np.array([low, high, *(compliance.tip or (low, 0))], dtype=float)
+    return np.array([low, high, *(compliance.tip or (low, 0, 0))], dtype=float)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """What modes miss where a contact works on a sharp corner: its force turns.
 
-Pressure modes push along the normal of the profile, on a tip rounding or chamfer, too. Over a sharp
-corner the force stands normal to the other flank: it turns towards the tooth's axis, in which the
-tooth hardly yields. What moves a tip, bending of the tooth and turning of the rim, moves it along
+Pressure modes push along the normal of the flank; the modes of a tip rounding or chamfer tell what
+forces do that turn. At a sharp corner nothing does. There, too, the force stands normal to the
+other flank: it turns towards the tooth's axis, in which the tooth hardly yields. What moves a tip, bending of the tooth and turning of the rim, moves it along
 its circle: with n the normal of the flank at the contact, n' that of the force and u the direction
 of the circle, places i and j yield to each other k_i k_j times as much, k = (n'·u)/(n·u), 1 where
 the flank itself touches. Of the place's own yielding the near field has no preferred direction; it
@@ -153,7 +153,7 @@ def _yields(
     force, s = (pairs.column(name)[loaded] for name in ("force", f"s_{z + 1}"))
     low, high = body.mode_range_mm
     turned = found.site_corner[at] == z + 1
-    if body.involute is None:
+    if body.involute is None or compliance.tip is not None:
         turned[:] = False
 
     def mean(values: Floats) -> Floats:
@@ -174,8 +174,7 @@ def _yields(
     turn = np.ones_like(s)
     if turned.any():
         pushed = _along_circle((1 - 2 * z) * normal[turned], place[turned])
-        # a chamfer has its own direction behind the corner with the flank
-        own = s[turned] if body.tip else np.minimum(s[turned], high - SHORT * (high - low))
+        own = np.minimum(s[turned], high - SHORT * (high - low))
         meant = _along_circle(body.curve.normal(own), body.curve.point(own))
         turn[turned] = pushed / meant
     turn = mean(turn)

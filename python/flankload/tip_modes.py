@@ -8,6 +8,12 @@ and two powers of u, which grows from 0 to 1 over the tip, are added to them:
     u and u^2 on a rounding, which the flank meets smoothly; 1 and u on a chamfer, where it has a
     corner.
 
+They follow the direction of the force (the core's `mode_values`): where a contact reaches over the
+start of a tip, the force is normal to the other flank, not to each place of the profile. On a
+rounding u is that of the place with this normal. At the corner of a chamfer, where the normal turns
+by T, a force turned by d has the parts sin(T - d)/sin T along the flank's normal and sin d/sin T
+along that of the chamfer.
+
 So a mode is the same combination of a polynomial of the flank and of 1, u, u^2 on the tip,
 whatever is projected on it. The near field stays the logarithm of the distance along the profile:
 the corner behind the tip is as far away as the tip is long, and the modes carry its image.
@@ -45,14 +51,21 @@ class Tip(NamedTuple):
         Arc length.
     power : int
         The lowest power of u: 1 where the flank meets the tip smoothly, 0 at a corner.
+    turn_rad : float
+        By how much the normal turns over a rounding, or at the corner of a chamfer.
     """
 
     end_mm: float
     power: int
+    turn_rad: float
 
     def larger(self, times: float) -> Tip:
         """The same on a curve that is so many times as long."""
-        return Tip(times * self.end_mm, self.power)
+        return self._replace(end_mm=times * self.end_mm)
+
+    def behind(self, low_mm: float) -> Tip:
+        """The same on a curve that begins at an arc length."""
+        return self._replace(end_mm=self.end_mm - low_mm)
 
 
 def tip_values(s: Floats, high: float, tip: Tip) -> Floats:

@@ -117,6 +117,43 @@ def test_places_on_a_tip(tips: dict[str, float], ring: bool, left: float) -> Non
     assert np.abs(apart).max() < left
 
 
+def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
+    """It takes parts of the modes of flank and chamfer; fine elements take it as it is."""
+    tips = {"tip_chamfer_mm": 0.08 * MODULE}
+    fine, coarse = made(tips, NODES * MODULE), made(tips)
+    found = flank_compliance(coarse, n_modes=5, plane="strain", sectors=1)
+    tip, start = found.tip, coarse.mode_range_mm[1]
+    assert tip is not None
+    turns = tip.turn_rad * np.array([0.0, 0.3, 0.7])
+    place = np.array([start - HALF_WIDTH * MODULE])
+    mesh: Any = fine.mesh
+    normal, along = (
+        consistent_loads(
+            mesh,
+            lambda s: bumps(s, place),
+            count=1,
+            along=direction,
+            gauss_points=8,
+            edges=carrying_edges(mesh),
+        )
+        for direction in ("normal", "tangent")
+    )
+    loads = np.cos(turns) * normal + np.sin(turns) * along
+    matrix = stiffness(mesh.nodes, mesh.cells, fine.material, "strain")
+    exact = np.diag(tooth_response(matrix, loads, mesh, lambda step: None)[0][0])
+    n = found.smooth.shape[1]
+    on_flank, on_chamfer = (
+        mode_values(np.array([s]), found.mode_range_mm, n, tip=tip)[0]
+        for s in (place[0], start + 1e-9)
+    )
+    parts = np.stack([np.sin(tip.turn_rad - turns), np.sin(turns)]) / np.sin(tip.turn_rad)
+    modes = parts.T @ np.stack([on_flank, on_chamfer])
+    yields = np.einsum("ka,ab,kb->k", modes, found.smooth[0], modes)
+    apart = (yields - yields[0]) - (exact - exact[0])
+    assert exact[2] < 0.7 * exact[0]
+    assert np.abs(apart).max() < CHAMFERED * found.kernel
+
+
 def modes_by_gauss(mode_range: tuple[float, float], tip: Tip, n: int) -> tuple[np.ndarray, ...]:
     """Places, weights and values on panels that shrink towards the ends of flank and tip."""
     points, weights = leggauss(20)
@@ -132,7 +169,7 @@ def modes_by_gauss(mode_range: tuple[float, float], tip: Tip, n: int) -> tuple[n
 @pytest.mark.parametrize("power", [0, 1])
 def test_projections(power: int) -> None:
     """Over flank and tip: products, logarithm and sign, by other rules."""
-    span, tip, n = (0.0, 3.0), Tip(3.7, power), 5
+    span, tip, n = (0.0, 3.0), Tip(3.7, power, 0.9), 5
     s, weight, values = modes_by_gauss(span, tip, n)
     np.testing.assert_allclose(
         mode_products(span, n, tip), values.T @ (weight[:, None] * values), atol=1e-12
@@ -152,7 +189,7 @@ def test_projections(power: int) -> None:
 
 @pytest.mark.parametrize("power", [0, 1])
 def test_coefficients_give_a_mode_back(power: int) -> None:
-    span, tip, n = (1.0, 9.0), Tip(9.4, power), 6
+    span, tip, n = (1.0, 9.0), Tip(9.4, power, 0.9), 6
     products = mode_products(span, n, tip)
     np.testing.assert_allclose(
         to_coefficients(products, span, tip=tip), np.eye(n), rtol=0, atol=1e-12
@@ -161,7 +198,7 @@ def test_coefficients_give_a_mode_back(power: int) -> None:
 
 def test_modes_go_on_steadily_over_a_rounding() -> None:
     """A step in the displacement would be one in the pressure."""
-    span, tip = (1.0, 9.0), Tip(9.4, 1)
+    span, tip = (1.0, 9.0), Tip(9.4, 1, 0.9)
     below, above = (mode_values(np.array([9.0 + d]), span, 7, tip=tip)[0] for d in (-1e-9, 1e-9))
     np.testing.assert_allclose(above, below, rtol=0, atol=1e-7)
 

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from flankload.flank_curve import FlankCurve
 
 
+#: So near to the end of the modes' range, as part of it, the flank has the direction that it ends with.
+FLANK_SIDE = 1e-9
+
+
 @dataclass(frozen=True)
 class Material:
     """Linear elastic, isotropic.
@@ -258,7 +262,11 @@ class Body:
             return self.given.tip
         if not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
             return None
-        return Tip(self.curve.length_mm, 0 if "tip_chamfer" in self.curve.labels else 1)
+        end, high = self.curve.length_mm, self.mode_range_mm[1]
+        before = high - FLANK_SIDE * (high - self.mode_range_mm[0])
+        one, other = self.curve.normal([before, end])
+        turn = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
+        return Tip(end, 0 if "tip_chamfer" in self.curve.labels else 1, turn)
 
     @property
     def outward(self) -> int:

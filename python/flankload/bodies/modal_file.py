@@ -217,19 +217,19 @@ def _version(compliance: BodyCompliance) -> int:
 
 
 def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip | None:
-    """Where the modes of a tip end behind those of the flank, and their lowest power."""
+    """Where the modes of a tip end behind those of the flank, their lowest power, and the turn."""
     if "tip_modes" not in found:
         return None
-    tip, power = found.numbers("tip_modes", 2)
-    if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1):
+    tip, power, turn = found.numbers("tip_modes", 3)
+    if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1) or not 0 < turn < pi:
         found.refuse(
             "tip_modes",
-            f"an arc length from {high:g} to {end:g}, and 0 or 1",
-            f"{tip:g} and {power:g}",
+            f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi",
+            f"{tip:g}, {power:g} and {turn:g}",
         )
     if n_modes <= TIP_MODES:
         found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
-    return Tip(float(tip), int(power))
+    return Tip(float(tip), int(power), float(turn))
 
 
 def _read_tangential(

@@ -95,7 +95,7 @@ class ModeLoads:
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip
-        behind = None if tip is None else Tip(tip.end_mm - low, tip.power)
+        behind = None if tip is None else tip.behind(low)
         closed = self.body.curve.closed
         near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed, tip=behind)
         response[own, :n, :n] += self.kernel * near
