@@ -27,9 +27,9 @@ module flankload_compliance_field
         real(wp), allocatable :: nodes(:)
         !> Arc lengths between which the pressure modes live [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
-        !> Where the modes of a tip rounding or chamfer behind them end [mm], no more than s_high where
-        !> there are none, and the lowest power of these: 1 on a rounding, 0 at the corner of a
-        !> chamfer
+        !> Where the modes of a tip rounding or chamfer behind them end [mm], no more than s_high
+        !> where there are none, and the lowest power of these: 1 on a rounding, 0 at the corner of
+        !> a chamfer
         real(wp) :: s_tip = 0.0_wp
         integer :: tip_power = 1
         !> By how much the profile's normal turns over the tip, or at the corner of a chamfer [rad]
@@ -65,11 +65,10 @@ contains
 
     !> Legendre polynomials P_0 … P_p over the flank's arc length; harmonics on a closed one.
     !>
-    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where the
-    !> flank goes on over a tip, the last two modes are powers of the part of the tip that is passed.
-    !> They are what a force that turns with the profile does differently from one along the flank's
-    !> normal, and follow its direction: on a rounding that of the place with this normal, at the
-    !> corner of a chamfer parts along both normals.
+    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a tip
+    !> rounding or chamfer follows the flank, the last two modes are powers of the part of the tip
+    !> that is passed. They follow the direction of the force: on a rounding they are those of the
+    !> place with this normal, at the corner of a chamfer the force has parts along both normals.
     pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance

@@ -144,7 +144,8 @@ def to_coefficients(
         norms = mode_norms(mode_range_mm, n_modes, closed=closed)
         return np.asarray(moments / norms.reshape(-1, *[1] * (moments.ndim - 1)))
     products = mode_products(mode_range_mm, n_modes, tip)
-    return np.linalg.solve(products, moments.reshape(n_modes, -1)).reshape(moments.shape)
+    found = np.linalg.solve(products, moments.reshape(n_modes, -1))
+    return np.asarray(found.reshape(moments.shape), dtype=np.float64)
 
 
 def mode_products(

@@ -15,8 +15,8 @@ from flankload.effects import work_in
 from flankload.elasticity import MANY_KEPT
 from flankload.estimate import n_sweeps
 from flankload.stages import modes_of
-from flankload.tip_modes import TIP_MODES
 from flankload.tangent import SIDES
+from flankload.tip_modes import TIP_MODES
 
 if TYPE_CHECKING:
     from flankload.assembly import BodyPair

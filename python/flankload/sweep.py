@@ -339,7 +339,7 @@ def _core_arguments(
 
 
 def _mode_range(compliance: BodyCompliance) -> NDArray[np.float64]:
-    """Ends of the modes' range and of those of the tip, mm; lowest power of these, and turn, rad."""
+    """Ends of the modes' range and of the tip's modes, mm; their lowest power and turn, rad."""
     low, high = compliance.mode_range_mm
     return np.array([low, high, *(compliance.tip or (low, 0, 0))], dtype=float)
 

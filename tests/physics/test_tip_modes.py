@@ -160,7 +160,9 @@ def modes_by_gauss(mode_range: tuple[float, float], tip: Tip, n: int) -> tuple[n
     ratios = 0.5 * 0.3 ** np.arange(23, -1, -1)
     parts = np.concatenate([[0.0], ratios, 1.0 - ratios[-2::-1]])
     flank, behind = np.diff([*mode_range, tip.end_mm])
-    breaks = np.append(mode_range[0] + flank * parts, mode_range[1] + behind * np.append(parts, 1.0))
+    breaks = np.append(
+        mode_range[0] + flank * parts, mode_range[1] + behind * np.append(parts, 1.0)
+    )
     half = 0.5 * np.diff(breaks)[:, None]
     s = (breaks[:-1, None] + half * (1 + points)).ravel()
     return s, (half * weights).ravel(), mode_values(s, mode_range, n, tip=tip)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.flank_curve import FlankCurve
 
 
-#: So near to the end of the modes' range, as part of it, the flank has the direction that it ends with.
+#: So near to the end of the modes' range, as part of it, the flank has its last direction.
 FLANK_SIDE = 1e-9
 
 

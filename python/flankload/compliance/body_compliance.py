@@ -233,7 +233,7 @@ class BodyCompliance:
         parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
         if self.tip is not None:
             products = mode_products(self.mode_range_mm, n, self.tip)
-            parts = np.linalg.solve(parts @ products @ parts.T, parts @ products)
+            parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
         def projected(blocks: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
             if blocks is None:
@@ -242,10 +242,18 @@ class BodyCompliance:
                 return blocks[:, :kept, :kept]
             return np.asarray(parts @ blocks @ parts.T)
 
-        matrices = ("smooth", "tangential", "along", "crossing", "crossing_tangential")
-        found = {name: projected(getattr(self, name)) for name in matrices}
-        shifts = {name: modes @ parts.T for name, modes in self.shifts.items()}
-        return replace(self, shifts=shifts, missed=None, **found)
+        smooth = projected(self.smooth)
+        assert smooth is not None
+        return replace(
+            self,
+            smooth=smooth,
+            tangential=projected(self.tangential),
+            along=projected(self.along),
+            crossing=projected(self.crossing),
+            crossing_tangential=projected(self.crossing_tangential),
+            shifts={name: modes @ parts.T for name, modes in self.shifts.items()},
+            missed=None,
+        )
 
     def with_missed(self, times: float) -> BodyCompliance:
         """The same with so many times what its elements miss by their estimate."""

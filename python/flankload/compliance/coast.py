@@ -76,4 +76,3 @@ def coast_readings(body: Body, mesh: SectorMesh, loads: Floats) -> CoastReadings
     """
     assert body.involute is not None
     return CoastReadings(*mirrored_loads(mesh, loads, body.involute.turn_rad))
-
