@@ -113,8 +113,8 @@ contains
         end do
     end subroutine reach_of
 
-    !> Approach by the near field, F [c (1/2 + ln(2/h)) + w] with h the mean reach to both sides and w
-    !> from the mirror images behind free corners.
+    !> Approach by the near field, F [c (1/2 + ln(2/h)) + w] with h the mean reach to both sides and
+    !> w from the mirror images behind free corners.
     pure subroutine near_field_of(kernel, least_half_width, images, place)
         !> c of both bodies [mm/N]
         real(wp), intent(in) :: kernel

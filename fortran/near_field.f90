@@ -3,8 +3,8 @@
 !>
 !> Beside a free corner of interior angle w the flank moves under a force by
 !> -c0 [ln|s - s'| + psi ln(d + d')], d and d' the distances from the corner (Eq. (W1) of
-!> `README.md`): by what the half-plane does, and by a mirror image of the load whose strength psi(w)
-!> a wedge has that carries a force at its apex.
+!> `README.md`): by the logarithm of a half-plane, and by that of a mirror image of the load, whose
+!> strength psi(w) is that of a wedge under a force at its apex.
 module flankload_near_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: closed_strip_kernel, compliance_type, mean_strip_kernel, &
@@ -182,8 +182,8 @@ contains
         end do
     end subroutine add_closed
 
-    !> Add what the mirror images of cells behind an end of their flank do: their distance is the sum
-    !> of both distances from that end.
+    !> Add what the mirror images of cells behind an end of their flank do: their distance is the
+    !> sum of both distances from that end.
     pure subroutine add_images(place, cell, kernel, first, matrix)
         !> Distances of the cells from the end, all of one sign, and their widths [mm], shape (m)
         real(wp), contiguous, intent(in) :: place(:)
@@ -195,8 +195,12 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
+        !> So far beside even cells, over the distance of an image, four terms of a Taylor series
+        !> are enough: the fifth is below 1e-9. So many widths away the derivatives are those of a
+        !> logarithm, to 1e-6.
+        real(wp), parameter :: beside = 0.008_wp, widths = 20.0_wp
         integer :: i, j, m
-        real(wp) :: step, even(0:2*size(place) - 2), of_even(0:2*size(place) - 2)
+        real(wp) :: step, limit, away(size(place)), of_even(0:2*size(place) - 2)
 
         m = size(place)
         if (is_even(place, cell)) then
@@ -209,22 +213,80 @@ contains
                         & matrix(first - 1 + i, first - 1 + j) + of_even(i + j - 2)
                 end do
             end do
-        else if (is_nearly_even(place, cell) &
-            & .and. 2.0_wp*minval(abs(place)) >= far*maxval(cell)) then
-            step = (place(m) - place(1))/(m - 1)
-            even = abs([(2.0_wp*place(1) + i*step, i=0, 2*m - 2)])
-            of_even = log(even)
-            do j = 1, m
-                do i = j, m
-                    matrix(first - 1 + i, first - 1 + j) = &
-                        & matrix(first - 1 + i, first - 1 + j) + far_strip(abs(place(i) &
-                        & + place(j)), cell(i)*cell(j), even(i + j - 2), of_even(i + j - 2), kernel)
-                end do
-            end do
+            return
+        end if
+        step = (place(m) - place(1))/max(1, m - 1)
+        do i = 1, m
+            away(i) = place(i) - (place(1) + (i - 1)*step)
+        end do
+        limit = max(widths*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
+        if (limit < abs(place(1) + place(m))) then
+            call add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
         else
             call add_uneven(place, -place, cell, kernel, first, matrix)
         end if
     end subroutine add_images
+
+    !> Images of cells that stand nearly as even ones do: further than a limit by what those do and
+    !> its derivatives.
+    pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+        !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
+        real(wp), contiguous, intent(in) :: place(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Step of even ones [mm]
+        real(wp), intent(in) :: step
+        !> What cells stand beside even ones [mm], shape (m)
+        real(wp), contiguous, intent(in) :: away(:)
+        !> Least distance of an image for the series [mm]
+        real(wp), intent(in) :: limit
+        !> Strength of the images' logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Row and column of the first cell
+        integer, intent(in) :: first
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: i, j, m, low, high
+        real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three, of_widths
+
+        m = size(away)
+        do i = 0, 2*m - 2
+            distance(i) = 2.0_wp*place(1) + i*step
+        end do
+        one = 1.0_wp/distance
+        zeroth = -kernel*log(abs(distance))
+        of_widths = kernel*one**2/24.0_wp   ! the mean over a strip is ln d - (width/d)²/24
+        two = kernel*one**2/2.0_wp
+        three = -kernel*one**3/3.0_wp
+        one = -kernel*one
+        do j = 1, m
+            ! places follow each other: far images of a cell stand side by side
+            low = j
+            high = m
+            do while (low <= high)
+                if (abs(place(low) + place(j)) >= limit) exit
+                low = low + 1
+            end do
+            do while (high >= low)
+                if (abs(place(high) + place(j)) >= limit) exit
+                high = high - 1
+            end do
+            do i = low, high
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + (zeroth(i + j - 2) + cell(i)*cell(j)*of_widths(i + j - 2) &
+                    & + (away(i) + away(j))*(one(i + j - 2) + (away(i) + away(j)) &
+                    & *(two(i + j - 2) + (away(i) + away(j))*three(i + j - 2))))
+            end do
+            do i = j, low - 1
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+            do i = high + 1, m
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+        end do
+    end subroutine add_nearly_even_images
 
     !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)
@@ -336,16 +398,16 @@ contains
         real(wp), intent(in) :: kernel
         real(wp) :: displacement
 
-        real(wp) :: u, v, w
+        real(wp) :: u, v, w, inverse
 
-        u = (distance - even)/(distance + even)   ! |u| < 1/10
+        inverse = 1.0_wp/(distance**2*(distance + even))
+        u = (distance - even)*distance**2*inverse   ! |u| < 1/10
         v = u**2
-        w = 0.25_wp*cells/distance**2   ! (h/d)² < 1/64
+        w = 0.25_wp*cells*(distance + even)*inverse   ! (h/d)² < 1/64
         displacement = -kernel*(log_even + 2.0_wp*u*(1.0_wp + v*(1.0_wp/3.0_wp &
             & + v*(1.0_wp/5.0_wp + v*(1.0_wp/7.0_wp + v*(1.0_wp/9.0_wp &
-            & + v*(1.0_wp/11.0_wp + v/13.0_wp)))))) - w*(1.0_wp/6.0_wp &
-            & + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp + w*(1.0_wp/72.0_wp &
-            & + w*(1.0_wp/110.0_wp + w*(1.0_wp/156.0_wp + w/210.0_wp)))))))
+            & + v/11.0_wp))))) - w*(1.0_wp/6.0_wp + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp &
+            & + w*(1.0_wp/72.0_wp + w*(1.0_wp/110.0_wp + w/156.0_wp))))))
     end function far_strip
 
     !> Cells of any widths.

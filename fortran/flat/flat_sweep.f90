@@ -77,8 +77,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     double precision, intent(in) :: mode_range_1(5)
     double precision, intent(in) :: kernel_1
     !> Strengths psi of the mirror images behind free corners at both ends of the modes' range, by
-    !> the corner's interior angle; 0: the surface goes on smoothly, nodes are given, or the flank is
-    !> closed
+    !> the corner's interior angle; 0: the surface goes on smoothly, the flank is closed, or nodes
+    !> are given
     double precision, intent(in) :: wedge_1(2)
     double precision, intent(in) :: smooth_1(n_modes_1, n_modes_1, n_blocks_1)
     integer, intent(in) :: block_1(n_sites, n_sites)

@@ -84,12 +84,8 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
         evenly = hat_widths(compliance.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
-    near = (
-        compliance.kernel
-        * projected_near_field(1, length, wedge=compliance.wedge)[0, 0]
-        / length**2
-    )
-    moved[np.arange(f) * (f + 1)] -= near
+    near = projected_near_field(1, length, wedge=compliance.wedge)[0, 0]
+    moved[np.arange(f) * (f + 1)] -= compliance.kernel * near / length**2
     return moved
 
 

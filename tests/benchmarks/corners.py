@@ -40,7 +40,9 @@ def run() -> str:
     for name, scene in sharp_pairs(count):
         found = differences(solved(scene), solved(scene, fine=True))
         met.append(max(found) <= WANTED)
-        lines.append(f"{name:34}" + "".join(f"{k:{w}.3f}" for k, w in zip(found, (10, 8) * 2)))
+        lines.append(
+            f"{name:34}" + "".join(f"{k:{w}.3f}" for k, w in zip(found, (10, 8) * 2, strict=True))
+        )
     lines.append(f"{sum(met)} of {len(met)} within {WANTED} throughout")
     return "\n".join(lines)
 

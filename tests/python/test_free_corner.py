@@ -1,4 +1,4 @@
-"""Free corners: their angles, the strength of the mirror image behind them, what modes have of it."""
+"""Free corners: their angles, the strength of the mirror images behind them, their projection."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tolerances import ROUND_OFF, SOLVER
 import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.bodies.body import Body
-from flankload.bodies.gear import build_gear
 from flankload.bodies.free_corner import corner_angles, image_strength, image_strengths
+from flankload.bodies.gear import build_gear
 from flankload.near_field import (
     mode_norms,
     projected_image,

@@ -5,12 +5,12 @@ Between two places at distances d and d' from a corner of interior angle w the f
     -c0 [ln|s - s'| + psi(w) ln(d + d')],
     psi(w) = pi [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] - 1                          (W1)
 
-along its normal, per force and width: as a half-plane does, and besides as under a mirror image of
-the load behind the corner. A force at the apex of a wedge, normal to its flank, moves the flank at a
-distance r by -(2/E') [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] ln r (radial stress, Johnson,
-Contact Mechanics, section 5.1; parts of the force along the bisector and across it). With c0 =
-2/(pi E') that is -c0 (1 + psi) ln r, to which both logarithms go where d' = 0. Both leave out what
-stays finite at the corner: modes carry that.
+along its normal, per force and width: by the logarithm of a half-plane, and by that of a mirror
+image of the load behind the corner. A force at the apex of a wedge, normal to its flank, moves the
+flank at a distance r by -(2/E') [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] ln r: it is held
+by radial stress (Johnson, Contact Mechanics, section 5.1), and its parts are those along the
+bisector and across it. With c0 = 2/(pi E') that is -c0 (1 + psi) ln r, which both logarithms sum up
+to for d' = 0. Both leave out what stays finite at the corner: the modes carry it.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def image_strengths(body: Body) -> tuple[float, float]:
 
 
 def corner_angles(body: Body) -> tuple[float, float]:
-    """Interior angles of the metal where the modes of a body end, degrees; 180 where there is no corner.
+    """Interior angles of the metal where the modes of a body end, degrees; 180 without a corner.
 
     Parameters
     ----------
@@ -118,15 +118,14 @@ def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
     for kind, cells in mesh.cells:
         corners = 3 if kind.startswith("triangle") else 4
         cell, at = np.nonzero(cells[:, :corners] == node)
-        here = mesh.nodes[node]
+        before, behind = (at - 1) % corners, (at + 1) % corners
         # an edge leaves its end in the direction 4 middle - 3 here - other end
-        along = [
-            4.0 * mesh.nodes[cells[cell, corners + middle]] - mesh.nodes[cells[cell, end]] - 3 * here
-            for end, middle in (
-                ((at + 1) % corners, at),
-                ((at - 1) % corners, (at - 1) % corners),
-            )
-        ]
-        cross = along[0][:, 0] * along[1][:, 1] - along[0][:, 1] * along[1][:, 0]
-        whole += float(np.abs(np.arctan2(cross, np.sum(along[0] * along[1], axis=1))).sum())
+        one, two = (
+            4 * mesh.nodes[cells[cell, corners + edge]]
+            - 3 * mesh.nodes[node]
+            - mesh.nodes[cells[cell, end]]
+            for edge, end in ((at, behind), (before, before))
+        )
+        cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+        whole += float(np.abs(np.arctan2(cross, np.sum(one * two, axis=1))).sum())
     return float(np.degrees(whole))
