@@ -7,6 +7,7 @@ elements carry them as they are: neither modes nor a near field.
 from __future__ import annotations
 
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from numpy.polynomial.legendre import leggauss
 from flankload.bodies import Body
 from flankload.bodies.gear import build_gear
 from flankload.bodies.ring import build_ring
-from flankload.compliance import flank_compliance
+from flankload.compliance import BodyCompliance, flank_compliance
 from flankload.elasticity import stiffness
 from flankload.near_field import (
     carrying_edges,
@@ -216,3 +217,29 @@ def test_fewer_modes_are_those_of_a_smaller_job() -> None:
     for name in ("smooth", "tangential"):
         one, other = getattr(left, name), getattr(fewer, name)
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-8 * np.abs(other).max())
+
+
+def test_far_from_the_tip_its_modes_change_nothing() -> None:
+    """Loads along the flank and displacements of coast flanks included; elements as long."""
+    body = made({"tip_radius_mm": 0.1 * MODULE})
+
+    def job() -> BodyCompliance:
+        keys = {"n_modes": 6, "plane": "strain", "friction": True, "along": True}
+        return flank_compliance(body, coast_flanks=True, **keys)
+
+    found = job()
+    with mock.patch.object(Body, "tip", None):
+        without = job()
+    low, high = body.mode_range_mm
+    s = low + np.array([0.3, 0.6, 0.9]) * (high - low)
+
+    def values(compliance: BodyCompliance) -> np.ndarray:
+        count = compliance.smooth.shape[1]
+        return mode_values(s, compliance.mode_range_mm, count, tip=compliance.tip)
+
+    for name in ("smooth", "tangential", "along", "crossing", "crossing_tangential"):
+        one, other = (
+            modes @ getattr(compliance, name)[:2] @ modes.T
+            for compliance, modes in ((found, values(found)), (without, values(without)))
+        )
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-3 * np.abs(other).max())
