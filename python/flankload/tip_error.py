@@ -3,9 +3,10 @@
 Pressure modes push along the normal of the flank; the modes of a tip rounding or chamfer describe
 forces that turn. A sharp corner has no such modes, but there, too, the force is normal to the other
 flank: it turns towards the tooth's axis, in which the tooth hardly yields. What moves a tip,
-bending of the tooth and turning of the rim, moves it along its circle: with n the normal of the flank at the contact, n' that of the force and u the direction
-of the circle, places i and j yield to each other k_i k_j times as much, k = (n'·u)/(n·u), 1 where
-the flank itself touches. Of the place's own yielding the near field has no preferred direction; it
+bending of the tooth and turning of the rim, moves it along its circle: with n the normal of the
+flank at the contact, n' that of the force and u the direction of the circle, places i and j yield
+to each other k_i k_j times as much, k = (n'·u)/(n·u), 1 where the flank itself touches.
+Of the place's own yielding the near field has no preferred direction; it
 reaches as far as the contact.
 
 Forces on a gear (corner of 125 degrees) and a ring (105 degrees) with elements of 0.0125 mm, turned

@@ -257,7 +257,7 @@ class Body:
 
     @property
     def tip(self) -> Tip | None:
-        """Where the modes of a tip rounding or chamfer end; None where nothing follows the flank."""
+        """Where the modes of a tip rounding or chamfer end; None without one."""
         if self.given is not None:
             return self.given.tip
         if not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from flankload.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version, of bodies with a free corner or a rounded or chamfered tip. A file without one
-#: is of version 2, without friction of version 1, which earlier flankloads read.
+#: The latest version, of bodies with a free corner or a rounded or chamfered tip. A file without
+#: one is of version 2, without friction of version 1, which earlier flankloads read.
 VERSION = 3
 
 #: The arrays, beside those of the involute.
