@@ -24,7 +24,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import MeshedFlank
-from flankload.tip_modes import TIP_MODES, Tip, joined, on_tip, tip_values
+from flankload.tip_modes import TIP_MODES, Tip, joined, joined_image, on_tip, tip_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -425,7 +425,7 @@ def projected_near_field(
     closed : bool
         The range is a turn.
     tip : Tip, optional
-        Behind the range, in which it ends so far from the range's low end; without images.
+        Behind the range; its end so far from the range's low end. The high end has no image then.
 
     Returns
     -------
@@ -433,9 +433,12 @@ def projected_near_field(
         mm².
     """
     if tip is not None:
-        if any(wedge):
-            raise ValueError("wedge: expected no corner at the ends of a range with a tip")
-        return joined(projected_logarithm, np.log, n_modes, (0.0, length_mm), tip)
+        span = (0.0, length_mm)
+        near = joined(projected_logarithm, np.log, n_modes, span, tip)
+        if wedge[0]:
+            image = projected_image(n_modes - TIP_MODES, length_mm, at_high_end=False)
+            near = near + wedge[0] * joined_image(image, n_modes, span, tip)
+        return near
     near = projected_logarithm(n_modes, length_mm, closed=closed)
     for psi, at_high_end in zip(wedge, (False, True), strict=True):
         if psi:

@@ -116,12 +116,46 @@ def joined(
     flank, parts = n_modes - TIP_MODES, on_tip(n_modes, tip)
     result = parts.T @ projected(3, tip.end_mm - high) @ parts
     result[:flank, :flank] += projected(flank, high - low)
-    (x, weight_x), (y, weight_y) = graded(high - low), graded(tip.end_mm - high)
-    before = legvander(1.0 - 2.0 * x / (high - low), flank - 1) * weight_x[:, None]
-    behind = (legvander(2.0 * y / (tip.end_mm - high) - 1.0, 2) * weight_y[:, None]) @ parts
-    across = np.zeros((n_modes, n_modes))
-    across[:flank] = before.T @ kernel(x[:, None] + y) @ behind
+    (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)
+    across = before.T @ kernel(x[:, None] + y) @ behind
     return np.asarray(result + across + mirror * across.T)
+
+
+def joined_image(
+    of_flank: Floats, n_modes: int, mode_range_mm: tuple[float, float], tip: Tip
+) -> Floats:
+    """<P_a, ln(d + d') P_b> over flank and tip, d the distances from the low end of the flank.
+
+    Parameters
+    ----------
+    of_flank : (p, p) array
+        The same over the flank alone.
+    n_modes, mode_range_mm, tip
+        As in `joined`.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+    """
+    length = mode_range_mm[1] - mode_range_mm[0]
+    (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)
+    across = before.T @ np.log(2.0 * length - x[:, None] + y) @ behind
+    result = across + across.T + behind.T @ np.log(2.0 * length + y[:, None] + y) @ behind
+    result[: len(of_flank), : len(of_flank)] += of_flank
+    return np.asarray(result)
+
+
+def _pieces(
+    n_modes: int, mode_range_mm: tuple[float, float], tip: Tip
+) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Distances (k,) from where both meet, and modes times weights (k, n_modes), on each piece."""
+    low, high = mode_range_mm
+    flank = n_modes - TIP_MODES
+    (x, weight_x), (y, weight_y) = graded(high - low), graded(tip.end_mm - high)
+    before = np.zeros((x.size, n_modes))
+    before[:, :flank] = legvander(1.0 - 2.0 * x / (high - low), flank - 1) * weight_x[:, None]
+    behind = legvander(2.0 * y / (tip.end_mm - high) - 1.0, 2) * weight_y[:, None]
+    return (x, before), (y, behind @ on_tip(n_modes, tip))
 
 
 def graded(length_mm: float) -> tuple[Floats, Floats]:

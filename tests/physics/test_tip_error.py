@@ -72,8 +72,6 @@ def test_a_pair_on_a_small_rounding_follows_forces_at_nodes(rounded: fl.Result) 
     assert true["load_share"] < SHARE_LEFT
     assert rounded.estimate is not None
     assert "tip" not in rounded.estimate["by_source"]
-    for quantity, value in true.items():
-        assert value < rounded.estimate[quantity]
 
 
 def test_sharp_corners_have_it() -> None:

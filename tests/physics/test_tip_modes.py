@@ -186,7 +186,12 @@ def test_projections(power: int) -> None:
     )
     sign = values.T @ (weight * (2 * (s - span[0]) - total))
     np.testing.assert_allclose(projected_sign(n, 3.0, tip=tip)[:, 0], sign, rtol=0, atol=1e-12)
-    near = projected_near_field(n, 3.0, tip=tip)
+    near = projected_near_field(n, 3.0, wedge=(0.4, 0.0), tip=tip)
+    # int ln(d + d') dd' by mode 0
+    ends = np.stack([s - span[0] + total, s - span[0]])
+    image = ends * np.log(ends) - ends
+    expected += 0.4 * (values.T @ (weight * (image[0] - image[1])))
+    np.testing.assert_allclose(near[:, 0], expected, rtol=0, atol=1e-11)
     np.testing.assert_allclose(near, near.T, rtol=0, atol=1e-14)
 
 
