@@ -25,6 +25,9 @@ ROUNDED = {"tip_radius_mm": 0.08 * MODULE}
 #: whole: a degree or two over a rounding of 0.08 modules. Along the places' own normals modes leave
 #: 0.1 % and 0.2 points.
 ROTATION_LEFT, SHARE_LEFT = 5e-3, 4e-3
+#: Positions at which the corner of a chamfer works, and by how much the rotation may fall because
+#: the force turns over it (0.5 to 1.0 %).
+CHAMFER_DEG, TURNED = [6.2, 7.0, 15.8], 0.02
 #: Positions at which a sharp corner works.
 CORNER_DEG = [5.0, 6.0]
 #: Positions at which a pair stands on the rounding of the wheel's tip, then of the pinion's.
@@ -72,6 +75,22 @@ def test_a_pair_on_a_small_rounding_follows_forces_at_nodes(rounded: fl.Result) 
     assert true["load_share"] < SHARE_LEFT
     assert rounded.estimate is not None
     assert "tip" not in rounded.estimate["by_source"]
+
+
+def test_a_chamfer_begins_like_a_sharp_tip_there() -> None:
+    """The same corners touch the same flanks; behind them is a little more metal, and forces that
+    turn over them find less compliance. Along the normal of the chamfer it was 10 % less."""
+    height = 0.08 * MODULE
+    chamfered = solved(CHAMFER_DEG, tip_chamfer_mm=height)
+    tree = deepcopy(SCENE)
+    for key in ("body_1", "body_2"):
+        tree[key]["tip_diameter_mm"] -= 2 * height
+    tree["positions"] = {"angles_deg": CHAMFER_DEG}
+    sharp = fl.solve(fl.Scene.from_dict(tree))
+    assert isinstance(sharp, fl.Result)
+    less = 1.0 - chamfered.rotation_rad / sharp.rotation_rad
+    assert less.min() > 0.0
+    assert less.max() < TURNED
 
 
 def test_sharp_corners_have_it() -> None:
