@@ -169,12 +169,18 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
     for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
         field = job.fields[z]
         low, high = field.mode_range_mm
-        modes = mode_values(np.clip(s, low, high), (low, high), field.smooth.shape[1])
+        end = high if field.tip is None else field.tip.end_mm
+        count = field.smooth.shape[1]
+        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.tip)
         teeth = job.pairing.site_teeth[z][site.astype(int)]
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):
             matrix += np.where(offset == t, modes @ field.smooth[t] @ modes.T, 0.0)
-        near = strip_kernel(s[:, None] - s[None, :], np.sqrt(d[:, None] * d[None, :]), field.kernel)
+        width = np.sqrt(d[:, None] * d[None, :])
+        near = strip_kernel(s[:, None] - s[None, :], width, field.kernel)
+        for psi, corner in zip(field.wedge, (low, high), strict=True):
+            away = np.maximum(np.abs(s - corner), 0.5 * d)
+            near += strip_kernel(away[:, None] + away[None, :], width, psi * field.kernel)
         matrix += np.where(same, near, 0.0)
     matrix /= job.width
     state = fl.solve_contact(
