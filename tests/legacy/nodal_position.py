@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from cells_near_field import cells_near_field
 
 import flankload as fl
 from flankload import _core
 from flankload.assembly import build_bodies
 from flankload.bodies import Body
-from flankload.near_field import mode_values, strip_kernel
+from flankload.near_field import mode_values
 from flankload.stages import compliance_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -93,7 +94,7 @@ def compliance_between(
         for tooth_i, v_i in zip(teeth, values, strict=True)
     ]
     for i, s in enumerate(places):
-        blocks[i][i] += strip_kernel(s[:, None] - s, s[1] - s[0], compliance.kernel)
+        blocks[i][i] += cells_near_field(compliance, s, s[1] - s[0])
     return np.block(blocks) / scene.pair.face_width_mm
 
 

@@ -12,12 +12,13 @@ from functools import cache
 from math import acos, cos, pi, radians, sin, sqrt, tan
 
 import numpy as np
+from cells_near_field import cells_near_field
 
 import flankload as fl
 from flankload.assembly import build_bodies
 from flankload.compliance import flank_compliance
 from flankload.errors import SceneError
-from flankload.near_field import mode_values, strip_kernel
+from flankload.near_field import mode_values
 from flankload.resolution import Grid
 from flankload.sweep import Sweep, sweep
 
@@ -176,11 +177,7 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):
             matrix += np.where(offset == t, modes @ field.smooth[t] @ modes.T, 0.0)
-        width = np.sqrt(d[:, None] * d[None, :])
-        near = strip_kernel(s[:, None] - s[None, :], width, field.kernel)
-        for psi, corner in zip(field.wedge, (low, high), strict=True):
-            away = np.maximum(np.abs(s - corner), 0.5 * d)
-            near += strip_kernel(away[:, None] + away[None, :], width, psi * field.kernel)
+        near = cells_near_field(field, s, np.sqrt(d[:, None] * d[None, :]))
         matrix += np.where(same, near, 0.0)
     matrix /= job.width
     state = fl.solve_contact(

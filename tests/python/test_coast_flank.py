@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cam_scenes import cam_scene
+from cells_near_field import cells_near_field
 from scipy.optimize import brentq
 from test_compliance import full_ring, gear_body
 from test_result_contacts import EXTERNAL, RING_PAIR, RUBBING, SPEED_MM, SPLINE, solved
@@ -25,7 +26,6 @@ from flankload.near_field import (
     mode_loads,
     mode_norms,
     mode_values,
-    strip_kernel,
 )
 from flankload.plot import plot_flank_forces, plot_loaded_pair
 from flankload.result import Result
@@ -265,8 +265,7 @@ def _compliance(body: Body, z: int, sides: np.ndarray, joined: dict[str, np.ndar
             result[i, j] = values[i] @ block @ values[j]
     same = (joined["site"][:, None] == joined["site"]) & (sides[:, None] == sides)
     cell = np.sqrt(joined["cell_mm"][:, None] * joined["cell_mm"])
-    near = strip_kernel(s[:, None] - s, cell, found.kernel)
-    return np.where(same, result + near, result)
+    return np.where(same, result + cells_near_field(found, s, cell), result)
 
 
 # --- what crosses a tooth -----------------------------------------------------------------------

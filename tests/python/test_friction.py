@@ -194,7 +194,7 @@ def test_files_of_a_scene_with_friction_serve_scenes_with_and_without(folder: Pa
 def test_file_without_friction_names_both_keys(folder: Path, tmp_path: Path) -> None:
     with np.load(folder / "body_1.npz") as archive:
         arrays = dict(archive)
-    assert int(arrays["version"]) == 2
+    assert int(arrays["version"]) == 3
     del arrays["smooth_nt"], arrays["kernel_nt"]
     np.savez(tmp_path / "body_1.npz", **{**arrays, "version": 1})
     with pytest.raises(ComplianceFileError) as caught:

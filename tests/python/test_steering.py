@@ -77,7 +77,7 @@ def tight() -> fl.Result:
     """A tolerance that the first setting misses."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(LAWS, "gears", third_of(LAWS["gears"]))
-        return solved(small(tolerance=0.008))
+        return solved(small(tolerance=0.004))
 
 
 def written_out(tree: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
@@ -116,7 +116,7 @@ def test_result_is_that_of_the_knobs_written_out() -> None:
 def test_tightened_result_is_that_of_the_knobs_written_out(tight: fl.Result) -> None:
     found = said(tight)
     assert found["tightened"]
-    assert_same(tight, solved(written_out(small(tolerance=0.008), found)))
+    assert_same(tight, solved(written_out(small(tolerance=0.004), found)))
 
 
 def test_tightening_helps(tight: fl.Result) -> None:
@@ -426,7 +426,7 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     found = said(tight)
     first, knobs, tightened, of_itself, *missed = accuracy_lines(found)
     assert of_itself.startswith("peak to peak ")
-    assert first.startswith("0.8 %: not met, transmission error mean ")
+    assert first.startswith("0.4 %: not met, transmission error mean ")
     assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
     assert " (modes 0." in knobs
     assert tightened.startswith("tightened once: flank_element_mm ")

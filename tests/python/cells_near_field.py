@@ -1,0 +1,31 @@
+"""The near field between cells of a flank, written plainly: the half-plane and its images."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flankload.compliance import BodyCompliance
+from flankload.near_field import strip_kernel
+
+
+def cells_near_field(
+    compliance: BodyCompliance, s: np.ndarray, cell: np.ndarray | float
+) -> np.ndarray:
+    """Displacements (n, n) of cells at s under unit loads on cells of one width, mm²/N.
+
+    Parameters
+    ----------
+    compliance : BodyCompliance
+    s : (n,) array
+    cell : (n, n) array or float
+        Width of the loaded cell of each two.
+
+    Returns
+    -------
+    (n, n) array
+    """
+    near = strip_kernel(s[:, None] - s, cell, compliance.kernel)
+    for psi, corner in zip(compliance.wedge, compliance.mode_range_mm, strict=True):
+        away = np.maximum(np.abs(s - corner), 0.5 * np.min(cell))  # a cell ends in the corner
+        near = near + psi * strip_kernel(away[:, None] + away, cell, compliance.kernel)
+    return np.asarray(near)
