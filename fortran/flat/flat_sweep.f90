@@ -70,8 +70,8 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> [mm], strength of the logarithm [mm/N], smooth part [mm/N], block of each pair of sites (from
     !> 1). Behind the arc lengths: where the modes of a tip rounding or chamfer end [mm] (no more
     !> than the second: none), the lowest power of the part of the tip that is passed: 1 on a
-    !> rounding, 0 at the corner of a chamfer, and by how much the normal turns over the tip [rad], above 0.
-    !> These are the last two modes
+    !> rounding, 0 at the corner of a chamfer, and by how much the normal turns over the tip [rad],
+    !> above 0. These are the last two modes
     integer, intent(in) :: n_modes_1
     integer, intent(in) :: n_blocks_1
     double precision, intent(in) :: mode_range_1(5)
