@@ -13,8 +13,11 @@ module flankload_compliance_field
     implicit none
     private
 
-    public :: compliance_type
+    public :: compliance_type, tip_modes
     public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
+
+    !> Modes that a tip has of its own.
+    integer, parameter :: tip_modes = 2
 
     !> Compliance of one body, per its face width.
     type :: compliance_type
@@ -24,6 +27,13 @@ module flankload_compliance_field
         real(wp), allocatable :: nodes(:)
         !> Arc lengths between which the pressure modes live [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
+        !> Where the modes of a tip rounding or chamfer behind them end [mm], no more than s_high
+        !> where there are none, and the lowest power of these: 1 on a rounding, 0 at the corner of
+        !> a chamfer
+        real(wp) :: s_tip = 0.0_wp
+        integer :: tip_power = 1
+        !> By how much the profile's normal turns over the tip, or at the corner of a chamfer [rad]
+        real(wp) :: tip_turn = 0.0_wp
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
         real(wp) :: kernel = 0.0_wp
         !> Free corners where the modes' range ends, at s_low and s_high: the flank moves by
@@ -55,19 +65,30 @@ contains
 
     !> Legendre polynomials P_0 … P_p over the flank's arc length; harmonics on a closed one.
     !>
-    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values.
-    pure function mode_values(compliance, s) result(values)
+    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a
+    !> tip rounding or chamfer follows the flank, the last two modes are powers of the part of the
+    !> tip that is passed. They follow the direction of the force: on a rounding they are those of
+    !> the place with this normal, at the corner of a chamfer the force has parts along both normals.
+    pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
         !> Arc lengths [mm], shape (n)
         real(wp), intent(in) :: s(:)
+        !> By how much forces are turned from the profile's normal towards growing arc length [rad],
+        !> shape (n); 0 where it is not given
+        real(wp), intent(in), optional :: turn(:)
         !> Values, shape (n, n_modes)
         real(wp) :: values(size(s), size(compliance%smooth, 1))
 
         integer :: a, n_modes
-        real(wp) :: xi(size(s))
+        real(wp) :: xi(size(s)), on_flank(size(s))
 
         n_modes = size(compliance%smooth, 1)
+        on_flank = 1.0_wp
+        if (compliance%s_tip > compliance%s_high .and. .not. compliance%closed) then
+            n_modes = n_modes - tip_modes
+            call set_tip_modes(compliance, s, turn, values(:, n_modes + 1:), on_flank)
+        end if
         if (compliance%closed) then
             values = harmonics(n_modes, 2.0_wp*acos(-1.0_wp)*(s - compliance%s_low) &
                 & /(compliance%s_high - compliance%s_low))
@@ -76,13 +97,47 @@ contains
         xi = (2.0_wp*s - compliance%s_low - compliance%s_high) &
             & /(compliance%s_high - compliance%s_low)
         xi = min(1.0_wp, max(-1.0_wp, xi))
-        if (n_modes > 0) values(:, 1) = 1.0_wp
-        if (n_modes > 1) values(:, 2) = xi
+        if (n_modes > 0) values(:, 1) = on_flank
+        if (n_modes > 1) values(:, 2) = on_flank*xi
         do a = 3, n_modes
             ! (a-1) P_{a-1} = (2a-3) x P_{a-2} - (a-2) P_{a-3}, numbered from 0
             values(:, a) = ((2*a - 3)*xi*values(:, a - 1) - (a - 2)*values(:, a - 2))/(a - 1)
         end do
     end function mode_values
+
+    !> The modes of a tip; and the part of a force that takes the modes of the flank.
+    pure subroutine set_tip_modes(compliance, s, turn, values, on_flank)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: compliance
+        !> Arc lengths [mm] and turns of the forces from the normals there [rad], shape (n)
+        real(wp), intent(in) :: s(:)
+        real(wp), intent(in), optional :: turn(:)
+        !> Values, shape (n, tip_modes)
+        real(wp), intent(out) :: values(:, :)
+        !> Factor of the flank's modes, shape (n)
+        real(wp), intent(out) :: on_flank(:)
+
+        real(wp) :: passed(size(s)), direction(size(s)), share(size(s))
+
+        passed = max(0.0_wp, min(1.0_wp, (s - compliance%s_high) &
+            & /(compliance%s_tip - compliance%s_high)))
+        on_flank = 1.0_wp
+        if (compliance%tip_power > 0) then
+            direction = passed
+            if (present(turn)) direction = max(0.0_wp, min(1.0_wp, passed &
+                & + turn/compliance%tip_turn))
+            values(:, 1) = direction
+            values(:, 2) = direction**2
+        else
+            direction = merge(compliance%tip_turn, 0.0_wp, s > compliance%s_high)
+            if (present(turn)) direction = direction + turn
+            ! n' = n sin(T - d)/sin T + n_chamfer sin d/sin T
+            share = sin(direction)/sin(compliance%tip_turn)
+            on_flank = share + sin(compliance%tip_turn - direction)/sin(compliance%tip_turn)
+            values(:, 1) = share
+            values(:, 2) = share*passed
+        end if
+    end subroutine set_tip_modes
 
     !> 1, cos t, sin t, cos 2t, sin 2t, …
     pure function harmonics(n_modes, turn) result(values)

@@ -137,8 +137,10 @@ contains
         m_1 = size(body_1%smooth, 1)
         m = m_1 + size(body_2%smooth, 1)
         allocate (values(m, load_first:n), carried(m, load_first:load_last))
-        values(:m_1, :) = transpose(mode_values(body_1, pairs%s_1(load_first:n)))
-        values(m_1 + 1:, :) = transpose(mode_values(body_2, pairs%s_2(load_first:n)))
+        values(:m_1, :) = transpose(mode_values(body_1, pairs%s_1(load_first:n), &
+            & pairs%turn(1, load_first:n)))
+        values(m_1 + 1:, :) = transpose(mode_values(body_2, pairs%s_2(load_first:n), &
+            & pairs%turn(2, load_first:n)))
         first = load_first
         do while (first <= n)
             last = last_of_site(pairs%site(:n), first)

@@ -91,7 +91,8 @@ void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const 
                                double *gaps, double *motion, double *tangent, int *active,
                                int *counters, double *certificate, int *info);
 
-/* All positions and torques from flank curves and compliances by pressure modes. */
+/* All positions and torques from flank curves and compliances by pressure modes; mode_range_1 and
+   mode_range_2 have 5 numbers each, wedge_1 and wedge_2 have 2. */
 void flankload_sweep_(const int *n_positions, const int *n_torques, const double *angles_1,
                       const double *angles_2, const double *center_distance, const double *torques,
                       const int *n_breaks_1, const int *degree_1, const double *breaks_1,

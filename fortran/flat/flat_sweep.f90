@@ -27,6 +27,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_status, only: invalid_input
     use flankload_circle_pair, only: new_flank
+    use flankload_compliance_field, only: tip_modes
     use flankload_flank_curve, only: new_flank_curve
     use flankload_friction, only: new_friction
     use flankload_position_zones, only: body_type
@@ -68,10 +69,13 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: sides(n_sides)
     !> Compliance of body 1 per its face width: modes, blocks, arc lengths between which modes live
     !> [mm], strength of the logarithm [mm/N], smooth part [mm/N], block of each pair of sites (from
-    !> 1)
+    !> 1). Behind the arc lengths: where the modes of a tip rounding or chamfer end [mm] (no more
+    !> than the second: none), the lowest power of the part of the tip that is passed: 1 on a
+    !> rounding, 0 at the corner of a chamfer, and by how much the normal turns over the tip [rad],
+    !> above 0. These are the last two modes
     integer, intent(in) :: n_modes_1
     integer, intent(in) :: n_blocks_1
-    double precision, intent(in) :: mode_range_1(2)
+    double precision, intent(in) :: mode_range_1(5)
     double precision, intent(in) :: kernel_1
     !> Strengths psi of the mirror images behind free corners at both ends of the modes' range, by
     !> the corner's interior angle; 0: the surface goes on smoothly, the flank is closed, or nodes
@@ -87,7 +91,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     !> Compliance of body 2
     integer, intent(in) :: n_modes_2
     integer, intent(in) :: n_blocks_2
-    double precision, intent(in) :: mode_range_2(2)
+    double precision, intent(in) :: mode_range_2(5)
     double precision, intent(in) :: kernel_2
     double precision, intent(in) :: wedge_2(2)
     double precision, intent(in) :: smooth_2(n_modes_2, n_modes_2, n_blocks_2)
@@ -195,11 +199,17 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         if (any(abs(sides) /= 1) .or. sides(1) < 0) info = -23
         if (any(sides(2:) > sides(:n_sides - 1))) info = -23
     end if
+    if (.not. all(ieee_is_finite(mode_range_1))) info = -26
+    if (mode_range_1(3) > mode_range_1(2) .and. .not. mode_range_1(5) > 0.0d0) info = -26
+    if (mode_range_1(3) > mode_range_1(2) .and. n_modes_1 <= tip_modes) info = -24
     if (.not. all(ieee_is_finite(wedge_1) .and. wedge_1 >= 0.0d0)) info = -28
     if (n_nodes_1 > 0 .and. any(wedge_1 > 0.0d0)) info = -28
     if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -30
     if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -31
     if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -32
+    if (.not. all(ieee_is_finite(mode_range_2))) info = -35
+    if (mode_range_2(3) > mode_range_2(2) .and. .not. mode_range_2(5) > 0.0d0) info = -35
+    if (mode_range_2(3) > mode_range_2(2) .and. n_modes_2 <= tip_modes) info = -33
     if (.not. all(ieee_is_finite(wedge_2) .and. wedge_2 >= 0.0d0)) info = -37
     if (n_nodes_2 > 0 .and. any(wedge_2 > 0.0d0)) info = -37
     if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -39
@@ -231,6 +241,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     if (n_sides > 0) body_1%sides = sides
     body_1%compliance%s_low = mode_range_1(1)
     body_1%compliance%s_high = mode_range_1(2)
+    body_1%compliance%s_tip = mode_range_1(3)
+    body_1%compliance%tip_power = nint(mode_range_1(4))
+    body_1%compliance%tip_turn = mode_range_1(5)
     body_1%compliance%kernel = kernel_1
     body_1%compliance%wedge = wedge_1
     body_1%compliance%closed = body_1%flank%curve%closed
@@ -242,6 +255,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%deviations = deviations_2
     body_2%compliance%s_low = mode_range_2(1)
     body_2%compliance%s_high = mode_range_2(2)
+    body_2%compliance%s_tip = mode_range_2(3)
+    body_2%compliance%tip_power = nint(mode_range_2(4))
+    body_2%compliance%tip_turn = mode_range_2(5)
     body_2%compliance%kernel = kernel_2
     body_2%compliance%wedge = wedge_2
     body_2%compliance%closed = body_2%flank%curve%closed

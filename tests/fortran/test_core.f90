@@ -13,12 +13,12 @@ program test_core
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
-    use flankload_compliance_field, only: compliance_type, strip_kernel, mean_strip_kernel
+    use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
+        & mean_strip_kernel
     use flankload_near_field, only: add_near_field
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
-    use flankload_compliance_field, only: compliance_type
     use flankload_tabled_influence, only: add_table, add_tangential_table
     use flankload_bordered_solution, only: solve_bordered, invert_small
     implicit none
@@ -49,6 +49,7 @@ program test_core
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
+    call test_modes_of_a_tip
     call test_images_take_up_work
     call test_tables_between_nodes
     call test_place_before_the_second_point
@@ -335,6 +336,34 @@ contains
             end do
         end do
     end subroutine test_near_field_of_cells
+
+    !> The modes of a tip follow the direction of the force: it does the same on both sides of a
+    !> chamfer's corner, and on a rounding as where the normal has this direction.
+    subroutine test_modes_of_a_tip
+        real(wp), parameter :: little = 1.0e-9_wp, angle = 0.5_wp, part = 0.2_wp
+        type(compliance_type) :: body
+        real(wp) :: values(2, 6)
+
+        body%s_low = 1.0_wp
+        body%s_high = 3.0_wp
+        body%s_tip = 3.5_wp
+        body%tip_turn = angle
+        allocate (body%smooth(6, 6, 1), source=0.0_wp)
+        body%tip_power = 0
+        values = mode_values(body, [3.0_wp - little, 3.0_wp + little], [part, part - angle])
+        call expect(all(abs(values(1, :) - values(2, :)) < 100.0_wp*little), 'corner of a chamfer')
+        call expect(abs(values(1, 5) - sin(part)/sin(angle)) < 10.0_wp*little, 'part on a chamfer')
+        values = mode_values(body, [2.0_wp, 3.25_wp])
+        call expect(all(abs(values(1, 5:)) < round_off), 'flank before a chamfer')
+        call expect(all(abs(values(2, :) - [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 0.5_wp]) &
+            & < round_off), 'middle of a chamfer')
+        body%tip_power = 1
+        values = mode_values(body, [3.0_wp, 3.25_wp], [0.5_wp*angle, 0.0_wp])
+        call expect(all(abs(values(1, :) - values(2, :)) < round_off), 'direction on a rounding')
+        values = mode_values(body, [3.25_wp, 3.25_wp])
+        call expect(all(abs(values(1, :) - [1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 0.5_wp, 0.25_wp]) &
+            & < round_off), 'middle of a rounding')
+    end subroutine test_modes_of_a_tip
 
     !> Loads without a resultant take up work in the near field of a sharp corner, whatever the
     !> widths of their cells: all pivots of K projected on them are positive.

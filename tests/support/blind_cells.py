@@ -164,7 +164,9 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
     for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
         field = job.fields[z]
         low, high = field.mode_range_mm
-        modes = mode_values(np.clip(s, low, high), (low, high), field.smooth.shape[1])
+        end = high if field.tip is None else field.tip.end_mm
+        count = field.smooth.shape[1]
+        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.tip)
         teeth = job.pairing.site_teeth[z][site.astype(int)]
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):

@@ -181,12 +181,18 @@ def _loads(
     Of positions at which fewer carry the rest are teeth without load.
     """
     pairs = found.pairs
-    s = np.clip(pairs.column(f"s_{z + 1}"), *compliance.mode_range_mm)
+    low, high = compliance.mode_range_mm
+    end = high if compliance.tip is None else compliance.tip.end_mm
+    s = np.clip(pairs.column(f"s_{z + 1}"), low, end)
     if compliance.nodes is not None:
         values = hat_values(s, compliance.nodes)
     else:
         values = mode_values(
-            s, compliance.mode_range_mm, compliance.smooth.shape[1], closed=compliance.closed
+            s,
+            compliance.mode_range_mm,
+            compliance.smooth.shape[1],
+            closed=compliance.closed,
+            tip=compliance.tip,
         )
     values *= pairs.column("force")[:, None]
     carries = found.site_force_N > 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.tip_modes import Tip
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from flankload.bodies.imported.given import GivenCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
+
+
+#: So near to the end of the modes' range, as part of it, the flank has its last direction.
+FLANK_SIDE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -52,9 +57,8 @@ class SectorMesh:
     teeth : int
         Number of equal sectors.
     tip_edges, tip_arc_length : (k, 3) arrays
-        Edges of a tip rounding or chamfer, in the form of and following those of the flank, and
-        the arc lengths of their nodes, mm. Pressure modes end before these edges, nodal forces do
-        not. Empty without rounding or chamfer.
+        Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
+        of their nodes, mm. Empty without.
     """
 
     nodes: NDArray[np.float64]
@@ -261,6 +265,19 @@ class Body:
     def conforms(self) -> bool:
         """Whether the body is a spline, whose flanks conform to those of the other body."""
         return self.kind in ("spline_shaft", "spline_hub")
+
+    @property
+    def tip(self) -> Tip | None:
+        """Where the modes of a tip rounding or chamfer end; None without one."""
+        if self.given is not None:
+            return self.given.tip
+        if not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
+            return None
+        end, high = self.curve.length_mm, self.mode_range_mm[1]
+        before = high - FLANK_SIDE * (high - self.mode_range_mm[0])
+        one, other = self.curve.normal([before, end])
+        turn = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
+        return Tip(end, 0 if "tip_chamfer" in self.curve.labels else 1, turn)
 
     @property
     def outward(self) -> int:

@@ -328,7 +328,7 @@ def _core_arguments(
                 corners,
                 angles,
                 deviations,
-                np.asarray(compliance.mode_range_mm, dtype=float),
+                _mode_range(compliance),
                 compliance.kernel / face_width_mm,
                 np.asarray(compliance.wedge, dtype=float),
                 smooth,
@@ -339,6 +339,12 @@ def _core_arguments(
             )
         )
     return arguments
+
+
+def _mode_range(compliance: BodyCompliance) -> NDArray[np.float64]:
+    """Ends of the modes' range and of the tip's modes, mm; their lowest power and turn, rad."""
+    low, high = compliance.mode_range_mm
+    return np.array([low, high, *(compliance.tip or (low, 0, 0))], dtype=float)
 
 
 @dataclass(frozen=True)

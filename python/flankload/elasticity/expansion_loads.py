@@ -8,7 +8,7 @@ import numpy as np
 
 from flankload.bodies.body import WholeMesh
 from flankload.elasticity.finite_elements import place_load
-from flankload.elasticity.near_field import mode_loads, mode_norms
+from flankload.elasticity.near_field import mode_loads, to_coefficients
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,12 +84,17 @@ def growth_of_flanks(
     mesh, closed = body.mesh, body.curve.closed
     if mesh is None or not moved:
         return growth.held_strain, {}
-    norms = mode_norms(body.mode_range_mm, n_modes, closed=closed)
     flanks = mesh.flanks if isinstance(mesh, WholeMesh) else (mesh,)
-    read = [mode_loads(flank, body.mode_range_mm, n_modes, closed=closed) for flank in flanks]
-    unit = np.array([columns.T @ mesh.nodes.ravel() for columns in read]) / norms
-    shifts = {name: part[:, :n_modes] / norms for name, part in moved.items()}
-    square = float(np.sum(norms * unit**2))
-    parts = {name: float(np.sum(norms * unit * shift)) / square for name, shift in shifts.items()}
+    span, tip = body.mode_range_mm, body.tip
+    read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in flanks]
+
+    def settled(moments: NDArray[np.float64]) -> NDArray[np.float64]:
+        return to_coefficients(moments.T, span, closed=closed, tip=tip).T
+
+    evenly = np.array([columns.T @ mesh.nodes.ravel() for columns in read])
+    unit = settled(evenly)
+    shifts = {name: settled(part[:, :n_modes]) for name, part in moved.items()}
+    square = float(np.sum(evenly * unit))
+    parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
     return growth.held_strain + sum(parts.values()), left

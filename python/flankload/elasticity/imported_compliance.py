@@ -9,10 +9,12 @@ import numpy as np
 from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
+from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_norms,
+    mode_products,
     mode_values,
     projected_near_field,
 )
@@ -97,7 +99,7 @@ def given_compliance(
 def _of_modes(
     body: Body, given: ModalCompliance, n_modes: int, *, friction: bool
 ) -> BodyCompliance:
-    """As it stands in the file, symmetric and positive; the lower modes are a block of all."""
+    """As it stands in the file, symmetric and positive, or the lower modes of it."""
     smooth, f = given.smooth, len(given.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
@@ -113,10 +115,16 @@ def _of_modes(
             found=f"{asymmetry:.3g}",
         )
     low, high = body.mode_range_mm
-    norms = mode_norms(body.mode_range_mm, smooth.shape[1])
-    whole = smooth * norms[:, None] * norms[None, :]
+    n, tip = smooth.shape[1], given.tip
+    if tip is None:
+        norms = mode_norms(body.mode_range_mm, n)
+        whole = smooth * norms[:, None] * norms[None, :]
+    else:
+        products = mode_products(body.mode_range_mm, n, tip)
+        whole = products @ smooth @ products
     wedge = image_strengths(body)
-    near = projected_near_field(smooth.shape[1], high - low, wedge=wedge)
+    behind = None if tip is None else tip.behind(low)
+    near = projected_near_field(n, high - low, wedge=wedge, tip=behind)
     whole[own] -= given.kernel * near
     least = _least_eigenvalue(whole, f)
     if not least > 0.0:
@@ -127,18 +135,19 @@ def _of_modes(
             "load takes up work",
             found=f"an eigenvalue of {least:.3g}",
         )
-    return BodyCompliance(
-        smooth=0.5 * (smooth + mirrored)[:, :n_modes, :n_modes],
+    found = BodyCompliance(
+        smooth=0.5 * (smooth + mirrored),
         kernel=given.kernel,
         mode_range_mm=body.mode_range_mm,
         wedge=wedge,
         flanks=given.flanks,
-        tangential=given.tangential[:, :n_modes, :n_modes]
-        if friction and given.tangential is not None
-        else None,
+        tangential=given.tangential if friction else None,
         jump=given.jump if friction else 0.0,
         asymmetry=max(given.asymmetry, asymmetry),
+        tip=tip,
     )
+    spare = n - n_modes - (0 if tip is None else TIP_MODES)
+    return found.fewer_modes(spare) if spare > 0 else found
 
 
 def _least_eigenvalue(whole: NDArray[np.float64], flanks: int) -> float:

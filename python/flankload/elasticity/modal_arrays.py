@@ -38,7 +38,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": 3 if any(compliance.wedge) else 1 if compliance.tangential is None else 2,
+        "version": _version(compliance),
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -64,9 +64,18 @@ def modal_arrays(
     }
     if any(compliance.wedge):
         arrays |= dict(zip(CORNER_ANGLES, corner_angles(body), strict=True))
+    if compliance.tip is not None:
+        arrays["tip_modes"] = compliance.tip
     if compliance.tangential is not None:
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
     return {name: np.asarray(value) for name, value in arrays.items()}
+
+
+def _version(compliance: BodyCompliance) -> int:
+    """The least version that holds all of a compliance."""
+    if any(compliance.wedge) or compliance.tip is not None:
+        return 3
+    return 1 if compliance.tangential is None else 2

@@ -23,12 +23,15 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
+from flankload.bodies.body import MeshedFlank
+from flankload.bodies.tip_modes import TIP_MODES, Tip, joined, joined_image, on_tip, tip_values
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from flankload.bodies.body import Material, MeshedFlank, SectorMesh
+    from flankload.bodies.body import Material, SectorMesh
 
 #: A node and the mirror image of another are one to this part of the mesh's size.
 SAME_NODE = 1e-9
@@ -81,6 +84,7 @@ def mode_values(
     n_modes: int,
     *,
     closed: bool = False,
+    tip: Tip | None = None,
 ) -> NDArray[np.float64]:
     """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
 
@@ -92,12 +96,18 @@ def mode_values(
     n_modes : int
     closed : bool
         The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
+    tip : Tip, optional
+        Behind the range: the last two modes are the tip's own, the others keep their end values.
 
     Returns
     -------
     (n, n_modes) array
     """
     low, high = mode_range_mm
+    if tip is not None:
+        s = np.asarray(s, dtype=float)
+        flank = mode_values(np.minimum(s, high), mode_range_mm, n_modes - TIP_MODES)
+        return np.hstack([flank, tip_values(s, high, tip)])
     if closed:
         turn = 2 * np.pi * (np.asarray(s, dtype=float) - low) / (high - low)
         order = np.arange(1, n_modes + 1) // 2  # 0, 1, 1, 2, 2, …
@@ -105,6 +115,48 @@ def mode_values(
         return np.where(np.arange(n_modes) % 2 | (order == 0), np.cos(phase), np.sin(phase))
     values = legvander((2.0 * np.asarray(s) - low - high) / (high - low), n_modes - 1)
     return np.asarray(values, dtype=np.float64)
+
+
+def to_coefficients(
+    moments: NDArray[np.float64],
+    mode_range_mm: tuple[float, float],
+    *,
+    closed: bool = False,
+    tip: Tip | None = None,
+) -> NDArray[np.float64]:
+    """Coefficients of functions from their integrals with the modes.
+
+    Parameters
+    ----------
+    moments : (n_modes, …) array
+        Integrals over the range, and over the tip behind it.
+    mode_range_mm : (float, float)
+    closed : bool
+        The range is a turn.
+    tip : Tip, optional
+
+    Returns
+    -------
+    (n_modes, …) array
+    """
+    n_modes = len(moments)
+    if tip is None:
+        norms = mode_norms(mode_range_mm, n_modes, closed=closed)
+        return np.asarray(moments / norms.reshape(-1, *[1] * (moments.ndim - 1)))
+    products = mode_products(mode_range_mm, n_modes, tip)
+    found = np.linalg.solve(products, moments.reshape(n_modes, -1))
+    return np.asarray(found.reshape(moments.shape), dtype=np.float64)
+
+
+def mode_products(
+    mode_range_mm: tuple[float, float], n_modes: int, tip: Tip
+) -> NDArray[np.float64]:
+    """<P_a, P_b> over flank and tip, mm; those of the flank alone are orthogonal."""
+    high, flank = mode_range_mm[1], n_modes - TIP_MODES
+    parts = on_tip(n_modes, tip)
+    products = parts.T @ (mode_norms((high, tip.end_mm), 3)[:, None] * parts)
+    products[:flank, :flank] += np.diag(mode_norms(mode_range_mm, flank))
+    return np.asarray(products)
 
 
 def mode_norms(
@@ -124,6 +176,7 @@ def mode_loads(
     *,
     along: Literal["normal", "tangent"] = "normal",
     closed: bool = False,
+    tip: Tip | None = None,
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of the modes along the normal out of the material, or the tangent.
 
@@ -139,6 +192,8 @@ def mode_loads(
         The tangent points to growing arc length.
     closed : bool
         The range is a turn.
+    tip : Tip, optional
+        Behind the range; its edges carry, too.
 
     Returns
     -------
@@ -148,12 +203,23 @@ def mode_loads(
     turn = mode_range_mm[1] - mode_range_mm[0] if closed else None
     return consistent_loads(
         mesh,
-        lambda s: mode_values(s, mode_range_mm, n_modes, closed=closed),
+        lambda s: mode_values(s, mode_range_mm, n_modes, closed=closed, tip=tip),
         count=n_modes,
         along=along,
         turn=turn,
         gauss_points=max(6, n_modes // 2 + 4),
+        edges=None if tip is None else carrying_edges(mesh),
     )
+
+
+def carrying_edges(
+    flank: SectorMesh | MeshedFlank,
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Nodes (m, 3) of the edges that carry and their arc lengths, mm: tip roundings with them."""
+    edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
+    if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
+        return edges, s
+    return np.concatenate([edges, flank.tip_edges]), np.concatenate([s, flank.tip_arc_length])
 
 
 def consistent_loads(
@@ -240,7 +306,7 @@ def mirrored_loads(
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
     cosine, sine = np.cos(2 * axis), np.sin(2 * axis)
     mirror = np.array([[cosine, sine], [sine, -cosine]])
-    nodes = np.unique(mesh.flank_edges)
+    nodes = np.flatnonzero(loads.reshape(len(mesh.nodes), -1).any(axis=1))
     images = mesh.nodes[nodes] @ mirror
     # node by node: to import a tree for this search takes longer than the search
     image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
@@ -345,6 +411,7 @@ def projected_near_field(
     *,
     wedge: tuple[float, float] = (0.0, 0.0),
     closed: bool = False,
+    tip: Tip | None = None,
 ) -> NDArray[np.float64]:
     """<P_a, K P_b> over a flank for the near field K of strength c0 = -1.
 
@@ -357,12 +424,21 @@ def projected_near_field(
         Strengths psi of the mirror images behind its low and its high end.
     closed : bool
         The range is a turn.
+    tip : Tip, optional
+        Behind the range; its end so far from the range's low end. The high end has no image then.
 
     Returns
     -------
     (n_modes, n_modes) array
         mm².
     """
+    if tip is not None:
+        span = (0.0, length_mm)
+        near = joined(projected_logarithm, np.log, n_modes, span, tip)
+        if wedge[0]:
+            image = projected_image(n_modes - TIP_MODES, length_mm, at_high_end=False)
+            near = near + wedge[0] * joined_image(image, n_modes, span, tip)
+        return near
     near = projected_logarithm(n_modes, length_mm, closed=closed)
     for psi, at_high_end in zip(wedge, (False, True), strict=True):
         if psi:
@@ -370,7 +446,9 @@ def projected_near_field(
     return near
 
 
-def projected_sign(n_modes: int, length_mm: float) -> NDArray[np.float64]:
+def projected_sign(
+    n_modes: int, length_mm: float, *, tip: Tip | None = None
+) -> NDArray[np.float64]:
     """<P_a, sign(s - s') P_b> over a flank, in closed form; antisymmetric.
 
     With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and
@@ -381,12 +459,18 @@ def projected_sign(n_modes: int, length_mm: float) -> NDArray[np.float64]:
     n_modes : int
     length_mm : float
         Length of the modes' range.
+    tip : Tip, optional
+        As in `projected_near_field`.
 
     Returns
     -------
     (n_modes, n_modes) array
         mm².
     """
+    if tip is not None:
+        return joined(
+            projected_sign, lambda x: -np.ones_like(x), n_modes, (0.0, length_mm), tip, mirror=-1.0
+        )
     n = np.arange(n_modes - 1)
     below = 4.0 / ((2 * n + 1) * (2 * n + 3))
     on_unit = np.diag(below, -1) - np.diag(below, 1)

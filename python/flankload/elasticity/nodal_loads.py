@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from flankload.bodies.body import MeshedFlank, WholeMesh
-from flankload.elasticity.near_field import consistent_loads
+from flankload.elasticity.near_field import carrying_edges, consistent_loads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -43,14 +43,6 @@ def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
 def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
     """The same of a body: those of the first flank, for all, since loads are functions along it."""
     return flank_nodes(mesh.flanks[0] if isinstance(mesh, WholeMesh) else mesh)
-
-
-def carrying_edges(flank: SectorMesh | MeshedFlank) -> tuple[NDArray[np.int64], Floats]:
-    """Nodes (m, 3) of the edges that carry and their arc lengths, mm: tip roundings with them."""
-    edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
-    if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
-        return edges, s
-    return np.concatenate([edges, flank.tip_edges]), np.concatenate([s, flank.tip_arc_length])
 
 
 def hat_values(s: Floats, nodes: Floats) -> Floats:

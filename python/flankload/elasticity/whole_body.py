@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
     from flankload.bodies.body import MeshedFlank, SectorMesh, WholeMesh
+    from flankload.bodies.tip_modes import Tip
 
 
 def unit_loads(
@@ -28,6 +29,7 @@ def unit_loads(
     friction: bool,
     closed: bool = False,
     nodes: NDArray[np.float64] | None = None,
+    tip: Tip | None = None,
 ) -> NDArray[np.float64]:
     """Loads of the modes along the normal; with friction followed by those along the tangent.
 
@@ -41,6 +43,8 @@ def unit_loads(
         The modes' range is a turn around the body.
     nodes : (n_modes,) array, optional
         Arc lengths, mm: unit forces at nodes in place of modes.
+    tip : Tip, optional
+        Behind the range; the last modes are its own.
 
     Returns
     -------
@@ -50,7 +54,7 @@ def unit_loads(
     def loads(along: Literal["normal", "tangent"]) -> NDArray[np.float64]:
         if nodes is not None:
             return hat_loads(mesh, nodes, along=along)
-        return mode_loads(mesh, mode_range_mm, n_modes, along=along, closed=closed)
+        return mode_loads(mesh, mode_range_mm, n_modes, along=along, closed=closed, tip=tip)
 
     return np.hstack([loads("normal"), loads("tangent")]) if friction else loads("normal")
 

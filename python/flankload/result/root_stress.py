@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly
-from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import hat_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flankload.bodies.root_fillet import RootPoints
+    from flankload.bodies.tip_modes import Tip
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.pairs import PairTable
@@ -48,6 +49,8 @@ class RootReading:
         Stress in the root of the tooth at the first site, under the modes on the second; p is
         n_modes, or twice as many where friction loads the flanks along, too.
     mode_range_mm : (float, float)
+    tip : Tip or None
+        Where modes of a tip end; n_modes counts them.
     face_width_mm : float
     nodes : (n_modes,) array, optional
         Arc lengths of nodes that carry unit forces in place of modes, mm.
@@ -57,6 +60,7 @@ class RootReading:
     n_modes: int
     response: Floats
     mode_range_mm: tuple[float, float]
+    tip: Tip | None
     face_width_mm: float
     nodes: Floats | None = None
 
@@ -138,6 +142,7 @@ def root_reading(
         n_modes=compliance.smooth.shape[1],
         response=compliance.root.response[block],
         mode_range_mm=compliance.mode_range_mm,
+        tip=compliance.tip,
         face_width_mm=face_width_mm,
         nodes=compliance.nodes,
     )
@@ -177,22 +182,23 @@ def root_stress(
 
 def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64], z: int) -> Floats:
     """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it."""
-    low, high = reading.mode_range_mm
+    span, tip = reading.mode_range_mm, reading.tip
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
     if reading.nodes is not None:
         values = hat_values(places, reading.nodes)
-        norms = np.full(reading.n_modes, reading.face_width_mm)
     else:
         # beyond their range modes keep their end values
-        values = mode_values(np.clip(places, low, high), reading.mode_range_mm, reading.n_modes)
-        norms = mode_norms(reading.mode_range_mm, reading.n_modes) * reading.face_width_mm
+        within = np.clip(places, span[0], span[1] if tip is None else tip.end_mm)
+        values = mode_values(within, span, reading.n_modes, tip=tip)
+        values = to_coefficients(values.T, span, tip=tip).T
     # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
     # so do the forces along them
     forces = [-table.force_N]
     if reading.response.shape[3] > reading.n_modes:
         assert table.friction_force_N is not None
         forces.append(table.friction_force_N)
-    weighted = np.hstack([values * force[:, None] / norms for force in forces])
+    values = values / reading.face_width_mm
+    weighted = np.hstack([values * force[:, None] for force in forces])
     loads = np.zeros((sites.size, reading.response.shape[3]))
     loaded = table.force_N > 0
     for site in np.unique(table.site[loaded]).tolist():

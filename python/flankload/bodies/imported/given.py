@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flankload.bodies.body import Material
+from flankload.bodies.tip_modes import Tip
 from flankload.scene.table import LARGEST_MODULUS
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ class ModalCompliance:
     corner_angles_deg : (float, float)
         Interior angles of the metal at the low and the high end of the modes' range; 180 without a
         corner.
+    tip : Tip or None
+        Where modes of a tip rounding or chamfer end; the last two are theirs.
     """
 
     file: Path
@@ -58,6 +61,7 @@ class ModalCompliance:
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
+    tip: Tip | None = None
 
     @property
     def description(self) -> str:
@@ -100,6 +104,9 @@ class NodalCompliance:
     matrix: NDArray[np.float64]
     asymmetry: float
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
+
+    #: A matrix between nodes is projected on the flank's modes.
+    tip = None
 
     @property
     def tangential(self) -> None:

@@ -20,6 +20,7 @@ from flankload.bodies.imported.given import (
     read_material,
 )
 from flankload.bodies.profile.involute import Involute
+from flankload.bodies.tip_modes import TIP_MODES, Tip
 from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version, of bodies with a free corner. A file without one is of version 2, without
-#: friction of version 1, which earlier flankloads read.
+#: The latest version, of bodies with a free corner or a rounded or chamfered tip. A file without
+#: one is of version 2, without friction of version 1, which earlier flankloads read.
 VERSION = 3
 
 #: Names of the arrays, without those of the involute.
@@ -48,6 +49,7 @@ NAMES = (
     "curve_corners",
     "mode_range_mm",
     *CORNER_ANGLES,
+    "tip_modes",
     "smooth",
     "kernel",
     "smooth_nt",
@@ -122,6 +124,7 @@ def read_modal(found: NamedArrays) -> Body:
         tangential=tangential,
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
+        tip=_read_tip(found, float(high), curve.length_mm, smooth.shape[1]),
     )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):
@@ -145,6 +148,22 @@ def read_modal(found: NamedArrays) -> Body:
         named_teeth=named,
         given=given,
     )
+
+
+def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip | None:
+    """Where the modes of a tip end behind those of the flank, their lowest power, and the turn."""
+    if "tip_modes" not in found:
+        return None
+    tip, power, turn = found.numbers("tip_modes", 3)
+    if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1) or not 0 < turn < pi:
+        found.refuse(
+            "tip_modes",
+            f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi",
+            f"{tip:g}, {power:g} and {turn:g}",
+        )
+    if n_modes <= TIP_MODES:
+        found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
+    return Tip(float(tip), int(power), float(turn))
 
 
 def _read_tangential(

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.tip_modes import TIP_MODES
+from flankload.elasticity.near_field import mode_products
 from flankload.elasticity.nodal_loads import every_second
 
 if TYPE_CHECKING:
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootPoints
+    from flankload.bodies.tip_modes import Tip
     from flankload.pairing.expansion import Growth
 
 
@@ -72,6 +75,8 @@ class BodyCompliance:
         The same for the modes of load along the working flank.
     closed : bool
         The modes are harmonics of a turn around the body.
+    tip : Tip or None
+        Where the modes of a tip rounding or chamfer end; the last two modes are theirs.
     nodes : (n,) array, or None
         Arc lengths of the nodes, mm, where tables between them stand in place of modes: smooth,
         tangential and along then hold whole displacements by unit forces, mm²/N, and the kernel
@@ -110,6 +115,7 @@ class BodyCompliance:
     crossing: NDArray[np.float64] | None = None
     crossing_tangential: NDArray[np.float64] | None = None
     closed: bool = False
+    tip: Tip | None = None
     nodes: NDArray[np.float64] | None = None
     asymmetry: float = 0.0
     degrees_of_freedom: int = 0
@@ -206,8 +212,9 @@ class BodyCompliance:
         return np.concatenate([self.smooth, self.crossing]), tangential
 
     def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
-        """The same without the highest modes: a block, since the modes are orthogonal.
+        """The same without the highest modes of the flank.
 
+        These are orthogonal, and the rest is a block; beside modes of a tip all are projected anew.
         The highest harmonic of a turn is two of them. Of tables: between half as many nodes.
         """
         if self.nodes is not None:
@@ -218,24 +225,33 @@ class BodyCompliance:
                 if (table := getattr(self, name)) is not None
             }
             return replace(self, nodes=half, **tables)
-        kept = self.smooth.shape[1] - (2 * fewer if self.closed else fewer)
+        n = self.smooth.shape[1]
+        flank = n - (0 if self.tip is None else TIP_MODES)
+        kept = flank - (2 * fewer if self.closed else fewer)
         if kept < 1:
             return self
-        tangential = None if self.tangential is None else self.tangential[:, :kept, :kept]
-        shifts = {name: modes[:, :kept] for name, modes in self.shifts.items()}
-        along = None if self.along is None else self.along[:, :kept, :kept]
-        crossing = [
-            None if part is None else part[:, :kept, :kept]
-            for part in (self.crossing, self.crossing_tangential)
-        ]
+        parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
+        if self.tip is not None:
+            products = mode_products(self.mode_range_mm, n, self.tip)
+            parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
+
+        def projected(blocks: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+            if blocks is None:
+                return None
+            if self.tip is None:
+                return blocks[:, :kept, :kept]
+            return np.asarray(parts @ blocks @ parts.T)
+
+        smooth = projected(self.smooth)
+        assert smooth is not None
         return replace(
             self,
-            smooth=self.smooth[:, :kept, :kept],
-            tangential=tangential,
-            along=along,
-            shifts=shifts,
-            crossing=crossing[0],
-            crossing_tangential=crossing[1],
+            smooth=smooth,
+            tangential=projected(self.tangential),
+            along=projected(self.along),
+            crossing=projected(self.crossing),
+            crossing_tangential=projected(self.crossing_tangential),
+            shifts={name: modes @ parts.T for name, modes in self.shifts.items()},
             missed=None,
         )
 
@@ -269,7 +285,8 @@ class BodyCompliance:
         """Of the same body, grown as a whole: its modes live on the larger curve."""
         low, high = self.mode_range_mm
         larger = 1.0 + self.expansion
-        return replace(self, mode_range_mm=(larger * low, larger * high))
+        tip = None if self.tip is None else self.tip.larger(larger)
+        return replace(self, mode_range_mm=(larger * low, larger * high), tip=tip)
 
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth moves no other tooth, and stresses none."""

@@ -51,10 +51,12 @@ class CoastReadings:
         """
         first, n = response.shape[2], modes.count
         crossing = np.roll(response[:, first : first + n], self.tooth, axis=0)
-        norms = np.tile(modes.norms, 2) if modes.friction else modes.norms
-        return np.delete(response, slice(first, first + n), axis=1), _of_coefficients(
-            crossing, norms
-        )
+        crossing = modes.between(crossing)
+        # what the load on the working flank moves on the coast flank of another tooth, the load
+        # there moves on the working flank here (Betti), and that is the same in a mirror
+        pressures = crossing[..., :n]
+        crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+        return np.delete(response, slice(first, first + n), axis=1), crossing
 
 
 def coast_readings(body: Body, mesh: SectorMesh, loads: Floats) -> CoastReadings:
@@ -74,16 +76,3 @@ def coast_readings(body: Body, mesh: SectorMesh, loads: Floats) -> CoastReadings
     """
     assert body.involute is not None
     return CoastReadings(*mirrored_loads(mesh, loads, body.involute.turn_rad))
-
-
-def _of_coefficients(crossing: Floats, norms: Floats) -> Floats:
-    """What crosses the teeth, between coefficients of modes; pressures are symmetric.
-
-    What a load on the working flank moves on the coast flank of another tooth, the load there moves
-    on the working flank here (Betti), and that is the same in a mirror.
-    """
-    count = crossing.shape[1]
-    crossing = crossing / (norms[:count, None] * norms[None, :])
-    pressures = crossing[..., :count]
-    crossing[..., :count] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
-    return crossing

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
+from flankload.bodies.tip_modes import TIP_MODES
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import (
     BodyCompliance,
@@ -63,6 +64,7 @@ def flank_compliance(
         With a mesh, or rigid.
     n_modes : int
         Pressure modes of a flank; their degree should be at most half the number of flank elements.
+        A tip rounding or chamfer has two more.
     plane : {"strain", "stress"}
     friction : bool
         As many modes of load along the flank are solved, too.
@@ -139,7 +141,12 @@ def flank_compliances(
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, growth) for _, growth in variants)
     laps, mesh, onto = _Laps(), body.mesh, None
-    loads = node_loads(body, plane) if nodal else ModeLoads(body, n_modes, plane, friction=friction)
+    loads = (
+        node_loads(body, plane)
+        if nodal
+        else ModeLoads(body, n_modes + TIP_MODES * (body.tip is not None), plane, friction=friction)
+    )
+    n_modes = loads.count
     if matrix is None:
         cells = linear_cells(mesh.cells) if linear else mesh.cells
         matrix = stiffness(mesh.nodes, cells, body.material, plane)
@@ -210,6 +217,7 @@ def _settled(
         smooth=response[:, :n_modes, :n_modes],
         kernel=loads.kernel,
         wedge=loads.wedge,
+        tip=loads.tip,
         mode_range_mm=body.mode_range_mm,
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,

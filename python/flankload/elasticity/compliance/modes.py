@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.free_corner import image_strengths
+from flankload.bodies.tip_modes import Tip
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
-    mode_norms,
-    projected_logarithm,
     projected_near_field,
     projected_sign,
+    to_coefficients,
 )
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class ModeLoads:
     ----------
     body : Body
     count : int
-        Of the modes of a flank.
+        Of the modes of a flank, those of its tip included.
     plane : {"strain", "stress"}
     friction : bool
     """
@@ -63,10 +63,19 @@ class ModeLoads:
         return jump_strength(self.body.material, self.plane) if self.friction else 0.0
 
     @property
-    def norms(self) -> Floats:
-        """Integrals of the squared modes, mm: what is projected over them is a coefficient."""
-        body = self.body
-        return mode_norms(body.mode_range_mm, self.count, closed=body.curve.closed)
+    def tip(self) -> Tip | None:
+        """Where the modes of a tip end, behind those of the flank; they are counted, too."""
+        return self.body.tip
+
+    def coefficients(self, moments: Floats) -> Floats:
+        """Coefficients (…, count or twice, …) of what loads of modes read, by its second axis."""
+        body, n = self.body, self.count
+        parts = [moments[:, k : k + n].swapaxes(0, 1) for k in range(0, moments.shape[1], n)]
+        closed = body.curve.closed
+        found = [
+            to_coefficients(part, body.mode_range_mm, closed=closed, tip=body.tip) for part in parts
+        ]
+        return np.concatenate(found).swapaxes(0, 1)
 
     def settle(
         self,
@@ -85,20 +94,24 @@ class ModeLoads:
         account : Account
         """
         low, high = self.body.mode_range_mm
-        n, norms = self.count, self.norms
+        n, tip = self.count, self.tip
+        behind = None if tip is None else tip.behind(low)
         closed = self.body.curve.closed
-        near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed)
+        near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed, tip=behind)
         response[own, :n, :n] += self.kernel * near
         if response.shape[1] > n:
-            logarithm = self.kernel * projected_logarithm(n, high - low, closed=closed)
-            sign = self.jump * projected_sign(n, high - low)
+            sign = self.jump * projected_sign(n, high - low, tip=behind)
             response[own, :n, n:] += sign
             response[own, n:, :n] += sign.T
-            response[own, n:, n:] += logarithm
-            norms = np.tile(norms, 2)
-        response /= norms[:, None] * norms[None, :]
+            near = projected_near_field(n, high - low, closed=closed, tip=behind)
+            response[own, n:, n:] += self.kernel * near
+        response[:] = self.between(response)
+
+    def between(self, moments: Floats) -> Floats:
+        """What (k, r, p) modes read of loads of modes, between coefficients of both."""
+        rows = self.coefficients(moments)
+        return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
     def missed(self, missed: Floats) -> Floats:
         """What elements miss of displacements out of the material, between coefficients."""
-        loads = np.tile(self.norms, missed.shape[2] // self.count)
-        return missed[:, : self.count] / (self.norms[:, None] * loads)
+        return self.between(missed[:, : self.count])

@@ -164,7 +164,12 @@ def of_sector(
     """
     n = job.loads.count
     loads = unit_loads(
-        mesh, job.body.mode_range_mm, n, friction=job.friction, nodes=job.loads.nodes
+        mesh,
+        job.body.mode_range_mm,
+        n,
+        friction=job.friction,
+        nodes=job.loads.nodes,
+        tip=job.loads.tip,
     )
     coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
     columns = None if coast is None else job.carried(coast.columns)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.mechanisms.flank_pair.stages import modes_of
 from flankload.scene.effects import work_in
@@ -53,6 +54,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if not elastic:  # its elements are there to grow
                 work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.discretization)
+            if body.tip is not None and not pair.effects.nodal_near_field:
+                modes += TIP_MODES
             places = _places(pair.fillets[z])
             stages[stage] = (
                 _whole(body, work, modes, growth)
