@@ -21,6 +21,7 @@ from flankload.elasticity.compliance.body_compliance import BodyCompliance
 from flankload.elasticity.compliance.job import flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import (
+    carrying_edges,
     consistent_loads,
     mode_products,
     mode_values,
