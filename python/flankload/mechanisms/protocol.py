@@ -1,4 +1,4 @@
-"""The protocol that every kind of drive follows."""
+"""The protocol that every kind of drive implements."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Description:
-    """What `flankload check` prints.
+    """Output of `flankload check`.
 
     Attributes
     ----------
@@ -44,18 +44,18 @@ class Description:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """Mesh of a body at position zero, as `flankload mesh` writes it.
+    """Mesh of a body at position zero, as written by `flankload mesh`.
 
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     mesh : SectorMesh, WholeMesh or None
-        None where the body has no mesh.
+        None if the body has no mesh.
     words : str
-        Part of the body that the mesh is of, or why there is none.
+        Part of the body that is meshed, or the reason for no mesh.
     turn_rad : float
-        Turn of the body about its axis.
+        Rotation of the body about its axis.
     """
 
     name: str
@@ -65,7 +65,7 @@ class MeshFile:
 
 
 class Assembly(Protocol):
-    """Bodies of a drive put together, before elements are solved."""
+    """Assembled bodies of a drive, before finite elements are solved."""
 
     @property
     def position_rad(self) -> NDArray[np.float64]:
@@ -73,7 +73,7 @@ class Assembly(Protocol):
 
 
 class States(Protocol):
-    """States of a drive at all its positions."""
+    """States of a drive at all positions."""
 
     @property
     def found(self) -> tuple[Any, ...]:
@@ -81,58 +81,59 @@ class States(Protocol):
 
 
 class Screening(Protocol):
-    """A scene on a coarse discretization, with its effects and with each of them the other way.
+    """A scene on a coarse discretization, as it is and with each of its effects switched.
 
     Attributes
     ----------
     rows : tuple of str
-        Effects that the kind knows, in the order of the table of effects.
+        Effects of this kind of drive, in the order of the table of effects.
     toggles : mapping of str to Toggle
-        The scene with each of them the other way; without those that nothing switches, and those
-        that are not tried.
+        The scene with each effect switched; effects that no key switches and effects that are not
+        tried are omitted.
     """
 
     @property
     def rows(self) -> tuple[str, ...]:
-        """Effects that the kind of drive knows."""
+        """Effects of this kind of drive."""
 
     @property
     def toggles(self) -> Mapping[str, Toggle]:
         """The scene with each effect switched."""
 
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row changes that the scene has, or has not; None where it changes no state."""
+        """Change by an effect that the scene has, or does not have; None if it changes no state."""
 
     def change(self, scene: Scene) -> Size:
-        """What another scene of the same bodies changes against this one."""
+        """Change by another scene of the same bodies relative to this one."""
 
     def price(self, scene: Scene) -> Mapping[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        """CPU seconds, bytes and counters by stage for the run of a scene with other effects."""
 
 
 class Mechanism(Protocol):
     """A kind of drive, stage by stage.
 
-    Assembly, compliances and states are the drive's own: what one method returns the next takes.
+    Each drive has its own types for assembly, compliances and states; later methods receive what
+    earlier methods return.
 
     Attributes
     ----------
     without_flanks : str or None
-        Why the bodies are no `Body` with flanks and elements; None where they are.
+        Reason why the bodies are not `Body` objects with flanks and elements; None if they are.
     """
 
     @property
     def without_flanks(self) -> str | None:
-        """Why the bodies have no flanks."""
+        """Reason why the bodies have no flanks."""
 
     def build(self, scene: Scene, discretization: Discretization | None, account: Account) -> Any:
-        """Assemble the bodies; no elements are solved. A SceneError names what is impossible."""
+        """Assemble the bodies without solving elements; a SceneError names an impossible input."""
 
     def work(self, scene: Scene, assembly: Any) -> Counted:
         """Counters of a run by stage, as far as they are known before it."""
 
     def sweeps(self, scene: Scene) -> int:
-        """Sweeps over all positions at the most, the estimate's included."""
+        """Largest number of sweeps over all positions, including those of the estimate."""
 
     def compliances(
         self,
@@ -141,20 +142,20 @@ class Mechanism(Protocol):
         clock: StageClock,
         kept: MutableMapping[int, tuple[Any, Account]],
     ) -> tuple[Any, Any]:
-        """Solve the elements of both bodies that `kept` lacks; the assembly with what they add."""
+        """Solve the elements of both bodies not in `kept`; return the completed assembly too."""
 
     def states(
         self, scene: Scene, assembly: Any, compliances: Any, clock: StageClock
     ) -> tuple[Any, States]:
-        """States under all torques; the assembly at all their positions."""
+        """States under all torques, and the assembly at all their positions."""
 
     def broken_by_geometry(self, assembly: Any) -> Iterable[Broken]:
-        """Premises of the model that hold under no load."""
+        """Premises that the geometry violates without load."""
 
     def broken_by_load(
         self, scene: Scene, assembly: Any, states: Any, number: int
     ) -> Iterable[Broken]:
-        """Premises of the model that the torque of this number breaks."""
+        """Premises that the torque with this index violates."""
 
     def estimates(
         self, scene: Scene, assembly: Any, compliances: Any, states: Any, clock: StageClock
@@ -169,19 +170,19 @@ class Mechanism(Protocol):
         states: Any,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque; `cost` holds what is the torque's own."""
+        """Results, one per torque; `cost` contains the part of this torque."""
 
     def describe(self, scene: Scene) -> Description:
-        """Describe what is understood of a scene."""
+        """Describe the interpreted scene."""
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""
 
     def duration(self, scene: Scene, assembly: Any) -> Duration | None:
-        """Predict the seconds of a run from counted work; None where they are next to nothing."""
+        """Predict the duration of a run from counted work; None if it is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
 
     def default_element_mm(self, scene: Scene) -> float | None:
-        """Length of flank elements by default; None where it differs from body to body."""
+        """Default length of flank elements; None if it differs between the bodies."""

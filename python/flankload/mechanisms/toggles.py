@@ -1,4 +1,4 @@
-"""A scene with one effect the other way: what the size and the cost of an effect are taken from."""
+"""Scenes with one effect switched, from which the size and cost of an effect are determined."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from flankload.scene import Scene
 
-#: What is taken of an effect that a scene does not call for and has no number of.
+#: Assumed values of an effect that is off in a scene and has no value there.
 ASSUMED: dict[str, dict[str, Any]] = {
     "friction": {"friction_coefficient": 0.1},
     "thermal_growth": {"temperature_rise_K": 50.0},
@@ -25,7 +25,7 @@ ASSUMED: dict[str, dict[str, Any]] = {
     "land_friction": {"land_friction": 0.1},
 }
 _WHOLE = {"body": "whole", "segment_teeth": None}
-#: Values of [effects] by which an effect is on and off, where one key decides.
+#: Values of [effects] that switch an effect on and off, for effects with one key.
 LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "segment": ({"body": "segment"}, _WHOLE),
     "single_tooth": ({"body": "tooth", "segment_teeth": None}, _WHOLE),
@@ -39,7 +39,7 @@ LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "large_displacement": ({"large_displacement": True}, {"large_displacement": False}),
     "land_lift": ({"land_lift": True}, {"land_lift": False}),
 }
-#: Keys of a quantity of [effects]: without them the effect is off.
+#: Keys of [effects] that set a quantity; without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "friction": ("friction_coefficient",),
     "land_friction": ("land_friction",),
@@ -50,9 +50,9 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     ),
     "centrifugal_growth": ("speed_rpm", "density_kg_m3"),
 }
-#: Bodies that may be rigid.
+#: Bodies that can be rigid.
 RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
-#: Keys of a body without which an effect is off, and their values then.
+#: Keys of a body that switch an effect off, with their values for that.
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
     "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
@@ -61,16 +61,16 @@ REMOVED: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Toggle:
-    """A scene with one effect the other way.
+    """A scene with one effect switched.
 
     Attributes
     ----------
     scene : Scene or None
-        None where the scene cannot have it.
+        None if the scene cannot have the effect switched.
     assumed : str or None
-        What the scene does not say and was taken all the same, as key and value.
+        Value that the scene does not set and that was assumed, as key and value.
     impossible : str or None
-        Why the scene cannot have it.
+        Reason why the effect cannot be switched.
     """
 
     scene: Scene | None
@@ -79,7 +79,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """A scene with each of some effects the other way, those left out that nothing switches.
+    """Scenes with each of some effects switched, except effects that no key switches.
 
     Parameters
     ----------
@@ -111,17 +111,17 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
     name : str
         Row of the table of effects.
     on : bool
-        Whether the scene has it.
+        Whether the scene has the effect.
 
     Returns
     -------
     Toggle or None
-        None where nothing says what the scene would be the other way.
+        None if the switched scene is undefined.
 
     Raises
     ------
     SceneError
-        If there is no such scene.
+        If the switched scene is impossible.
     """
     taken = {} if on else ASSUMED.get(name, {})
     assumed = next((f"effects.{key} = {value:g}" for key, value in taken.items()), None)
@@ -132,7 +132,7 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
         found = with_keys(scene, **level, **taken)
     elif name in RIGID:
         other = scene.body_2 if name == "elastic_body_1" else scene.body_1
-        # nothing would say how flanks share between two rigid bodies
+        # the load sharing of flanks between two rigid bodies is undefined
         if not any(scene.torques_Nm) or (on and getattr(other, "rigid", False)):
             return None
         found = with_rigid(scene, RIGID[name], rigid=on)
@@ -155,25 +155,25 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
 
 
 def with_keys(scene: Scene, **keys: Any) -> Scene:
-    """A scene with these keys of [effects] written out."""
+    """A scene with these keys of [effects] set explicitly."""
     effects = structs.replace(scene.effects, **keys)
     return replace(scene, effects=effects, named_effects=scene.named_effects | set(keys))
 
 
 def without_keys(scene: Scene, *keys: str) -> Scene:
-    """A scene without these keys of [effects]."""
+    """A scene with these keys of [effects] removed."""
     plain = EffectsAsked()
     effects = structs.replace(scene.effects, **{key: getattr(plain, key) for key in keys})
     return replace(scene, effects=effects, named_effects=scene.named_effects - set(keys))
 
 
 def with_rigid(scene: Scene, key: str, *, rigid: bool) -> Scene:
-    """A scene with a body that does not yield, or does."""
+    """A scene with a rigid or an elastic body."""
     return replace(scene, **{key: structs.replace(getattr(scene, key), rigid=rigid)})
 
 
 def _without(body: Any, keys: dict[str, Any]) -> Any:
-    """A body, or the profile of a mesh, without some keys."""
+    """A body, or the profile of a mesh, with some keys removed."""
     here = {key: value for key, value in keys.items() if key in body.__struct_fields__}
     profile = getattr(body, "profile", None)
     if not here and hasattr(profile, "__struct_fields__"):

@@ -72,7 +72,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
 
 
 def mesh_files(scene: Scene) -> Iterator[MeshFile]:
-    """Meshes of both bodies as they stand at position zero.
+    """Meshes of both bodies at position zero.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""The screening of two bodies with flanks: gears, rings, splines, cams.
+"""Screening of two bodies with flanks: gears, rings, splines, cams.
 
-The bodies are those of the run. Their elements are linear, which leaves a quarter of the unknowns;
-modes, cells and positions are few. Segments, growth, friction and coast flanks are other closures
-and columns of one factorisation, rigid bodies need none, and all else is another sweep.
+The mesh is that of the run, with linear elements, which have a quarter of the unknowns; modes,
+cells and positions are few. Segments, expansion, friction and coast flanks need other closures and
+columns of one factorisation, rigid bodies need none, and every other effect needs another sweep.
 """
 
 from __future__ import annotations
@@ -54,13 +54,14 @@ if TYPE_CHECKING:
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
-#: Positions of the screening; of these so many with the run's own cells, and with finite forces.
+#: Positions of the screening; number of these with the run's own cells, and with finite influence
+#: coefficients.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
-#: Rounds of adaptive positions end with about so many times those that they begin with.
+#: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
-#: Not tried where they are off, unless levels are asked for: coarser levels, which nobody misses,
-#: finite forces, which cost a hundredfold, and coast flanks: a scene in which they touch without
-#: being allowed to is refused.
+#: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
+#: rarely wanted; finite influence coefficients, which cost a hundred times as much; and coast
+#: flanks, since a scene in which they touch but are not allowed is refused.
 OFF = (
     "segment",
     "single_tooth",
@@ -69,24 +70,24 @@ OFF = (
     "lumped_contact",
     "coast_flanks",
 )
-#: Effects that flanks do not know.
+#: Effects that do not exist for flanks.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
-#: Places in the root fillets of a tooth.
+#: Evaluation points in the root fillets of a tooth.
 PLACES = 40
-#: No call of the core is over sooner.
+#: Least duration of a call of the core, s.
 TINY_S = 1e-5
 
 
 @dataclass(frozen=True)
 class StateRate:
-    """CPU seconds of a sweep.
+    """Measured CPU seconds of a sweep.
 
     Attributes
     ----------
     call_s, state_s, coarser_s : float
-        Of a call whatever it solves; of a state; of one on cells twice as wide.
+        Of a call independent of its work; of a state; of a state on cells twice as wide.
     sweep : Account
-        Of the states that were tried: bytes and counters.
+        Bytes and counters of the states that were tried.
     states : int
     """
 
@@ -98,28 +99,28 @@ class StateRate:
 
 
 class FlankPairScreening:
-    """The effects of a scene on a coarse discretization, and what its run will cost.
+    """Effects of a scene on a coarse discretization, and the predicted cost of its run.
 
     Parameters
     ----------
     scene : Scene
-        Without `effects.choose`.
+        Scene without `effects.choose`.
     levels : bool
-        Levels that are off are tried, too.
+        Whether coarser contact models that are off are tried as well.
 
     Attributes
     ----------
     rows : tuple of str
-        Effects that the pair knows.
+        Effects that apply to the pair.
     toggles : dict of str to Toggle
-        The scene with each of them the other way, as far as that is tried.
+        The scene with each of them switched, as far as that is tried.
 
     Raises
     ------
     PremiseError
-        If the least or the largest torque breaks a premise of the model.
+        If the least or the largest torque violates a premise of the model.
     FlankloadError
-        If a position has no answer.
+        If a position has no solution.
     """
 
     def __init__(self, scene: Scene, *, levels: bool = False) -> None:
@@ -158,12 +159,12 @@ class FlankPairScreening:
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state.
+        """Change by a row of the table; None if it changes no state.
 
         Raises
         ------
         FlankloadError
-            If the other scene has no answer.
+            If the other scene has no solution.
         """
         row, scene = next(row for row in EFFECTS if row.name == name), self.toggles[name].scene
         if scene is None or row.size_by == "nothing":
@@ -173,7 +174,7 @@ class FlankPairScreening:
             return nodal_size(nodal, self._pair, self._base[0], self._unloaded)
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
-        if name == "lumped_contact":  # cells are what differs
+        if name == "lumped_contact":  # the cells make the difference
             few = _spread(self._at, FINE_POSITIONS)
             found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
             self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / few.size)
@@ -183,25 +184,25 @@ class FlankPairScreening:
         return self._between(*((self._base, other) if on else (other, self._base)))
 
     def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
+        """Change by another scene relative to this one."""
         return self._between(self._other(scene), self._base)
 
     def _other(self, scene: Scene) -> list[States]:
-        """States with other effects; how much longer each takes is kept."""
+        """States with other effects; records their relative cost per state."""
         found, seconds = self._timed(screened(scene), self._at, self._torques)
         other, mine = (max(TINY_S, each - self._rate.call_s) for each in (seconds, self._base_s))
         self._state_s[scene] = self._rate.state_s * other / mine
         return self._states(screened(scene), found)
 
     def _finite_size(self, scene: Scene, *, on: bool) -> Size | None:
-        """Of forces that turn on their cells: what they change goes with the width of a cell."""
-        if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
+        """Size of finite influence coefficients: their effect is proportional to the cell width."""
+        if self._pair.pairing.whole_circle:  # a conforming flank has too many pairs for that
             return None
         few = _spread(self._at, FINITE_POSITIONS)
         finite_scene = with_keys(self._screened, influence="finite")
         finite, finite_s = self._timed(finite_scene, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
-        # each two pairs have numbers of their own
+        # each two pairs have their own influence coefficients
         more = finer**2 * max(0.0, finite_s - self._rate.call_s) / few.size
         self._state_s[scene] = max(TINY_S, self._rate.state_s + (-more if on else more))
         small = [_at_positions(self._base[-1], np.isin(self._at, few))]
@@ -264,7 +265,7 @@ class FlankPairScreening:
         )
 
     def _check_load(self, base: tuple[Sweep, ...]) -> None:
-        """Refuse a scene whose least or largest torque breaks a premise of the model."""
+        """Refuse a scene whose least or largest torque violates a premise of the model."""
         pair, geometry = self._geometry()
         for torque, found in zip(self._torques, base, strict=True):
             number = self._scene.torques_Nm.index(torque)
@@ -276,7 +277,7 @@ class FlankPairScreening:
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
-        """States of the scene; where there are none, a part of the torque may break a premise."""
+        """States of the scene; without any, check the premises under a part of the torque."""
         try:
             return self._timed(self._screened, self._at, self._torques)
         except ContactError as error:
@@ -288,7 +289,7 @@ class FlankPairScreening:
 
     # --- bodies and compliances -------------------------------------------------------------------
     def assembly(self, scene: Scene) -> BodyPair:
-        """Bodies of a scene with other effects, without those that are there already."""
+        """Assemble the bodies of a scene with other effects, reusing available bodies."""
         if scene not in self._assemblies:
             self._assemblies[scene] = self._assembled(scene)
         return self._assemblies[scene]
@@ -321,7 +322,7 @@ class FlankPairScreening:
         )
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
-        """A body as another scene has it; its elements stay, if its curve is another one."""
+        """A body for another scene; the mesh is reused if only the curve differs."""
         body, spec = (self._pair.body_1, self._pair.body_2)[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]
         if body.mesh is None and body.given is None and not spec.rigid:
@@ -333,13 +334,13 @@ class FlankPairScreening:
             (built,) = bodies_of(rigid, self._pair.discretization, (z,))
             body = replace(built, mesh=body.mesh)
         own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
+        if body.given is not None:  # imported with its file
             own = own or body.pitch_errors_um
         ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
         return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
 
     def _solve_elements(self, z: int) -> None:
-        """One job for all that the elements of a body are asked for by any of the scenes."""
+        """Solve one job for all element results of a body that any of the scenes needs."""
         asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
         if not asked:
             return
@@ -369,11 +370,11 @@ class FlankPairScreening:
         self._rates[z] = ElementRates(body, seconds, found[0])
 
     def _possible(self) -> list[Scene]:
-        """The scene and its toggles as they are screened, but for those that are not solved."""
+        """The screened scene and its toggles, except those that are not solved."""
         scenes = [self._screened]
         for name, toggle in self.toggles.items():
             if toggle.scene is not None and name not in ("nodal_near_field", "finite_influence"):
-                with suppress(FlankloadError):  # said when its size is asked for
+                with suppress(FlankloadError):  # reported when its size is requested
                     self.assembly(screened(toggle.scene))
                     scenes.append(screened(toggle.scene))
         return list(dict.fromkeys(scenes))
@@ -385,7 +386,7 @@ class FlankPairScreening:
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> tuple[int | None, Growth | None]:
-        """What is built of a sector: so many of them, growing so."""
+        """Key of the variants of a sector: number of sectors and expansion."""
         growth = self.assembly(scene).growth[z]
         return scene.sectors, growth if growth is not None and growth.needs_elements else None
 
@@ -393,7 +394,7 @@ class FlankPairScreening:
         return self._compliance(scene, pair, 0), self._compliance(scene, pair, 1)
 
     def _compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
-        """Compliance of a body, before it grows as a whole."""
+        """Compliance of a body, without expansion of the whole body."""
         body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
@@ -405,7 +406,7 @@ class FlankPairScreening:
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Of a body that brings its compliance along."""
+        """Compliance of a body with imported compliance."""
         growth = self.assembly(scene).growth[z]
         key = scene.has_friction, scene.effects.influence, growth
         if key not in self._jobs[z]:
@@ -416,7 +417,7 @@ class FlankPairScreening:
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        """CPU seconds, bytes and counters by stage for the run of a scene with other effects."""
         nodal = effects_of(scene).nodal_near_field and not self._pair.effects.nodal_near_field
         pair = self._pair if nodal else self.assembly(scene)
         counted = predicted_work(scene, pair)
@@ -426,7 +427,7 @@ class FlankPairScreening:
             name = f"compliance body {z + 1}"
             if name not in counted:
                 continue
-            if z not in self._rates:  # it comes from a file
+            if z not in self._rates:  # imported from a file
                 stages[name] = Account(bytes=held_bytes(self._compliance(scene, pair, z)))
                 continue
             counters, finer = counted[name], 1.0
@@ -435,7 +436,7 @@ class FlankPairScreening:
             fillets, places = pair.fillets[z], 0
             if fillets is not None:
                 places = int(fillets.points.arc_length_mm.size)
-            elif pair.effects.root_stress:  # of another scene: so many, about
+            elif pair.effects.root_stress:  # of another scene: approximately this number
                 places = PLACES * isinstance(self._rates[z].body.mesh, SectorMesh)
                 counters = counters | {"fe_solutions": counters["fe_solutions"] + places}
             stages[name] = self._rates[z].price(counters, places=places, finer=finer)
@@ -452,7 +453,7 @@ class FlankPairScreening:
     def _nodal(
         self, scene: Scene, pair: BodyPair, z: int, counters: dict[str, int]
     ) -> tuple[float, dict[str, int]]:
-        """How many times the unknowns, and the loads, if nodes stand near enough for forces."""
+        """Factors of unknowns and loads if nodes are close enough for nodal forces."""
         body, spacing = (pair.body_1, pair.body_2)[z], node_spacings(scene, pair)[z]
         if spacing is None or body.mesh is None:
             return 1.0, counters
@@ -466,7 +467,7 @@ class FlankPairScreening:
         return max(1.0, nodes / (body.mesh.flank_elements + 1)), counters | more
 
     def _sweeps(self, scene: Scene, pair: BodyPair) -> dict[str, Account]:
-        """The sweeps of the run: states times what one takes."""
+        """Cost of the sweeps of the run: number of states times cost of a state."""
         rate = self._rate
         slower = self._state_s.get(scene, rate.state_s) / rate.state_s
         positions = pair.position_rad.size * (ADAPTIVE_PART if pair.adaptive else 1.0)
@@ -492,7 +493,7 @@ class FlankPairScreening:
         return stages
 
     def _state_rate(self) -> StateRate:
-        """What a state takes on the run's own cells, and on cells twice as wide."""
+        """Measure the cost of a state on the run's own cells and on cells twice as wide."""
         few, torque = _spread(self._at, FINE_POSITIONS), self._torques[-1:]
 
         def timed(at: Floats) -> tuple[float, Account, tuple[Sweep, ...]]:
@@ -516,7 +517,7 @@ class FlankPairScreening:
 
 
 def screened(scene: Scene) -> Scene:
-    """The scene as it is screened: without what changes no state, or is looked at by itself."""
+    """The scene to screen: without effects that change no state or are examined separately."""
     effects = structs.replace(
         scene.effects, root_stress=False, near_field="analytic", influence="small"
     )
@@ -525,12 +526,12 @@ def screened(scene: Scene) -> Scene:
 
 
 def _unplaced(spec: Any) -> Any:
-    """The table of a body as far as its curve and its mesh depend on it."""
+    """Keys of a body that affect its curve and its mesh."""
     return _with(spec, rigid=False, pitch_errors_um=())
 
 
 def _geometric(spec: Any) -> Any:
-    """The same, with the places of the teeth."""
+    """Keys of a body that affect its curve and its mesh, and the pitch errors of its teeth."""
     return _with(spec, rigid=False)
 
 
@@ -540,11 +541,11 @@ def _with(spec: Any, **keys: Any) -> Any:
 
 
 def _at_positions(states: States, which: NDArray[np.bool_]) -> States:
-    """Some of the positions."""
+    """States at some of the positions."""
     share = states.load_share[which]
     return replace(states, rotation_rad=states.rotation_rad[which], load_share=share)
 
 
 def _spread(position_rad: Floats, most: int) -> Floats:
-    """At most so many of some positions, evenly spread, the first among them."""
+    """At most this number of the positions, evenly spread, with the first among them."""
     return position_rad[:: max(1, -(-position_rad.size // most))]
