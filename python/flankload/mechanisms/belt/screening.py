@@ -1,7 +1,7 @@
-"""The screening of a timing belt: few elements at few positions, with all that lands can do.
+"""Screening of a timing belt: few elements at few positions, with all land columns.
 
-The pieces of the belt are solved once; lands that rub, lands that lift and a pulley that yields are
-other contact problems of the same answers.
+The pieces of the belt are solved once; sliding lands, lifting lands and an elastic pulley are other
+contact problems with the same responses.
 """
 
 from __future__ import annotations
@@ -46,27 +46,28 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Elements on a flank of the screening; of the cell that tells how seconds grow with them.
+#: Elements on a flank of the screening, and of the cell that shows how the duration scales with
+#: them.
 ELEMENTS, MORE_ELEMENTS = 2, 4
-#: Positions of the screening, and one where another tooth has come: lands lift most there.
+#: Positions of the screening, and one after the next tooth has engaged: lands lift most there.
 POSITIONS = 3
 BYTES = 8
 
 
 class BeltScreening:
-    """The effects of a belt with few elements at few positions, and what its run will cost.
+    """Effects of a belt with few elements at few positions, and the predicted cost of its run.
 
     Parameters
     ----------
     scene : Scene
         With a pulley and a belt.
     levels : bool
-        Of no account: a belt knows few.
+        Ignored: a belt has no coarser contact models.
 
     Raises
     ------
     FlankloadError
-        If a position has no state, or a torque breaks a premise of the model.
+        If a position has no state, or a torque violates a premise of the model.
     """
 
     def __init__(self, scene: Scene, *, levels: bool = False) -> None:
@@ -87,7 +88,7 @@ class BeltScreening:
         self._known: dict[tuple[int, int], BeltSizes] = {}
         self._pulleys: dict[int, PulleyMesh] = {}
         self._base = self._states(scene)
-        # lands that rub would turn a pulley without torque
+        # sliding lands would rotate a pulley without torque
         still = without_keys(scene, "land_friction")
         self._unloaded_rad = self._under(still, 0.0).rotation_rad
         for states in self._base:
@@ -96,7 +97,7 @@ class BeltScreening:
             held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
 
     def _solve(self, scene: Scene, at: Floats) -> None:
-        """Pieces of belt and sector of the pulley, with all that lands can do."""
+        """Solve the pieces of belt and a sector of the pulley, with all land columns."""
         strip, self._account = self._strip, Account()
         elements = min(ELEMENTS, flank_elements(scene, strip))
         self._screened = BeltSizes.of(strip, elements, at)
@@ -120,7 +121,7 @@ class BeltScreening:
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row of the table changes; None where it changes no state."""
+        """Change by a row of the table; None if it changes no state."""
         scene = self.toggles[name].scene
         if name == "several_torques" or scene is None:
             return None
@@ -128,7 +129,7 @@ class BeltScreening:
         return self._between(*((self._base, other) if on else (other, self._base)))
 
     def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
+        """Change by another scene relative to this one."""
         return self._between(self._states(scene), self._base)
 
     def _between(self, with_it: list[States], without: list[States]) -> Size:
@@ -161,7 +162,7 @@ class BeltScreening:
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        """CPU seconds, bytes and counters by stage for the run of a scene with other effects."""
         strip, positions, asked = self._strip, self._position_rad, asked_of(scene)
         counted = predicted_work(scene, strip, positions)
         sizes = self._sizes(strip, flank_elements(scene, strip), positions)
@@ -195,14 +196,14 @@ class BeltScreening:
         return stages
 
     def _sizes(self, strip: Strip, elements: int, at: Floats) -> BeltSizes:
-        """Arrays of the run's belt, or of that of its estimate; the same whatever lands do."""
+        """Array sizes of the run's belt or of its estimate, independent of the land columns."""
         key = elements, at.size
         if key not in self._known:
             self._known[key] = BeltSizes.of(strip, elements, at)
         return self._known[key]
 
     def _belt(self, sizes: BeltSizes) -> Account:
-        """The pieces of a belt: seconds grow evenly with their unknowns, as two cells show."""
+        """Cost of the pieces of a belt: linear in their unknowns, from two measured cells."""
         mine = self._screened
         each = self._pieces_s / len(mine.pieces)
         more = (MORE_ELEMENTS / mine.elements) ** 2
@@ -213,7 +214,7 @@ class BeltScreening:
         return Account(cpu_s=seconds, workspace_bytes=round(part * self._account.workspace_bytes))
 
     def _pulley_of(self, scene: Scene, elements: int) -> Account:
-        """The sector of a pulley, by the entries of its factor."""
+        """Cost of the sector of a pulley, proportional to the entries of its factor."""
         if elements not in self._pulleys:
             self._pulleys[elements] = pulley_mesh(scene, elements)
         mesh, asked = self._pulleys[elements], asked_of(scene)
@@ -228,14 +229,14 @@ class BeltScreening:
         )
 
     def _seconds_of_state(self, scene: Scene, sizes: BeltSizes) -> float:
-        """Seconds of a contact problem: matrices of its pairs and hats are multiplied."""
+        """Seconds of a contact problem: matrices of pairs and shape functions are multiplied."""
         mine = self._screened
         more = (sizes.pairs + sizes.hats) / (mine.pairs + mine.hats)
         return self._state_s.get(scene, self._state_s[self._scene]) * max(1.0, more)
 
 
 def _tried(strip: Strip, position_rad: Floats) -> NDArray[np.int64]:
-    """Few positions, and the first at which another tooth has come."""
+    """A few positions, and the first at which another tooth has engaged."""
     few = np.arange(position_rad.size)[:: max(1, -(-position_rad.size // POSITIONS))]
     first = round_down(position_rad / strip.pitch_rad + 0.5)
     return np.union1d(few, np.flatnonzero(np.diff(first))[:1] + 1)

@@ -1,4 +1,4 @@
-"""The screening of a chain on its sprocket: two positions, rollers followed and not."""
+"""Screening of a chain on its sprocket: two positions, with and without large displacement."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ POSITIONS = 2
 
 
 class ChainScreening:
-    """The effects of a chain at two positions, and what its run will cost.
+    """Effects of a chain at two positions, and the predicted cost of its run.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class ChainScreening:
     Raises
     ------
     FlankloadError
-        If the rollers do not fit, a position has no state or a torque breaks a premise.
+        If the rollers do not fit, a position has no state or a torque violates a premise.
     """
 
     rows = ("several_torques", "large_displacement")
@@ -95,7 +95,7 @@ class ChainScreening:
         self._first = [wrap.first for wrap in wraps]
 
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What rollers that are followed change, at the largest torque."""
+        """Change by large displacement at the largest torque."""
         if name != "large_displacement":
             return None
         with_it, without, base = ([self._states(self._found[large])] for large in (True, False, on))
@@ -108,7 +108,7 @@ class ChainScreening:
         )
 
     def change(self, scene: Scene) -> Size:
-        """What another scene changes: nothing is chosen for a chain."""
+        """Change by another scene: a chain has no discretization to choose."""
         base = [self._states(self._found[self._large])]
         other = [self._states(self._found[scene.effects.large_displacement])]
         radius = self._radius_mm
@@ -126,11 +126,11 @@ class ChainScreening:
         return States.of(self._torque_Nm, np.arange(first, last), rotation, force)
 
     def price(self, scene: Scene) -> dict[str, Account]:
-        """Contact problems times what one takes."""
+        """Number of contact problems times the cost of one."""
         large, torques = scene.effects.large_displacement, len(scene.torques_Nm)
         counted = predicted_work(scene, self._positions)
         found, states = self._found[large], counted["sweep"]["states"]
-        growth = large != self._large and large  # which the screening has not solved for
+        growth = large != self._large and large  # not part of the screening
         each = LINEAR_PASSES if not large else (1 + growth) * _passes(found)
         stages = {
             "bodies": Account(cpu_s=self._bodies.cpu_s, bytes=self._bodies.bytes),
@@ -145,7 +145,7 @@ class ChainScreening:
         }
         if "estimate" in counted:
             stages["estimate"] = Account()
-            if not large:  # by following the rollers at some positions
+            if not large:  # by an iteration at some positions
                 states = torques * min(POSITIONS, self._positions)
                 followed = self._found[True]
                 seconds = states * _passes(followed) * self._pass_s[True]
@@ -156,5 +156,5 @@ class ChainScreening:
 
 
 def _passes(found: list[WrapState]) -> float:
-    """Contact problems of a state."""
+    """Number of contact problems of a state."""
     return sum(state.passes for state in found) / len(found)
