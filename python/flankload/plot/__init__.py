@@ -1,7 +1,7 @@
-"""Pictures for a report; the only room that knows matplotlib.
+"""Plots for a report; the only package that imports matplotlib.
 
-Figures are made as objects (no pyplot, no global state) and drawn by the Agg canvas, so that they
-come out the same with and without a screen.
+Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
+the same with and without a screen.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ __all__ = [
 ]
 
 
-#: Every picture by its name.
+#: All plots by name.
 PICTURES: dict[str, Callable[[Result], Figure]] = {
     "transmission_error": plot_transmission_error,
     "load_sharing": plot_load_sharing,
@@ -80,7 +80,7 @@ PICTURES: dict[str, Callable[[Result], Figure]] = {
 
 
 def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
-    """Write the pictures of a result, all or none.
+    """Write the plots of a result, all or none.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     if any(stress is not None for stress in result.root_stress):
         names = (*names, "root_stress")
     pictures = {f"{name}.png": PICTURES[name] for name in names}
-    # Every picture is drawn before the first is written.
+    # Every plot is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -121,7 +121,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
 
 
 def _of_flanks(result: Result) -> tuple[str, ...]:
-    """Pictures of a flank pair."""
+    """Plots of a flank pair."""
     several = result.position_rad.size > 1
     if result.whole_circle:
         names = ("load_per_tooth", "flank_pressure", "loaded_pair")
