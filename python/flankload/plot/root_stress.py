@@ -53,7 +53,7 @@ def plot_root_stress(result: Result) -> Figure:
         if not result.whole_circle and (result.site_force_N > 0).any():
             place = result.sites + result.position_rad[:, None] / result.pitch_rad
             carries = place[result.site_force_N > 0]
-            # # further away the stress is constant, or the tooth has completed a turn
+            # further away the stress is constant, or the tooth has completed a turn
             axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         axes.set_xlabel(
@@ -83,7 +83,7 @@ def _draw(
         after = np.flatnonzero(result.sites == site + pitches)
         x = site + along
         if result.closed and after.size:
-            # # after a period a pair is at the place of another one
+            # after a period a pair is at the place of another one
             x = np.append(x, site + along[0] + pitches)
             values = np.append(values, extremes.stress_MPa[order[0], after[0]])
         axes.plot(x, values, label=label if s == 0 else None, **look)

@@ -118,7 +118,7 @@ def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
         figure = new_figure(SIZE)
         axes = figure.add_subplot()
         if rows.size:
-            # # each cell at its width: cells are fine near the edges
+            # each cell at its width: cells are fine near the edges
             half, along = 0.5 * table.cell_mm[rows], table.arc_length_1_mm[rows]
             radius = np.interp(
                 np.append(along - half, along[-1] + half[-1]), along, table.radius_mm[rows]

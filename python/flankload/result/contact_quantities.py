@@ -60,7 +60,7 @@ class ContactQuantities(KeepsReadOnly):
         for place, table in zip(self.position_rad / self.pitch_rad, self.pair_tables, strict=True):
             could = set(table.site.tolist())
             if path is not None:
-                # # pair j is j pitches further along
+                # pair j is j pitches further along
                 could |= set(range(round_up(path[0] - place), round_down(path[1] - place) + 1))
             counts.append(len(could))
         return frozen(np.array(counts))

@@ -139,9 +139,9 @@ class BeltRow:
         assert strip.tooth is not None
         self._strip, self._elements, self._account = strip, flank_elements, account
         self._asked = {"rubbing": rubbing, "lifting": lifting}
-        # # from the middle of tooth 0 to that of tooth 1
+        # from the middle of tooth 0 to that of tooth 1
         self._cell = self._solved((0, 2), (True, True)) if strip.wrapped_teeth > 1 else None
-        # # positions with strands that begin at the edges of lands have the same pieces
+        # positions with strands that begin at the edges of lands have the same pieces
         self._known: tuple[tuple[float, float], StripResponse] | None = None
         self._ends: dict[tuple[int, float], Piece] = {}
 
