@@ -9,7 +9,7 @@ from typing import NoReturn
 
 INTERRUPTED = 130
 MESSAGE = b"flankload: interrupted\n"
-#: Set while a progress bar hides the cursor of the terminal.
+#: Restores the cursor of the terminal that a progress bar has hidden.
 SHOW_CURSOR = b"\x1b[?25h"
 #: Read when libraries are loaded. The seconds of `accuracy` are those of one thread by default.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
