@@ -1,6 +1,6 @@
 """Cost of a run: seconds, bytes and counted work, by stage.
 
-Work is counted where it is done (a factorization by the code that factorizes, a column by the code
+Work is counted where it is done (a factorisation by the code that factorises, a column by the code
 that computes it), in the account of the stage that requested it. Predictions before the run are
 separate: both are shown side by side in the cost of a result.
 """

@@ -24,7 +24,7 @@ class ContactInfo:
     rung : str
         The loop that found the state.
     pivots, refactorisations : int
-        Number of pairs that joined or left; number of complete factorizations that restored
+        Number of pairs that joined or left; number of complete factorisations that restored
         accuracy.
     condition : float
         Condition number of the equilibrated equations of the active pairs.

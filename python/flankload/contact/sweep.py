@@ -92,7 +92,7 @@ class Sweep:
     n_pairs : (P,) array
         Including those of coast flanks.
     pairs : PackedPairs
-        Of working flanks; empty if pairs are not kept.
+        Pairs of working flanks; empty if pairs are not kept.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
     unloaded_rad : (P,) array or None

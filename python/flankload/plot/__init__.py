@@ -86,21 +86,20 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     ----------
     result : Result
     directory : path
-        Made where it does not exist.
+        Created if it does not exist.
 
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png;
-        stiffness.png where there is a torque; flank_forces.png where coast flanks can carry;
-        profile_deviation.png where a body has an
-        involute. Of a follower on its cam follower_motion.png in place of load_sharing.png. Of
-        bodies that touch all around load_per_tooth.png, flank_pressure.png,
-        loaded_pair.png, and with several positions transmission_error.png. Of all
-        root_stress.png where stress is asked for. Of a chain transmission_error.png,
-        chain_on_sprocket.png, tensions.png and stiffness.png. Of a belt belt_on_pulley.png and
-        load_around_wrap.png, with several positions transmission_error.png and
-        force_through_wrap.png.
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; stiffness.png
+        if there is a torque; flank_forces.png if coast flanks can carry load;
+        profile_deviation.png if a body has an involute. For a follower on its cam
+        follower_motion.png replaces load_sharing.png. For bodies with contact all around:
+        load_per_tooth.png, flank_pressure.png, loaded_pair.png, and for several positions
+        transmission_error.png. For all of these root_stress.png if stress is requested. For a
+        chain: transmission_error.png, chain_on_sprocket.png, tensions.png and stiffness.png. For a
+        belt: belt_on_pulley.png and load_around_wrap.png, for several positions also
+        transmission_error.png and force_through_wrap.png.
 
     Raises
     ------

@@ -85,7 +85,7 @@ def write_work_precision(study: Study, directory: str | Path) -> Path:
     ----------
     study : Study
     directory : path
-        Made where it does not exist.
+        Created if it does not exist.
 
     Returns
     -------

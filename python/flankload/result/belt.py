@@ -36,8 +36,8 @@ class BeltDrive:
     ----------
     wrap_angle_rad : float
     tooth_stiffness_N_per_mm, cord_stiffness_N : float
-        Of the equivalent row of springs: stiffness of a tooth, and tension divided by strain from
-        tooth to tooth.
+        Equivalent row of springs: stiffness of a tooth, and tension divided by strain from tooth
+        to tooth.
     prestress_N : float
         Mean tension in the geometric stiffness of the elements.
     land_friction : float
@@ -54,7 +54,7 @@ class BeltDrive:
     land_lift_um : (P, S) array
         Largest lift of that land off the pulley; 0 for fixed lands.
     pulley_coupling_um_per_N : (w - 1,) array
-        Of the row of springs: displacement of the teeth 1, 2, … pitches from a loaded one because
+        Row of springs: displacement of the teeth 1, 2, … pitches from a loaded one because
         of an elastic pulley; empty for a rigid pulley.
     """
 
@@ -112,7 +112,7 @@ class BeltDrive:
         Parameters
         ----------
         result : Result
-            Of this drive.
+            Result of this drive.
 
         Yields
         ------

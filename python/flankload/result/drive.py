@@ -94,7 +94,7 @@ class ChainDrive:
         Parameters
         ----------
         result : Result
-            Of this drive.
+            Result of this drive.
 
         Yields
         ------

@@ -28,8 +28,8 @@ class FlankContacts(KeepsReadOnly):
     half_width_mm : (P, S) array
         Half the length of flank in contact.
     velocity_1, velocity_2 : (P, S) arrays
-        Of both bodies along the flank, mm per rad of position: means over the contact, weighted by
-        force; also NaN if the motion is unknown.
+        Velocities of both bodies along the flank, mm per rad of position: means over the contact,
+        weighted by force; also NaN if the motion is unknown.
     """
 
     half_width_mm: Floats

@@ -227,22 +227,21 @@ class Result(ContactQuantities):
     def summary(self) -> dict[str, Any]:
         """Summary of a report.
 
-        `transmission_error_mean_um` (over the period; weighted by the turn that each position
-        stands for where they are uneven), `transmission_error_by_load_mean_um` (the same beyond the
-        state without torque), `transmission_error_peak_to_peak_um` (of the positions);
+        `transmission_error_mean_um` (over the period; for uneven positions the integral of the
+        curve through them), `transmission_error_by_load_mean_um` (the same minus the state without
+        torque), `transmission_error_peak_to_peak_um` (of the positions);
         `transmission_error_harmonics_um` (amplitudes of the first five of the period),
         `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
-        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None
-        where the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
-        `peak_pressure_MPa`
-        with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
-        the same of `peak_pressure_off_corners`, the largest that means something. Beside them
-        `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
-        `contact_ratio_usable` (the same between form circles and tip roundings or chamfers),
-        the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
-        and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
-        asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`,
-        and what `coast_summary` says of the coast flanks.
+        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
+        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
+        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
+        `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
+        meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
+        pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
+        roundings or chamfers), the means of both stiffnesses over the period,
+        `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
+        (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
+        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
         """
         error = self.transmission_error_um
         loaded = self.loaded_pairs

@@ -116,7 +116,7 @@ def root_reading(
     ----------
     pair : BodyPair
     compliance : BodyCompliance
-        Of body z + 1.
+        Compliance of body z + 1.
     z : int
         0 or 1.
     sites : (S,) array
@@ -163,7 +163,7 @@ def root_stress(
     RootStress
     """
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
-    # normalize the sign of zero
+    # normalise the sign of zero
     stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
     stress.setflags(write=False)
     points = reading.points
@@ -215,7 +215,7 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
             np.interp(place.ravel(), points.arc_length_mm[side], values[side]) for side in sides
         )
         along[key] = np.where(working.ravel(), one, two).reshape(place.shape)
-    # normalize the sign of zero
+    # normalise the sign of zero
     arrays = (
         sign * found + 0.0,
         place,

@@ -43,8 +43,8 @@ MOST_RUNS = 3
 AIM = 0.9
 #: Sources whose error is below this part of the target are not refined.
 SMALL_PART = 0.4
-#: A tolerance that cannot be met is refined up to this multiple of the remaining work; a run for
-#: that alone must reduce the error from parameters to this part.
+#: A quantity that cannot meet the tolerance is refined up to this multiple of the work for all
+#: others; a run for that alone must reduce the error from parameters to this part.
 PATIENCE, MUCH_NEARER = 4.0, 0.7
 #: Number of adaptive positions per pitch in the first round. Their uncertainty of harmonics and
 #: peak to peak, as parts of these, may be DOUBT tolerances, since the tolerance applies to parts of

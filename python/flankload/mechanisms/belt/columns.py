@@ -187,7 +187,7 @@ def land_columns(mesh: BeltMesh) -> Lands:
 
 
 def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
-    """Columns (2N, k) with unit entries at these degrees of freedom."""
+    """Columns (2N, k) with these values at these degrees of freedom, and zeros elsewhere."""
     rows = np.repeat(degrees, values.shape[1])
     columns = np.tile(np.arange(values.shape[1]), degrees.size)
     shape = (2 * len(mesh.nodes), values.shape[1])

@@ -6,9 +6,10 @@ All forces are per mm of width. The slack tension T2 and the pitch difference ar
 friction R = B and Q is the torque. Fixed lands react with N = P F + p T2.
 
 Sliding lands carry a circumferential friction force t = mu N: N = (1 - mu P_t)^-1 (P F + p T2) is
-substituted into K, g0 and the balance of torque. Lands that can lift by w >= 0 react with N = P F +
-p T2 + S w >= 0, and N w = 0: the same problem with more unknowns, whose matrix [[K, -Pᵀ], [P, S]]
-is not symmetric but positive definite, and no worse conditioned than that of fixed lands.
+substituted into K, g0 and the balance of torque. Lands that can lift by w >= 0 react with
+N = P F + p T2 + S w >= 0, and N w = 0: the same problem with more unknowns, whose matrix
+[[K, -Pᵀ], [P, S]] is not symmetric but positive definite, and no worse conditioned than that of
+fixed lands.
 """
 
 from __future__ import annotations
@@ -127,10 +128,10 @@ class SpringRow:
 def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     """Row of springs equivalent to the finite elements.
 
-    Every flank moves as a whole (along its levers), with all its pairs in contact: A = (Gᵀ K^-1
-    G)^-1 with the levers divided by the pitch radius in G; L = A Gᵀ K^-1 by_slack. These give 1/k_t
-    = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and for an elastic pulley
-    A_kl - L_k as medians over all pairs of teeth at the same distance.
+    Every flank moves as a whole (along its levers), with all its pairs in contact:
+    A = (Gᵀ K^-1 G)^-1 with the levers divided by the pitch radius in G; L = A Gᵀ K^-1 by_slack.
+    These give 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and for an
+    elastic pulley A_kl - L_k as medians over all pairs of teeth at the same distance.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 #: the run.
 LEFT = 2.0
 #: Relative error of the largest load share, divided by that of the rotation: if teeth and cord are
-#: both too stiff, the load shares change equally and their difference may vanish.
+#: both too stiff, the load sharing hardly changes, and the change of shares may vanish.
 SHARES = 0.25
 #: Positions closer than this part of a pitch are equal.
 SAME = 1e-9

@@ -6,9 +6,9 @@ lands follows from these, wherever the belt lies on the pulley.
 
 On flanks the shape functions of the belt carry forces and average displacements on both bodies. On
 lands N are the forces conjugate to the displacements of the shape functions: on both bodies they
-represent the pressure M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is M^-1 ∫
-hat u ds, the linear function with the same moments as the displacements u. A pulley whose surface
-moves as a linear function therefore moves the belt by exactly that function.
+represent the pressure M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is
+M^-1 ∫ hat u ds, the linear function with the same moments as the displacements u. A pulley whose
+surface moves as a linear function therefore moves the belt by exactly that function.
 
 The lands of the belt follow the pulley, w = v - C_ll N - C_lf F - C_lt t, with v ≥ 0 where they can
 lift. Substituted into N = P F + p T2 + P_t t + S w, this gives N, and with it every response of a

@@ -28,7 +28,7 @@ class Chain:
     contact_stiffness_N_per_mm : float
         Stiffness of the contact between roller and pocket, equal in all directions.
     span_mm : float
-        Length of the free strands, whose tension stabilizes the outer rollers laterally.
+        Length of the free strands, whose tension stabilises the outer rollers laterally.
     """
 
     pitch_mm: float

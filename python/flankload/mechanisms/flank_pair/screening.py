@@ -85,7 +85,7 @@ class StateRate:
     Attributes
     ----------
     call_s, state_s, coarser_s : float
-        Of a call independent of its work; of a state; of a state on cells twice as wide.
+        CPU seconds per call, per state, and per state on cells twice as wide.
     sweep : Account
         Bytes and counters of the states that were tried.
     states : int

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: Part of a tolerance allowed for each parameter in the first guess.
 FIRST_PART = 0.5
-#: Number of refinements of an unsuccessful guess, and the part of the tolerance for each.
+#: Largest number of guesses, and the factor of the allowed error from one to the next.
 GUESSES, FINER = 3, 0.4
 #: Parameters that are tried a step coarser, the most expensive first; more modes need finer
 #: elements, so both are also changed together.

@@ -1,8 +1,8 @@
 """Limit of a sequence of refinements: Richardson extrapolation with a fitted order.
 
 Three steps of sizes h0 < h1 < h2 with values v0, v1, v2 of the form v + a h^p determine the order p
-by (h2^p − h1^p) / (h1^p − h0^p) = |v1 − v2| / |v0 − v1|, and the limit is v0 + c (v0 − v1) with c =
-h0^p / (h1^p − h0^p).
+by (h2^p − h1^p) / (h1^p − h0^p) = |v1 − v2| / |v0 − v1|, and the limit is v0 + c (v0 − v1) with
+c = h0^p / (h1^p − h0^p).
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ class Plan:
     predicted : mapping
         "stages": "cpu_s" (for a process that has loaded its packages), "bytes", "workspace_bytes"
         and "counters" by the names of `result.cost["stages"]`; "counters": the sums over all
-        stages, in which factorizations, solutions and unit loads are exact.
+        stages, in which factorisations, solutions and unit loads are exact.
     choice : tuple of Chosen
         Choices of `effects.choose = "auto"`.
     left_out : Size or None

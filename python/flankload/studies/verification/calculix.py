@@ -105,7 +105,7 @@ def version_of(program: str) -> str:
 
 
 def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
-    """Run CalculiX on folder/deck.inp and read its answer.
+    """Run CalculiX on folder/deck.inp and read its solution.
 
     Parameters
     ----------
