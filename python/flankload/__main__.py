@@ -44,8 +44,10 @@ def command() -> int:
 
 
 def _on_interrupt(_: int, frame: FrameType | None) -> NoReturn:
-    """As in any Python program, but for imports: modules in C swallow what is raised there, or
-    print it. Nothing is being written while something is imported, so the process just ends.
+    """Raise KeyboardInterrupt, except during imports: end the process there.
+
+    Modules in C swallow or print an exception that is raised during their import. Nothing is being
+    written at that time, so the process can end immediately.
     """
     while frame is not None:
         if "importlib" in frame.f_code.co_filename:

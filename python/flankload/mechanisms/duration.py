@@ -32,7 +32,7 @@ class Duration:
     Attributes
     ----------
     elements_s, states_s : float
-        Wall-clock seconds of the finite elements, and of the states on all available threads.
+        Predicted seconds of the finite elements, and of the states on all available threads.
     work : str
         Description of the work.
     """

@@ -104,7 +104,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     Raises
     ------
     OSError
-        If the directory cannot be made or a file not be written.
+        If the directory cannot be created or a file cannot be written.
     """
     names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
     if any(stress is not None for stress in result.root_stress):

@@ -45,7 +45,7 @@ def describe(scene: Scene) -> Description:
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):
         if body.given is not None:
-            compliance_of(body, scene)  # finds errors in its file at next to no cost
+            compliance_of(body, scene)  # detects errors in its file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
