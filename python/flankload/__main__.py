@@ -1,4 +1,4 @@
-"""The command `flankload` as a process, also `python -m flankload`; answers Ctrl-C from here on."""
+"""The command `flankload` as a process, also `python -m flankload`; handles Ctrl-C."""
 
 import os
 import signal
@@ -9,10 +9,9 @@ from typing import NoReturn
 
 INTERRUPTED = 130
 MESSAGE = b"flankload: interrupted\n"
-#: A progress bar has hidden the cursor of the terminal.
+#: Restores the cursor of the terminal that a progress bar has hidden.
 SHOW_CURSOR = b"\x1b[?25h"
-#: Read when libraries are loaded. The seconds of `accuracy` are those of one thread, unless the
-#: user says otherwise.
+#: Read when libraries are loaded. The seconds of `accuracy` are those of one thread by default.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
@@ -24,12 +23,12 @@ def command() -> int:
     int
         Exit code.
     """
-    # a shell that starts this in the background ignores Ctrl-C for it, and that stays so
+    # a shell that starts this in the background ignores Ctrl-C for it, and that is preserved
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _on_interrupt)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # else the caller closed it
-            stream.reconfigure(errors="backslashreplace")  # letters that the terminal does not have
+            stream.reconfigure(errors="backslashreplace")  # letters that the terminal lacks
     if sys.argv[1:2] == ["accuracy"]:
         for name in THREADS:
             os.environ.setdefault(name, "1")
@@ -37,7 +36,7 @@ def command() -> int:
         from flankload.cli import main
 
         code = main()
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # everything is done
     except KeyboardInterrupt:
         os.write(sys.__stderr__.fileno() if sys.__stderr__ else 2, MESSAGE)
         return INTERRUPTED
@@ -45,8 +44,10 @@ def command() -> int:
 
 
 def _on_interrupt(_: int, frame: FrameType | None) -> NoReturn:
-    """As in any Python program, but for imports: modules in C swallow what is raised there, or
-    print it. Nothing is being written while something is imported, so the process just ends.
+    """Raise KeyboardInterrupt, except during imports: end the process there.
+
+    Modules in C swallow or print an exception that is raised during their import. Nothing is being
+    written at that time, so the process can end immediately.
     """
     while frame is not None:
         if "importlib" in frame.f_code.co_filename:

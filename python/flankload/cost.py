@@ -1,8 +1,8 @@
-"""What a run costs: seconds, bytes and counted work, stage by stage.
+"""Cost of a run: seconds, bytes and counted work, by stage.
 
-Work is counted where it is done (a factorisation by what factorises, a column by what makes it),
-into the account of the stage that asked for it. What was predicted before the run is another
-matter: both stand side by side in `cost_of`.
+Work is counted where it is done (a factorisation by the code that factorises, a column by the code
+that computes it), in the account of the stage that requested it. Predictions before the run are
+separate: both are shown side by side in the cost of a result.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from flankload.errors import InputError
 if TYPE_CHECKING:
     from types import TracebackType
 
-#: Everything that is counted, and what one of it is.
+#: All counters, each with the unit that it counts.
 COUNTERS = {
     "fe_factorisations": "factorisation of the stiffness of a body",
     "fe_solutions": "solution with such a factor, whatever for",
@@ -43,15 +43,15 @@ COUNTERS = {
 
 @dataclass
 class Account:
-    """What a stage has spent; a stage without any of some work does not name it.
+    """Cost of a stage; counters with the value zero are omitted.
 
     Attributes
     ----------
     wall_s, cpu_s : float
     bytes : int
-        Of the arrays that it holds, or hands on, at its end.
+        Arrays that the stage holds, or returns, at its end.
     workspace_bytes : int
-        Of the largest arrays that it held on the way, where known.
+        Largest temporary arrays, if known.
     counters : dict of str to int
         By the names of `COUNTERS`, without zeros.
     """
@@ -84,7 +84,7 @@ class Account:
         self.cpu_s += process_time() - self._began[1]
 
     def as_dict(self) -> dict[str, Any]:
-        """As the result shows it."""
+        """The account in the form of the result."""
         return {
             "wall_s": self.wall_s,
             "cpu_s": self.cpu_s,
@@ -95,7 +95,7 @@ class Account:
 
 
 def totals(stages: Mapping[str, Account]) -> dict[str, int]:
-    """Sum of every counter over all stages, zeros included.
+    """Sum of every counter over all stages, including zeros.
 
     Parameters
     ----------
@@ -113,24 +113,24 @@ def beside_plan(
     counted: Mapping[str, Mapping[str, int]],
     guessed: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """What stands in the costs of a run beside what it spends.
+    """Predictions of a run, shown beside its cost.
 
     Parameters
     ----------
     counted : mapping of str to mapping
-        By stages, what is known before a run of what it will count.
+        By stages, counters of the run that are known in advance.
     guessed : mapping of str to mapping, optional
-        By stages, what a plan of the scene says of seconds, bytes and all counters.
+        By stages, seconds, bytes and all counters from a plan of the scene.
 
     Returns
     -------
     dict of str to dict
-        By stages: "counters", and what else is guessed.
+        By stages: "counters", and the other predictions.
 
     Raises
     ------
     InputError
-        If the plan is one of another scene: it counts what is known otherwise.
+        If the plan belongs to another scene: its counts contradict the known ones.
     """
     found: dict[str, dict[str, Any]] = {}
     for stage, known in counted.items():
@@ -147,7 +147,7 @@ def beside_plan(
 
 
 def held_bytes(*things: object) -> int:
-    """Bytes of all arrays that things hold, each once: those of dataclasses, sequences, mappings.
+    """Bytes of all distinct arrays in objects: in dataclasses, sequences and mappings.
 
     Parameters
     ----------
@@ -156,7 +156,8 @@ def held_bytes(*things: object) -> int:
     Returns
     -------
     int
-        A view counts as the array whose memory it shows; what says its `nbytes` itself, as that.
+        A view counts as the array that owns its memory; an object with `nbytes` counts as that
+        value.
     """
     owners: dict[int, int] = {}
     left, seen = list(things), set()

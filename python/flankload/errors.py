@@ -1,4 +1,4 @@
-"""What can go wrong, one class per kind; each says what was expected and what was found."""
+"""Exceptions, one class per kind; each states what was expected and what was found."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 
 class FlankloadError(Exception):
-    """Base of every error that flankload raises on purpose."""
+    """Base class of all exceptions that flankload raises on purpose."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # the default calls the class with its args, but these classes are made with keywords
+        # the default calls the class with its args, but these classes have keyword arguments
         return _restored, (type(self), self.args, dict(vars(self)))
 
 
 def _restored(
     kind: type[FlankloadError], args: tuple[Any, ...], values: dict[str, Any]
 ) -> FlankloadError:
-    """An error out of a pickle or a copy."""
+    """An exception from a pickle or a copy."""
     error = kind.__new__(kind, *args)
     vars(error).update(values)
     return error
@@ -34,9 +34,9 @@ class SceneError(FlankloadError):
     key : str
         Dotted path of the key in the scene, for example ``body_1.tip_diameter_mm``.
     expected, found : str
-        What was expected and what was found, each the end of a sentence.
+        Expected and actual value, each as the end of a sentence.
     file : str or Path, optional
-        The file in which the key stands; left out for scenes that come from a dictionary.
+        The file that contains the key; omitted for scenes from a dictionary.
     """
 
     def __init__(
@@ -54,32 +54,32 @@ class SceneError(FlankloadError):
         return " ".join(line.split())
 
     def with_file(self, path: str | Path) -> Self:
-        """Return the same error, naming the file in which the key stands."""
+        """Return the same exception with the file that contains the key."""
         return type(self)(key=self.key, expected=self.expected, found=self.found, file=path)
 
 
 class PremiseError(SceneError):
-    """A scene that breaks a premise of the model (`docs/guide/limits.md`).
+    """A scene that violates a premise of the model (`docs/guide/limits.md`).
 
-    `effects.beyond_limits = true` solves it all the same.
+    `effects.beyond_limits = true` solves it nevertheless.
     """
 
 
 class MeshError(SceneError):
-    """A mesh file that cannot be read or does not make a body."""
+    """A mesh file that cannot be read or does not describe a body."""
 
 
 class ComplianceFileError(SceneError):
-    """A compliance file that cannot be read or does not make a body."""
+    """A compliance file that cannot be read or does not describe a body."""
 
 
 class OtherProgramError(FlankloadError):
-    """The program that a verification asks is missing or has no answer.
+    """The external program of a verification is missing or found no solution.
 
     Attributes
     ----------
     folder : Path or None
-        Where its files are.
+        Folder of its files.
     """
 
     def __init__(self, message: str, *, folder: Path | None = None) -> None:
@@ -88,16 +88,16 @@ class OtherProgramError(FlankloadError):
 
 
 class ContactError(FlankloadError):
-    """A contact problem without an answer.
+    """A contact problem without a solution.
 
     Attributes
     ----------
     code : int
         The core's code: -1 … -7.
     place : tuple of int
-        Of many problems solved at once: numbers of the position and of the torque.
+        For several problems solved at once: indices of the position and of the torque.
     states : tuple
-        Of many problems solved at once: the states of the others, None where there is none.
+        For several problems solved at once: the states of the others, None if there is none.
     """
 
     code = 0
@@ -106,18 +106,18 @@ class ContactError(FlankloadError):
 
 
 class NoContactState(ContactError):  # noqa: N818 - a public name
-    """No state of contact holds the loads, or none was found (code -1).
+    """No state of contact is in equilibrium with the loads, or none was found (code -1).
 
     Attributes
     ----------
     proven : bool
-        No state exists. False: none was found, but one may exist; so it can be only where the
-        matrix is not positive definite.
+        True: no state exists. False: none was found, but one may exist; this happens only for a
+        matrix that is not positive definite.
     largest_torque : float
-        The largest torque that was held on the way from no load [N mm].
+        The largest torque in equilibrium on the path from zero load [N mm].
     motion : ndarray of shape (q,)
-        Where no forces hold the loads: a motion that opens or keeps all gaps while the loads do
-        work; else the motion in which the way from no load ends. Zero where neither was met.
+        If no forces balance the loads: a motion that opens or keeps all gaps while the loads do
+        work; else the motion in which the path from zero load ends. Zero if neither was found.
     """
 
     code = -1
@@ -137,18 +137,18 @@ class NoContactState(ContactError):  # noqa: N818 - a public name
 
 
 class PivotLimit(ContactError):  # noqa: N818 - a public name
-    """The loop used up its pivots without reaching a state (code -2)."""
+    """The loop reached its limit of pivots before a state (code -2)."""
 
     code = -2
 
 
 class SingularContact(ContactError):  # noqa: N818 - a public name
-    """No pair holds a motion, or the rows of the pairs in contact depend on each other (code -3).
+    """No pair resists a motion, or the rows of the pairs in contact are dependent (code -3).
 
     Attributes
     ----------
     motion : ndarray of shape (q,)
-        A motion on which no force works, its largest part 1; zero where none was met.
+        A motion on which no force does work, with largest component 1; zero if none was found.
     """
 
     code = -3
@@ -159,10 +159,10 @@ class SingularContact(ContactError):  # noqa: N818 - a public name
 
 
 class InputError(ContactError, ValueError):
-    """Arguments that do not make a contact problem (code -4).
+    """Arguments that do not define a contact problem (code -4).
 
-    Code -5 where a row scale is not positive or no lever arm could carry the torque, -7 where a
-    double cannot hold forces, gaps or motions in the given units.
+    Code -5 if a row scale is not positive or no lever arm could carry the torque, -7 if forces,
+    gaps or motions in the given units exceed the range of double precision.
     """
 
     code = -4
@@ -173,12 +173,12 @@ class InputError(ContactError, ValueError):
 
 
 class NegativeForce(ContactError):  # noqa: N818 - a public name
-    """The final state of method ``paper`` needs tension (code -6).
+    """The final state of method ``paper`` requires tension (code -6).
 
     Attributes
     ----------
     state : ContactState
-        That state, negative forces included.
+        That state, including negative forces.
     """
 
     code = -6

@@ -1,4 +1,4 @@
-"""The command line: parse, call, print. The only room that prints."""
+"""Command line: parse, call, print. The only package that prints."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     argv : sequence of str, optional
-        Arguments; those of the process if absent.
+        Arguments; by default those of the process.
 
     Returns
     -------
     int
-        0 done, 1 could not solve, 2 bad input, 130 interrupted.
+        0 done, 1 not solved, 2 invalid input, 130 interrupted.
     """
     arguments = parser().parse_args(argv)
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
         command(arguments)
-        if sys.stdout is not None:  # None where the caller closed it
+        if sys.stdout is not None:  # None if the caller closed it
             sys.stdout.flush()
     except SceneError as error:
         return _fail(error, BAD_INPUT)
@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         if error.filename is None:
             _drop_stdout()
-        if isinstance(error, BrokenPipeError):  # the reader has had enough
+        if isinstance(error, BrokenPipeError):  # the reader closed the pipe
             return SOLVED
         place = "stdout" if error.filename is None else str(error.filename)
         return _fail(f"{place}: {(error.strerror or str(error)).lower()}", NOT_SOLVED)
@@ -62,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _drop_stdout() -> None:
-    """What is still in the buffer goes nowhere: Python would try again on its way out."""
+    """Discard the rest of the buffer, which Python would otherwise write at exit."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -75,7 +75,7 @@ def _fail(message: object, code: int) -> int:
 # --- arguments ------------------------------------------------------------------------------------
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """One line, as for every other error."""
+        """Report an argument error in one line, as every other error."""
         sys.exit(_fail(f"{message} (flankload --help lists what there is)", BAD_INPUT))
 
 
@@ -93,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
     Returns
     -------
     argparse.ArgumentParser
-        Each command leaves its function in `command`.
+        Each command stores its function in `command`.
     """
     top = _Parser(
         prog="flankload",

@@ -1,4 +1,4 @@
-"""The command check: what was understood of a scene or a mesh file."""
+"""The command check: print the interpreted scene or mesh file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def check(arguments: Namespace) -> None:
-    """Print what was understood; raise where something is wrong."""
+    """Print the interpreted input; raise an error if it is invalid."""
     from flankload.meshes.io import is_mesh_name
 
     (_check_mesh if is_mesh_name(arguments.file) else _check_scene)(arguments.file)

@@ -1,4 +1,4 @@
-"""The command compliance: both bodies of a scene as files that need no elements any more."""
+"""The command compliance: write both bodies of a scene to files that need no finite elements."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def compliance(arguments: Namespace) -> None:
-    """Write body_1.npz and body_2.npz; all is computed before the first is written."""
+    """Write body_1.npz and body_2.npz; everything is computed before the first is written."""
     folder: Path = arguments.folder
     check_folder("-o", folder, content="both files")
     from flankload.scene import read_scene
@@ -63,7 +63,7 @@ def compliance(arguments: Namespace) -> None:
 
 
 def _less_than_whole(scene: Scene) -> str:
-    """What of a body the scene leaves out: the file holds what is left."""
+    """Note on the part of a body that the scene omits, which the file omits too."""
     if scene.sectors is None:
         return "" if scene.effects.tooth_coupling else ", without coupling between teeth"
     return ", of a single tooth" if scene.sectors == 1 else f", of {scene.sectors} teeth"

@@ -1,4 +1,4 @@
-"""Where a command may write: refused before the work, not after it."""
+"""Checks of output paths before the computation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 STDOUT = "-"
-#: Suffixes of files: what is called so is no folder.
+#: Suffixes of files: a path that ends in one of these is not a folder.
 OF_FILES = (
     ".csv", ".eps", ".gif", ".html", ".inp", ".jpeg", ".jpg", ".json", ".msh", ".npz", ".pdf",
     ".png", ".ps", ".svg", ".tif", ".tiff", ".toml", ".txt", ".vtu", ".webp",
@@ -23,15 +23,15 @@ OF_FILES = (
 
 
 def check_folder(key: str, folder: Path, *, content: str) -> None:
-    """Refuse a folder that cannot be made or written to, or that is called like a file.
+    """Refuse a folder that cannot be created or written to, or that has the name of a file.
 
     Parameters
     ----------
     key : str
-        The option.
+        Command-line option.
     folder : Path
     content : str
-        Which files go there.
+        Description of the files in the folder.
     """
     there = next(part for part in (folder, *folder.parents) if part.exists())
     if not there.is_dir():
@@ -70,7 +70,7 @@ def check_apart(outputs: Iterable[tuple[str, Path]], scene: Scene) -> None:
     Parameters
     ----------
     outputs : iterable of (str, Path)
-        Each file or folder with its option.
+        Each file or folder with its command-line option.
     scene : Scene
     """
     taken: Mapping[str, Path] = {f"that of {key}": path for key, path in scene.files.items()}
@@ -86,7 +86,7 @@ def check_apart(outputs: Iterable[tuple[str, Path]], scene: Scene) -> None:
 
 
 def _same(one: Path, other: Path) -> bool:
-    """Whether two paths name one file, through links of both kinds."""
+    """Whether two paths name the same file, including hard and symbolic links."""
     if os.path.realpath(one) == os.path.realpath(other):
         return True
     return os.path.exists(one) and os.path.exists(other) and one.samefile(other)

@@ -1,4 +1,4 @@
-"""The command plan: what a run will simulate, what that costs and what it changes."""
+"""The command plan: print the effects of a run, their cost and their size."""
 
 from __future__ import annotations
 

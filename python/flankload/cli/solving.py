@@ -1,4 +1,4 @@
-"""Commands that solve and write: run, mesh, schema."""
+"""The commands that solve and write: run, mesh, schema."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 
-#: Seconds after which a run shows that it is alive.
+#: Seconds after which a run first shows progress.
 PATIENCE_S = 1.0
 
-#: A run of more seconds says so before it starts.
+#: A run with a longer predicted duration, s, is announced before it starts.
 LONG_S = 10.0
 
 
 def run(arguments: Namespace) -> None:
-    """Solve a scene; write and print what was found."""
+    """Solve a scene; write and print the results."""
     _check_outputs(arguments)
     from flankload.scene import read_scene
 
@@ -54,20 +54,20 @@ def run(arguments: Namespace) -> None:
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
     texts = [] if arguments.quiet else [results_to_text(results)]
-    if arguments.cost:  # of all torques together
+    if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
 
 
 def _announce(progress: Progress, duration: Duration) -> None:
-    """Say before a long run how long it will be."""
+    """Announce the predicted duration of a long run."""
     if duration.seconds > LONG_S:
         progress.say(f"flankload: {duration}")
 
 
 def _plan(scene: Scene, progress: Progress) -> Plan:
-    """What the run is predicted to take."""
+    """Predicted cost of the run."""
     from flankload.studies.plan import plan
 
     progress.tell("plan", 0, 1)
@@ -75,7 +75,7 @@ def _plan(scene: Scene, progress: Progress) -> Plan:
 
 
 def _files(arguments: Namespace) -> dict[str, str]:
-    """Files that are asked for, by their options."""
+    """Requested files by their options."""
     named = {
         "--json": arguments.json,
         "--csv": arguments.csv,
@@ -85,7 +85,7 @@ def _files(arguments: Namespace) -> dict[str, str]:
 
 
 def _check_outputs(arguments: Namespace) -> None:
-    """Refuse before the work what could not be written after it."""
+    """Refuse outputs that could not be written, before the computation."""
     printed = [key for key, path in _files(arguments).items() if path == STDOUT]
     if len(printed) > 1:
         raise SceneError(
@@ -99,7 +99,7 @@ def _check_outputs(arguments: Namespace) -> None:
 
 
 def _places(arguments: Namespace) -> Iterator[tuple[str, Path]]:
-    """What will be written, by option."""
+    """Paths that will be written, by option."""
     for key, path in _files(arguments).items():
         if path != STDOUT:
             yield key, Path(path)
@@ -126,7 +126,7 @@ def _plot(results: tuple[Result, ...], folder: Path) -> None:
 
 
 class Progress:
-    """A bar on stderr, for what takes longer than a moment."""
+    """A progress bar on stderr for long computations."""
 
     def __init__(self, *, wanted: bool) -> None:
         self._wanted = wanted
@@ -150,13 +150,13 @@ class Progress:
             self._bar.stop()
 
     def tell(self, stage: str, done: int, total: int) -> None:
-        """Take note of a stage that begins."""
+        """Record the beginning of a stage."""
         self._told = (stage, done, total)
         if self._bar is not None:
             self._bar.update(self._task, description=stage, completed=done, total=total)
 
     def say(self, line: str) -> None:
-        """Print a line on stderr, above the bar where there is one."""
+        """Print a line on stderr, above the bar if there is one."""
         if self._bar is not None:
             self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
@@ -180,7 +180,7 @@ class Progress:
 
 
 def mesh(arguments: Namespace) -> None:
-    """Write the meshes of both bodies as they stand at position zero."""
+    """Write the meshes of both bodies at position zero."""
     folder: Path = arguments.folder
     check_folder("-o", folder, content="both meshes")
     from flankload.scene import read_scene

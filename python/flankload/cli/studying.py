@@ -1,4 +1,4 @@
-"""The command accuracy: errors beside seconds, knob by knob, and the cheapest settings."""
+"""The command accuracy: errors and CPU seconds by discretization parameter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def accuracy(arguments: Namespace) -> None:
-    """Make the study, write and print it; interrupted, what there is of it."""
+    """Run, write and print the study; after an interruption, the finished part of it."""
     if not (isfinite(arguments.budget) and arguments.budget > 0):
         raise SceneError(key="--budget", expected="CPU seconds > 0", found=f"{arguments.budget:g}")
     files = {"--csv": arguments.csv, "--json": arguments.json}

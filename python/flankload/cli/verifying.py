@@ -1,4 +1,4 @@
-"""The command verify: one position by flankload and by CalculiX."""
+"""The command verify: compare flankload with CalculiX at one position."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from argparse import Namespace
 
-#: Elements on the half-width of a contact: fewer show no pressure, more take hours.
+#: Range of elements on the half-width of a contact: fewer do not resolve the pressure, more take
+#: hours.
 FEWEST, MOST = 1.0, 100.0
 
 
 def verify(arguments: Namespace) -> None:
-    """Print both answers side by side."""
+    """Print both solutions side by side."""
     if arguments.folder is not None:
         check_folder("-o", arguments.folder, content="the deck")
     if not FEWEST <= arguments.elements <= MOST:

@@ -1,4 +1,4 @@
-"""The contact loop: which pairs touch and what they carry.
+"""Contact loop: pairs in contact and their forces.
 
 The angle form (equations (16), (17) and (20) of the paper) is a thin wrapper around the general
 form
@@ -53,33 +53,33 @@ def solve_contact(
     Parameters
     ----------
     flexibility_matrix : array_like of shape (n, n)
-        Influence numbers A [rad/N].
+        Influence coefficients A [rad/N].
     lever_arms : array_like of shape (n,)
-        Torque row m [mm]; with friction its own signs included.
+        Torque row m [mm]; with friction including its own signs.
     gap_angles : array_like of shape (n,)
-        Initial gap angles [rad]; a common offset goes into the rotation.
+        Initial gap angles [rad]; a common offset becomes part of the rotation.
     torque : float
-        Torque M >= 0 [N mm]. Without torque the rotation is the least gap angle.
+        Torque M >= 0 [N mm]. Without torque the rotation is the smallest gap angle.
     method : {"auto", "single", "primal", "block", "cascade", "load_path", "paper"}
-        ``single`` lets any pair join or leave, one at a time, its forces holding the loads at every
-        step, also known as ``primal``; ``block`` many at once; ``cascade`` blocks that begin where
-        a coarser problem has its contact, for pairs in flank order; ``load_path`` follows the state
-        from zero torque (Lemke). Where one does not settle, the next answers: block, single, single
-        with exchange of rows, load path. ``auto`` begins with ``single`` for few pairs, with
-        ``cascade`` for many in flank order without `warm_pairs`, else with ``block``. ``paper``
-        only lets pairs join.
+        ``single`` lets any pair join or leave, one at a time, with forces in equilibrium with the
+        loads at every step, also known as ``primal``; ``block`` changes many pairs at once;
+        ``cascade`` uses blocks that begin with the contact of a coarser problem, for pairs in flank
+        order; ``load_path`` follows the state from zero torque (Lemke). If one does not converge,
+        the next one is used: block, single, single with exchange of rows, load path. ``auto``
+        begins with ``single`` for few pairs, with ``cascade`` for many in flank order without
+        `warm_pairs`, else with ``block``. ``paper`` only lets pairs join.
     normal_lever_arms : array_like of shape (n,), optional
-        Row scale b > 0 [mm] where it differs from ``abs(lever_arms)``.
+        Row scale b > 0 [mm] if it differs from ``abs(lever_arms)``.
     warm_pairs : array_like of int, optional
-        Pairs to begin with, from 0; a good guess saves time and never changes the answer.
+        Initial pairs, from 0; a good guess saves time and never changes the result.
     positive_definite : bool, optional
-        What the uniqueness of the state rests on. None (default): a symmetric diag(b) A is taken
-        for the compliance of elastic bodies, which is positive definite; that is checked on all
+        Basis for the uniqueness of the state. None (default): a symmetric diag(b) A is assumed to
+        be the compliance of elastic bodies, which is positive definite; this is checked on all
         columns that the solution has read (`info.uniqueness` is ``"elastic"``), and for few pairs,
-        where it costs nothing, proven from the whole matrix (``"proven"``). A matrix that is not
-        symmetric (friction) is always factored as a whole. False: nothing is taken for granted,
-        which for many pairs takes longer than the solution. True: the symmetric part of diag(b) A
-        (rows weighted with m/b where m differs from b) is known to be positive definite.
+        for which the cost is negligible, proven from the whole matrix (``"proven"``). A matrix that
+        is not symmetric (friction) is always factored as a whole. False: nothing is assumed, which
+        for many pairs takes longer than the solution. True: the symmetric part of diag(b) A (rows
+        weighted with m/b if m differs from b) is known to be positive definite.
 
     Returns
     -------
@@ -91,13 +91,13 @@ def solve_contact(
         Code -4: shapes, NaN, negative torque, unknown method; code -5: a row scale that is not
         positive, or no lever arm > 0.
     NoContactState, PivotLimit, SingularContact
-        There is no state, or it was not found.
+        No state exists, or none was found.
     NegativeForce
         Method ``paper`` ended with tension; the state is attached.
 
     Notes
     -----
-    Weese & Popov, equations (16) to (34), with any pair free to leave.
+    Weese & Popov, equations (16) to (34), with the extension that any pair can leave.
     """
     problem = from_angles(
         flexibility_matrix,
@@ -126,28 +126,28 @@ def solve_contact_general(
     Parameters
     ----------
     compliance_matrix : array_like of shape (n, n)
-        K, recession along the normal of pair i for a unit force on pair j [mm/N].
+        K, normal displacement of pair i under a unit force on pair j [mm/N].
     normal_gaps : array_like of shape (n,)
-        g0 [mm]; negative where bodies overlap before they move (preload).
+        g0 [mm]; negative if bodies overlap before they move (preload).
     motions : array_like of shape (n, q) or (n,)
-        B, gap closed by a unit of each motion; zero and negative levers are legal.
+        B, gap closed by a unit of each motion; zero and negative lever arms are allowed.
     loads : array_like of shape (q,) or float
         Q, the load on each motion.
     load_rows : array_like of shape (n, q) or (n,), optional
-        R, part of a unit force in each load; B where there is no friction (default).
+        R, contribution of a unit force to each load; by default B (no friction).
     method, warm_pairs, positive_definite
-        As in `solve_contact`; ``paper`` takes one motion.
+        As in `solve_contact`; ``paper`` requires a single motion.
 
     Returns
     -------
     ContactState
-        With final gaps along the normals [mm] in place of angles.
+        With final gaps along the normals [mm] instead of angles.
 
     Raises
     ------
     InputError, NoContactState, PivotLimit, SingularContact, NegativeForce
-        As `solve_contact`. `NoContactState` carries a motion on which the loads do work and that
-        no pair resists.
+        As in `solve_contact`. `NoContactState` contains a motion on which the loads do work and
+        that no pair resists.
     """
     load = loads_of_motions(loads)
     problem = general(

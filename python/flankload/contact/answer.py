@@ -1,4 +1,4 @@
-"""What the core says, as a state of contact or as an error."""
+"""Conversion of the core's output to a state of contact or an exception."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 
 class CoreAnswer(NamedTuple):
-    """What the core hands back for one state, in its order."""
+    """Output of the core for one state, in its order."""
 
     forces: Vector
     gaps: Vector
@@ -43,9 +43,9 @@ def state_of(
     known: NDArray[np.int32] | None = None,
     columns: Vector | None = None,
 ) -> ContactState:
-    """The state of contact, or the error that the core's code stands for.
+    """The state of contact, or the exception for the core's status code.
 
-    Where only some columns of K were made, `known` are their pairs.
+    If only some columns of K were computed, `known` are their pairs.
     """
     code = int(answer.code)
     if code < 0 and code != NegativeForce.code:
@@ -89,7 +89,7 @@ def _undetermined(
     known: NDArray[np.int32] | None,
     columns: Vector | None,
 ) -> tuple[tuple[int, ...], ...]:
-    """Groups of pairs of which only the sum is certain, in the numbers of all pairs."""
+    """Groups of pairs of which only the sum is determined, numbered among all pairs."""
     if known is None or columns is None:
         return undetermined_groups(
             problem.compliance, problem.load_rows, answer.forces, answer.gaps, answer.code
@@ -123,7 +123,7 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
 
 
 def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
-    """The error that names the motion that is loose, or the matrix."""
+    """The exception that names the unconstrained motion, or the matrix."""
     largest = motion[np.abs(motion).argmax()]
     if not abs(largest) > 0.0:
         return SingularContact(
@@ -140,7 +140,7 @@ def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
 
 
 def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
-    """The error that says whether no state exists or none was found."""
+    """The exception that states whether no state exists or none was found."""
     proven = bool(answer.counters[4])
     message = (
         "no pairs can hold these loads"
@@ -160,7 +160,7 @@ def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
 
 
 def _uniqueness(unique: bool, structure: int) -> str:
-    """What it rests on that no other state exists."""
+    """Basis for the uniqueness of the state."""
     if not unique:
         return "not certain"
     return "elastic" if structure >= DEFINITE else "proven"

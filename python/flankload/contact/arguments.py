@@ -1,4 +1,4 @@
-"""Arguments of the contact loop: checked once, refused with one line that names them."""
+"""Validation of the arguments of the contact loop, with one error line that names them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) ->
     try:
         given = np.asarray(values)
         real = not np.iscomplexobj(given)
-        # A cast would drop imaginary parts without a word.
+        # a cast would drop imaginary parts without a warning
         numbers = given.astype(np.float64, copy=False) if real else np.empty(0)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected an array of numbers, found {error}") from None
@@ -36,8 +36,8 @@ def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) ->
 
 
 def expect_finite(name: str, numbers: Vector) -> None:
-    """Raise an InputError where a number is NaN or infinite."""
-    # The sum of squares is the fastest look at all of them; where it overflows, each one counts.
+    """Raise an InputError if a number is NaN or infinite."""
+    # The sum of squares is the fastest check; if it overflows, each number is checked.
     flat = numbers.ravel(order="K")
     if not np.vdot(flat, flat) < np.inf and not np.isfinite(flat).all():
         place = np.argwhere(~np.isfinite(numbers))[0].tolist()
@@ -47,13 +47,13 @@ def expect_finite(name: str, numbers: Vector) -> None:
 
 
 def expect_shape(name: str, numbers: Vector, shape: tuple[int, ...]) -> None:
-    """Raise an InputError where the shape is another one."""
+    """Raise an InputError if the shape differs from the expected one."""
     if numbers.shape != shape:
         raise InputError(f"{name}: expected shape {shape}, found {numbers.shape}")
 
 
 def columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
-    """An array of one column a motion; a vector is one column."""
+    """An array with one column per motion; a vector is one column."""
     result = array(name, values, None)
     if result.ndim == 1 and shape[1] == 1:
         result = result[:, np.newaxis]
@@ -62,7 +62,7 @@ def columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
 
 
 def pair_numbers(warm_pairs: ArrayLike | Sequence[int] | None, n: int) -> NDArray[np.int32]:
-    """Numbers of pairs from 0, each once."""
+    """Distinct numbers of pairs, from 0."""
     if warm_pairs is None:
         return np.empty(0, dtype=np.int32)
     pairs = np.asarray(warm_pairs)

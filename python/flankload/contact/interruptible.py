@@ -1,4 +1,4 @@
-"""A long call of the core beside the main thread: it can be stopped, and tells how far it is."""
+"""Calls of the core beside the main thread that can be interrupted and report progress."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     Outcome = TypeVar("Outcome")
 
-#: Seconds between two looks at how far the core is.
+#: Seconds between two reads of the core's progress.
 TICK_S = 0.05
 
 
@@ -23,23 +23,23 @@ def call_and_watch(
     *,
     tell: Callable[[int], None] | None = None,
 ) -> Outcome:
-    """Call the core in a thread of its own and wait.
+    """Call the core in a separate thread and wait.
 
-    What interrupts the waiting (Ctrl-C, an exception from `tell`) stops the core and goes on to the
-    caller once the core has come back.
+    An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
+    the core has returned.
 
     Parameters
     ----------
     call : callable
-        The call of the core; it gives the interpreter free while it runs.
+        The call of the core; it releases the GIL while it runs.
     control : (2,) array of C ints
-        Shared with the core: [0] asks it to stop, [1] is what it has done.
+        Shared with the core: [0] requests it to stop, [1] is the completed work.
     tell : callable, optional
-        Told control[1] several times a second.
+        Called with control[1] several times a second.
 
     Returns
     -------
-    What `call` returns.
+    Return value of `call`.
     """
     outcome: list[Outcome] = []
     failure: list[BaseException] = []

@@ -1,4 +1,4 @@
-"""Many contact problems in one call of the core: torques of a list, positions of a sequence."""
+"""Several contact problems in one call of the core: a list of torques, a sequence of positions."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def solve_contact_torques(
 ) -> tuple[ContactState, ...]:
     """States of contact of one position for a list of torques, in one call of the core.
 
-    The torques are followed from the least to the largest: each state goes on from the pairs, and
-    where it can from the factor, of the one before.
+    The torques are solved in ascending order: each state starts from the pairs of the previous one
+    and, if possible, from its factor.
 
     Parameters
     ----------
@@ -46,10 +46,11 @@ def solve_contact_torques(
     Raises
     ------
     InputError
-        As `solve_contact`.
+        As in `solve_contact`.
     ContactError
-        The first torque without a state, as `solve_contact` would raise it; its `states` hold those
-        of the other torques (None where there is none), its `place` is the number of the torque.
+        For the first torque without a state, as `solve_contact` would raise it; its `states`
+        contain those of the other torques (None if there is none), its `place` is the index of the
+        torque.
     """
     problem = from_angles(
         flexibility_matrix,
@@ -80,24 +81,24 @@ def solve_contact_sequence(
 ) -> tuple[ContactState, ...] | tuple[tuple[ContactState, ...], ...]:
     """States of contact of a sequence of positions, in one call of the core.
 
-    Each position begins with the pairs that carried in the one before. Threads share runs of eight
-    positions: the answer is bitwise the same whatever their number.
+    Each position starts from the pairs in contact at the previous one. Threads share groups of
+    eight positions: the result is bitwise independent of their number.
 
     Parameters
     ----------
     flexibility_matrices : sequence of P array_like of shape (n, n)
-        Influence numbers A of each position [rad/N]; n may differ from position to position.
+        Influence coefficients A of each position [rad/N]; n may differ from position to position.
     lever_arms, gap_angles, normal_lever_arms : sequence of P array_like of shape (n,)
         As in `solve_contact`, for each position.
     torque : float or array_like of shape (T,)
-        Torque, or the torques that each position is solved for [N mm].
+        Torque, or the torques for each position [N mm].
     pair_keys : sequence of P array_like of int of shape (n,), optional
-        What a pair is known by from one position to the next, each once in a position: its place
-        counted from the point of contact, where that wanders. Default: its number.
+        Identification of a pair from one position to the next, distinct within a position: for a
+        moving point of contact, its place relative to that point. Default: its number.
     method, positive_definite
         As in `solve_contact`.
     threads : int, optional
-        Threads that share the work; 0 (default): as many as OpenMP takes by itself.
+        Threads that share the work; 0 (default): the default number of OpenMP.
 
     Returns
     -------
@@ -106,10 +107,10 @@ def solve_contact_sequence(
     Raises
     ------
     InputError
-        As `solve_contact`; the line names the position.
+        As in `solve_contact`; the line names the position.
     ContactError
-        The first state that does not exist; its `states` hold all others (None where there is
-        none), its `place` are the numbers of the position and of the torque.
+        For the first state that does not exist; its `states` contain all others (None if there is
+        none), its `place` contains the indices of the position and of the torque.
     """
     loads = torque_loads("torque", torque, None)
     if loads.ndim > 1:
@@ -157,14 +158,14 @@ def solve_contact_sequence(
 
 
 def _complete(states: Sequence[ContactState | None]) -> tuple[ContactState, ...]:
-    """The states, none of which is missing."""
+    """All states, if none is missing."""
     return tuple(state for state in states if state is not None)
 
 
 def _with_states(
     error: ContactError, states: Sequence[object], place: tuple[int, ...], where: str
 ) -> ContactError:
-    """The error with its place named and the other states at hand."""
+    """The exception with its place and the other states."""
     error.args = (f"{where}: {error}",)
     error.states = tuple(states)
     error.place = place
@@ -174,7 +175,7 @@ def _with_states(
 def _keys(
     pair_keys: Sequence[ArrayLike] | NDArray[np.integer], problems: list[ContactProblem]
 ) -> list[NDArray[np.int32]]:
-    """Whole numbers, each once in a position."""
+    """Integers, distinct within a position."""
     result = []
     for p, problem in enumerate(problems):
         keys = np.asarray(pair_keys[p])
@@ -197,7 +198,7 @@ def _solve_all(
     method: str,
     threads: int,
 ) -> tuple[list[list[ContactState | None]], ContactError | None]:
-    """States by problem and load, and the first error with its place."""
+    """States by problem and load, and the first exception with its place."""
     number = max(method_number(method, problem) for problem in problems)
     if loads.size == 0:
         return [[] for _ in problems], None

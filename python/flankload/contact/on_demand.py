@@ -1,4 +1,4 @@
-"""The contact problem without its matrix: influence columns made where they are needed."""
+"""Contact problem without a stored matrix: influence columns are computed on demand."""
 
 from __future__ import annotations
 
@@ -38,26 +38,26 @@ def solve_contact_on_demand(
     symmetric: bool = True,
     positive_definite: bool | None = None,
 ) -> ContactState:
-    """Find the state of contact of a problem whose influence columns cost time or memory.
+    """Find the state of contact of a problem whose influence columns are expensive or large.
 
-    Most potential pairs never touch. Columns are asked for, some at a time, of the pairs that come
-    near contact only; `info.influence_columns` says how many were made.
+    Most potential pairs never touch. Columns are requested in groups, for pairs that come near
+    contact only; `info.influence_columns` is the number of computed columns.
 
     Parameters
     ----------
     influence_columns : callable
-        Takes the numbers of m pairs, from 0, and returns their columns of K [mm/N], shape (n, m).
-        No pair is asked for twice.
+        Called with the numbers of m pairs, from 0; returns their columns of K [mm/N], shape (n, m).
+        No pair is requested twice.
     diagonal : array_like of shape (n,)
         Diagonal of K [mm/N].
     normal_gaps, motions, loads, load_rows, method
         As in `solve_contact_general`; not method ``paper``.
     symmetric : bool, optional
-        K is symmetric: the compliance of elastic bodies without friction (default).
+        Whether K is symmetric: the compliance of elastic bodies without friction (default).
     positive_definite : bool, optional
-        K, or the symmetric part of one that is not symmetric, is known to be positive definite.
-        Default: as `symmetric` says. Without it uniqueness is not certain, since nothing proves it
-        but the whole matrix.
+        Whether K, or the symmetric part of an asymmetric K, is known to be positive definite.
+        Default: the value of `symmetric`. If False, uniqueness is not certain, since only the whole
+        matrix would prove it.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def solve_contact_on_demand(
     Raises
     ------
     InputError, NoContactState, PivotLimit, SingularContact
-        As `solve_contact_general`.
+        As in `solve_contact_general`.
     """
     scale = array("diagonal", diagonal, 1)
     if scale.size == 0:
@@ -105,7 +105,7 @@ def _follow(
     loads: Vector,
     method: int,
 ) -> ContactState:
-    """Step by step: solve with the columns that are known, make those that are wanted."""
+    """Solve with the known columns and compute the requested ones, step by step."""
     known = np.empty(0, dtype=np.int32)
     warm = np.empty(0, dtype=np.int32)
     made = problem.compliance
@@ -138,7 +138,7 @@ def _columns(
     pairs: NDArray[np.int32],
     diagonal: Vector,
 ) -> Vector:
-    """The columns that were asked for, checked."""
+    """The requested columns, checked."""
     made = array("influence_columns", influence_columns(pairs.astype(np.intp)), 2)
     expect_shape("influence_columns", made, (diagonal.size, pairs.size))
     own = made[pairs, np.arange(pairs.size)]

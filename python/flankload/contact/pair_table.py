@@ -1,4 +1,4 @@
-"""Contact pairs of many states in one table, without a row to spare."""
+"""Contact pairs of many states in one table without unused rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: Columns of the core's table of pairs: arc lengths on both flanks, radius, place and normal (out
-#: of body 1), force, cell, final gap [mm, N], lever of the torque row.
+#: of body 1), force, cell, final gap [mm, N], lever arm of the torque row.
 COLUMNS = (
     "s_1",
     "s_2",
@@ -27,8 +27,8 @@ COLUMNS = (
     "gap",
     "lever",
 )
-#: What stands behind them with friction: sliding speed [mm per rad of the position], friction
-#: coefficient times its sign.
+#: Further columns with friction: sliding speed [mm per rad of the position], friction coefficient
+#: with its sign.
 FRICTION_COLUMNS = ("sliding", "friction")
 
 
@@ -39,10 +39,10 @@ class PackedPairs:
     Attributes
     ----------
     site : (N,) array
-        Number of each pair's site in the sweep, from 0; N pairs, of other torques too.
-    table : (N, len(COLUMNS)) array; with friction FRICTION_COLUMNS stand behind them
+        Number of each pair's site in the sweep, from 0; N pairs, including those of other torques.
+    table : (N, len(COLUMNS)) array; with friction followed by FRICTION_COLUMNS
     first, count : (P,) arrays
-        Where the pairs of a position begin, and how many there are.
+        Index of the first pair of a position, and number of its pairs.
     """
 
     site: NDArray[np.intc]
@@ -81,17 +81,17 @@ class PackedPairs:
         return np.arange(total) + np.repeat(self.first - before, self.count)
 
     def parted_at(self, site: int) -> tuple[PackedPairs, PackedPairs]:
-        """Pairs of sites below a number and those above, of which the numbers begin at 0 again.
+        """Split the pairs at a site number; the numbers of the second part restart at 0.
 
         Parameters
         ----------
         site : int
-            At each position pairs below it stand first.
+            At each position the pairs of smaller numbers come first.
 
         Returns
         -------
         below, above : PackedPairs
-            With the same table.
+            Both use the same table.
         """
         above = self.site >= site
         rows = np.concatenate([[0], np.cumsum(above)])
@@ -112,13 +112,13 @@ class PackedPairs:
 
 
 def join_pairs(parts: Sequence[PackedPairs], order: NDArray[np.int64]) -> PackedPairs:
-    """Pairs of all positions of several, without those of other torques.
+    """Concatenate the pairs of all positions of several tables, without those of other torques.
 
     Parameters
     ----------
     parts : sequence of PackedPairs
     order : (P,) array
-        Numbers of the positions, as the parts have them one after the other, in their new order.
+        Indices into the concatenated positions of the parts, in their new order.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A contact problem, checked: what goes to the core, whichever form it came in."""
+"""Contact problem after validation, in the form of the core."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ METHODS = {
 }
 RUNGS = {number: name for name, number in METHODS.items()} | {5: "single_pivoted"}
 
-# What the core is told of K.
+# properties of K that are passed to the core
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)
-# So few pairs cost nothing to scale and to prove unique.
+# for this number of pairs, scaling and a proof of uniqueness cost nothing
 _FEW_PAIRS = 60
 
 
@@ -43,14 +43,14 @@ class ContactProblem:
     motions, load_rows : ndarray of shape (n, q)
         B and R, Fortran order.
     structure : int
-        What the core is told of K.
+        Properties of K that are passed to the core.
     gap_scale : ndarray of shape (n,)
-        What final gaps are divided by: the row scales of the angle form, else one.
+        Divisors of final gaps: the row scales of the angle form, else one.
     load_unit : float
-        What loads and load rows are divided by: the row scale of the angle form where it is one for
-        all rows, else one.
+        Divisor of loads and load rows: the row scale of the angle form if it is the same for all
+        rows, else one.
     names : tuple of str
-        What the caller knows K as, in errors of an entry and of the whole.
+        Names of K for the caller, in errors of an entry and of the whole.
     """
 
     compliance: Vector
@@ -76,7 +76,7 @@ def from_angles(
     normal_lever_arms: ArrayLike | None,
     positive_definite: bool | None,
 ) -> ContactProblem:
-    """The problem of influence numbers and gap angles: K = diag(b) A, g0 = b ε, B = b, R = m."""
+    """Problem of influence coefficients and gap angles: K = diag(b) A, g0 = b ε, B = b, R = m."""
     matrix = _square("flexibility_matrix", flexibility_matrix)
     n = matrix.shape[0]
     torque_row = array("lever_arms", lever_arms, 1)
@@ -100,8 +100,8 @@ def from_angles(
         raise InputError(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
         )
-    # One scale for all rows makes no matrix symmetric: rows stay those of angles, without a copy,
-    # and the loads take the scale, so that B = R where there is no friction.
+    # a common scale for all rows does not make a matrix symmetric: rows remain those of angles,
+    # without a copy, and the loads are scaled, so that B = R without friction
     scaled = n <= _FEW_PAIRS or row_scale.max() > least
     load_unit = 1.0 if scaled else float(least)
     if not scaled:
@@ -150,7 +150,7 @@ def general(
 
 
 def torque_loads(name: str, torque: ArrayLike, n_axes: int | None) -> Vector:
-    """A torque >= 0, or a list of them."""
+    """Check a torque >= 0, or a list of torques."""
     load = array(name, torque, n_axes)
     if load.size and load.min() < 0.0:
         what = "a number" if load.ndim == 0 else "numbers"
@@ -159,7 +159,7 @@ def torque_loads(name: str, torque: ArrayLike, n_axes: int | None) -> Vector:
 
 
 def loads_of_motions(loads: ArrayLike) -> Vector:
-    """One load a motion."""
+    """Check for one load per motion."""
     load = np.atleast_1d(array("loads", loads, None))
     expect_shape("loads", load, (load.size,))
     if load.size == 0:
@@ -183,7 +183,7 @@ def method_number(method: str, problem: ContactProblem) -> int:
 
 
 def expect_positive_diagonal(diagonal: Vector, name: str) -> None:
-    """Raise where a pair would not recede from its own force."""
+    """Raise if the normal displacement of a pair under its own force is not positive."""
     if not diagonal.min() > 0.0:
         raise InputError(
             f"{name}: expected a diagonal > 0, found {diagonal.min():g} "
@@ -193,7 +193,7 @@ def expect_positive_diagonal(diagonal: Vector, name: str) -> None:
 
 
 def _square(name: str, values: ArrayLike) -> Vector:
-    """A square matrix of numbers, not yet known to be finite."""
+    """Check for a square matrix of numbers; finiteness is checked later."""
     matrix = array(name, values, 2, finite=False)
     n = matrix.shape[0]
     expect_shape(name, matrix, (n, n))
@@ -214,7 +214,7 @@ def _problem(
     load_unit: float,
     names: tuple[str, str],
 ) -> ContactProblem:
-    """Scale rows and look at the whole matrix, in one pass; no copy is made that is not needed."""
+    """Scale rows and check the whole matrix in one pass, without unnecessary copies."""
     if not matrix.flags.forc:
         matrix = np.asfortranarray(matrix)
     by_rows = not matrix.flags.f_contiguous
@@ -249,11 +249,11 @@ def _problem(
 
 
 def _structure(*, symmetric: bool, elastic: bool, n: int, positive_definite: bool | None) -> int:
-    """What the core is told of K.
+    """Properties of K that are passed to the core.
 
-    A symmetric matrix is that of elastic bodies unless an entry contradicts it or the caller wants
-    a proof; for few pairs the proof costs nothing. Nothing is taken for granted of a matrix that
-    is not symmetric.
+    A symmetric matrix is assumed to belong to elastic bodies unless an entry contradicts this or
+    the caller requests a proof; for few pairs the proof costs nothing. Nothing is assumed about a
+    matrix that is not symmetric.
     """
     if not symmetric:
         return DEFINITE_PART if positive_definite else GENERAL

@@ -1,4 +1,4 @@
-"""The state of contact and what is said of it."""
+"""State of contact and its certificate."""
 
 from __future__ import annotations
 
@@ -11,38 +11,40 @@ from flankload.base.read_only import KeepsReadOnly
 
 Vector = NDArray[np.float64]
 
-# Directions in which the forces are this much less stiff than in the stiffest are undetermined.
+# force directions whose stiffness is below this part of the largest are undetermined
 _UNDETERMINED = 1e-8
 
 
 @dataclass(frozen=True)
 class ContactInfo:
-    """How a state was found, and its certificate.
+    """Solution history of a state, and its certificate.
 
     Attributes
     ----------
     rung : str
-        The loop that found it.
+        The loop that found the state.
     pivots, refactorisations : int
-        Pairs that joined or left; factorisations made as a whole to win digits back.
+        Number of pairs that joined or left; number of complete factorisations that restored
+        accuracy.
     condition : float
-        Condition of the equilibrated equations of the active pairs.
+        Condition number of the equilibrated equations of the active pairs.
     growth : float
-        Growth of the entries in elimination without exchange of rows.
+        Growth of the entries in elimination without row exchanges.
     backward_error : float
-        Largest error of a row of the problem, relative to the row's own size.
+        Largest residual of a row of the problem, relative to the size of the row.
     margin : float
-        Distance to the nearest change of the active pairs: the least of force over largest force
-        (active pairs) and gap over the row's own size (others).
+        Distance to the nearest change of the active pairs: the minimum of force divided by largest
+        force (active pairs) and of gap divided by the size of the row (others).
     unique : bool
-        No other state exists, as far as `uniqueness` says.
+        Whether no other state exists, on the basis of `uniqueness`.
     uniqueness : {"proven", "elastic", "not certain"}
-        What that rests on: the whole matrix was factored; or the matrix is known to be positive
-        definite, as that of elastic bodies is, and all that was read of it confirms it.
+        Basis of `unique`: the whole matrix was factored; or the matrix is known to be positive
+        definite, as for elastic bodies, and all columns read confirm it.
     influence_columns : int
-        Columns of the influence matrix that were made: all, but for `solve_contact_on_demand`.
+        Number of computed columns of the influence matrix: all, except for
+        `solve_contact_on_demand`.
     undetermined : tuple of tuple of int
-        Groups of pairs of which only the sum of the forces is certain.
+        Groups of pairs of which only the sum of the forces is determined.
     """
 
     rung: str
@@ -65,24 +67,24 @@ class ContactState(KeepsReadOnly):
     Attributes
     ----------
     normal_forces : ndarray of shape (n,)
-        Normal forces [N], zero where a pair is open.
+        Normal forces [N], zero if a pair is open.
     final_gap_angles : ndarray of shape (n,)
         Final gap angles [rad]; from `solve_contact_general` final gaps along the normals [mm].
     rotation : float
         Rotation of body 1 in the sense of its torque [rad]; the first motion of the general form.
     active_pairs : ndarray of int
-        Pairs that carry a force, from 0, ascending.
+        Pairs with contact force, from 0, ascending.
     status : int
-        0 solved; 1 solved, ill-conditioned (split between pairs uncertain, sums right) or rows not
-        met to 10 eps (``info.backward_error``); 2 solved,
-        degenerate (a pair with neither force nor gap); 3 solved, uniqueness not certain. The state
-        attached to a `NegativeForce` has -6.
+        0 solved; 1 solved, ill-conditioned (distribution between pairs uncertain, sums correct) or
+        rows not satisfied to 10 eps (``info.backward_error``); 2 solved, degenerate (a pair with
+        neither force nor gap); 3 solved, uniqueness not certain. The state attached to a
+        `NegativeForce` has -6.
     info : ContactInfo
         Certificate and counters.
     motions : ndarray of shape (q,)
         All motions of the general form; ``motions[0] == rotation``.
     tangent : ndarray of shape (q, q)
-        Change of the motions with the loads while the active pairs stay the same [rad/(N mm)].
+        Derivative of the motions with respect to the loads for constant active pairs [rad/(N mm)].
     """
 
     normal_forces: Vector
@@ -108,11 +110,10 @@ class ContactState(KeepsReadOnly):
 def undetermined_groups(
     compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector, status: int
 ) -> tuple[tuple[int, ...], ...]:
-    """Groups of touching pairs of which only the sum of the forces is certain.
+    """Groups of touching pairs of which only the sum of the forces is determined.
 
-    Directions in force space that neither move a gap nor change a load: right singular vectors of
-    the equilibrated equations with small singular values. Pairs that one of them couples are one
-    group.
+    Directions in force space that change neither gaps nor loads: right singular vectors of the
+    equilibrated equations with small singular values. Pairs that one of them couples are one group.
     """
     if status <= 0:
         return ()

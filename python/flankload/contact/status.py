@@ -1,4 +1,4 @@
-"""Status codes of the core and the exception of each; their words are the core's own."""
+"""Status codes of the core and their exceptions; the messages come from the core."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from flankload.errors import (
     SingularContact,
 )
 
-#: A double has no room for the state; the caller's room was too small for the pairs of a position,
-#: which is asked for again with more; a position that was not begun.
+#: Status codes: the state exceeds the range of double precision; the workspace was too small for
+#: the pairs of a position, which is repeated with a larger one; a position was not started.
 OUT_OF_RANGE, NO_ROOM, STOPPED = -7, -15, -16
-#: Exception of each status of a position without a state.
+#: Exception for each status of a position without a state.
 EXCEPTIONS: dict[int, type[ContactError]] = {
     NoContactState.code: NoContactState,
     PivotLimit.code: PivotLimit,
@@ -35,6 +35,6 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
 
 
 def words(code: int) -> str:
-    """What a status says (`fortran/base/status.f90`)."""
+    """Message of a status (`fortran/base/status.f90`)."""
 
     return _core.flankload_status_text(code).decode("ascii").strip()

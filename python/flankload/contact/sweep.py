@@ -1,4 +1,4 @@
-"""All positions and torques of a sweep: bodies and compliances go into one call of the core."""
+"""Sweep over all positions and torques in one call of the core, from bodies and compliances."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from flankload.pairing.pairing import Pairing
     from flankload.scene.discretization import Grid
 
-#: Levels of contact, cheapest last, as the core numbers them.
+#: Contact models in order of decreasing cost, as numbered in the core.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
-#: Mark of an end of a curve that is cut: nothing touches first there.
+#: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
-#: What the core notes at a site where an end that is left out would touch.
+#: Value of the core for a site at which an omitted end would touch.
 END_WOULD_TOUCH = -3
-#: What the core counts of every state, in its order.
+#: Counters of the core for every state, in its order.
 CORE_COUNTERS = (
     "pivots",
     "influence_columns",
@@ -44,24 +44,24 @@ CORE_COUNTERS = (
     "lumped_solutions",
     "finite_solutions",
 )
-#: Room for pairs in the first call, per position and torque: twice what most jobs need. Memory that
-#: is never written costs nothing.
+#: Allocated pairs in the first call, per position and torque: twice the number that most jobs need.
+#: Memory that is never written costs nothing.
 FIRST_ROOM = 256
-#: The same where all teeth may carry, per site and cell between its middle and the edge of its
-#: zone: two sides, finer cells at the ends of conforming flanks (2.8 in all), some to spare.
+#: The same for contact on all teeth, per site and cell between its middle and the edge of its zone:
+#: two sides, finer cells at the ends of conforming flanks (2.8 in all), and a reserve.
 ROOM_OF_CELL = 3.2
 
 
 @dataclass(frozen=True)
 class CoastSweep:
-    """What the core found on coast flanks, at the pair numbers of the working ones.
+    """Results of the core on coast flanks, at the pair numbers of the working flanks.
 
     Attributes
     ----------
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         As in `Sweep`.
     pairs : PackedPairs
-        Their torque levers are negative.
+        Their torque lever arms are negative.
     """
 
     site_force_N: NDArray[np.float64]
@@ -72,7 +72,7 @@ class CoastSweep:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What the core found at all positions (P) for one torque; S sites.
+    """Results of the core at all positions (P) for one torque; S sites.
 
     Attributes
     ----------
@@ -81,21 +81,22 @@ class Sweep:
     certificate : (P, 3) array
         Backward error, condition, margin.
     counters : (P, 7) array
-        What each state took: `CORE_COUNTERS`.
+        Cost of each state: `CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        Force; peak of force over cell width; body whose sharp corner works (0: none; -1: the site
-        that touches without torque, -2: a lumped contact that no parabola makes, both off corners;
-        -3: an end that is left out would touch).
+        Force; maximum of force divided by cell width; body with contact on a sharp corner (0: none;
+        -1: the site that touches without torque, -2: a lumped contact that no parabola
+        approximates, both off corners; -3: an omitted end would touch).
     site_force_per_torque : (P, S) array
-        Derivative of the forces by the torque, 1/mm; as long as that is not known, their part.
+        Derivative of the forces with respect to the torque, 1/mm; before it is known, force divided
+        by torque.
     n_pairs : (P,) array
-        Those of coast flanks included.
+        Including those of coast flanks.
     pairs : PackedPairs
-        Of working flanks; empty where pairs are not kept.
+        Pairs of working flanks; empty if pairs are not kept.
     coast : CoastSweep or None
-        The same of the coast flanks, where they can carry.
+        Results of the coast flanks, if they can carry load.
     unloaded_rad : (P,) array or None
-        Rotation without torque, where that has been looked at.
+        Rotation without torque, if computed.
     """
 
     torque_Nmm: float
@@ -115,7 +116,7 @@ class Sweep:
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
-        """(P,) Rotation beyond that without torque, as far as that is known."""
+        """(P,) Rotation minus that without torque, if the latter is known."""
         unloaded = self.unloaded_rad
         return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
 
@@ -140,39 +141,40 @@ def sweep(
     """Solve all positions for all torques in one call of the core.
 
     The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
-    milliseconds. The answer for a torque at a position depends on no other torque or position and
-    not on the number of threads, to the last bit.
+    milliseconds. The result for a torque at a position is bitwise independent of other torques,
+    other positions and the number of threads.
 
     Parameters
     ----------
     bodies, compliances, pairing
-        From the stages before.
+        From the previous stages.
     position_rad : (P,) array
         Angle of body 1 from position zero.
     torques_Nmm : sequence of float
         Torques on body 1, >= 0.
     face_width_mm : float
-        Width over which both bodies touch.
+        Width over which both bodies are in contact.
     grid : Grid
-        How fine the cells are.
+        Cell sizes.
     level : str
-        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, as wide as
-        Hertz contact; no cells, hence no influence columns, and a pair for each place in the table.
-        Its cell is π/2 half-widths, over which the largest pressure would carry the force. Flanks
-        that conform have no such place.
+        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, with the
+        width of a Hertz contact; no cells, hence no influence columns, and one pair per place in
+        the table. Its cell is π/2 half-widths, over which the largest pressure would carry the
+        force. Conforming flanks have no such place.
     friction : Friction, optional
-        Of the flanks; the compliances must have their tangential parts then.
+        Friction of the flanks; it requires compliances with tangential parts.
     finite_steps : int
-        Influence numbers of finite forces by so many steps of each force, 0: of small ones; the
-        compliances must have their tangential parts then, with friction also those along.
+        Number of force steps for influence coefficients of finite forces, 0: of small forces.
+        Finite steps require compliances with tangential parts, with friction also those along the
+        flanks.
     keep_pairs : bool
-        Whether the single pairs are wanted; the numbers of the sites are there in any case.
+        Whether single pairs are stored; results per site are always stored.
     account : Account, optional
-        Where all work of the core is counted, that for states without an answer too.
+        Account of all work of the core, including that for states without a solution.
     progress : callable, optional
         Called as progress(done, P) several times a second.
     watched : bool
-        Ctrl-C stops the core within milliseconds; a call that is over as soon needs no thread.
+        Whether Ctrl-C stops the core within milliseconds; a very short call needs no thread.
 
     Returns
     -------
@@ -181,8 +183,8 @@ def sweep(
     Raises
     ------
     FlankloadError
-        If a position has no answer for a torque; the message names the first one. `NoContactState`
-        carries the largest torque that can be held there.
+        If a position has no solution for a torque; the message names the first one.
+        `NoContactState` contains the largest torque that is possible there.
     """
     spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
@@ -256,7 +258,7 @@ def sweep(
 
 
 def _first_room(pairing: Pairing, grid: Grid) -> int:
-    """Room for the pairs of a state that is enough for nearly all."""
+    """Allocated pairs of a state, sufficient for nearly all states."""
     sides = 1 if pairing.coast is None else 2
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
@@ -265,13 +267,13 @@ def _first_room(pairing: Pairing, grid: Grid) -> int:
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
-    """One sweep of all positions of several, for the same torque and the same sites.
+    """Join sweeps of different positions for the same torque and the same sites.
 
     Parameters
     ----------
     parts : sequence of Sweep
     order : (P,) array
-        Numbers of the positions, as the parts have them one after the other, in their new order.
+        Indices into the concatenated positions of the parts, in their new order.
 
     Returns
     -------
@@ -288,7 +290,7 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
 def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
-    """What has a row for each position, and the pairs."""
+    """Fields with a row for each position, and the pairs."""
     single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
     names = [item.name for item in fields(parts[0]) if item.name not in single]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
@@ -303,7 +305,7 @@ def _core_arguments(
     pairing: Pairing,
     face_width_mm: float,
 ) -> list[tuple[NDArray[Any] | float, ...]]:
-    """Per body: curve, compliance and shift arrays, in the layout of the flat door."""
+    """Per body: curve, compliance and shift arrays, in the layout of the flat interface."""
     arguments: list[tuple[NDArray[Any] | float, ...]] = []
     for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
         teeth, angles = pairing.site_teeth[z], pairing.site_angles_rad[z]
@@ -349,15 +351,16 @@ def _mode_range(compliance: BodyCompliance) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class _AlongFlanks:
-    """What loads along the flanks move, in the layout of the flat door; empty where none rub.
+    """Responses to tangential loads in the layout of the flat interface; empty without these.
 
     Attributes
     ----------
     across : two tuples
-        Of each body number of loads along its flank, what they move out of the material (flat) and
-        the strength of the jump.
+        For each body the number of tangential loads, their normal displacements (flat) and the
+        strength of the jump.
     along : tuple
-        For body 1, then body 2, number of these loads and what they move along (flat).
+        For body 1, then body 2, the number of tangential loads and their tangential displacements
+        (flat).
     """
 
     across: tuple[tuple[int, NDArray[np.float64], float], ...]
@@ -365,7 +368,7 @@ class _AlongFlanks:
 
     @classmethod
     def of(cls, compliances: Sequence[BodyCompliance], face_width_mm: float) -> _AlongFlanks:
-        """Arguments; rigid bodies have none, nor do those of which none is asked for."""
+        """Arguments; empty for rigid bodies and if no tangential response is requested."""
         across: list[tuple[int, NDArray[np.float64], float]] = []
         along: list[NDArray[np.float64] | int] = []
         for compliance in compliances or (None, None):
@@ -380,7 +383,7 @@ class _AlongFlanks:
 def _flat(
     blocks: NDArray[np.float64] | None, face_width_mm: float
 ) -> tuple[int, NDArray[np.float64]]:
-    """Number of loads of blocks of a compliance, and the blocks one after the other."""
+    """Number of loads in the blocks of a compliance, and the concatenated blocks."""
     if blocks is None:
         return 0, np.empty(0)
     return blocks.shape[2], blocks.transpose(1, 2, 0).ravel(order="F") / face_width_mm
@@ -397,7 +400,7 @@ class _Found:
 
     @property
     def nbytes(self) -> int:
-        """Of all outputs, and of the influence numbers of the state with most pairs."""
+        """Bytes of all outputs, and of the influence coefficients of the state with most pairs."""
         influence = 8 * int(self.numbers[-1].max(initial=0)) ** 2
         table = self.pair_site.nbytes + self.pair_table.nbytes
         return influence + table + held_bytes(self.numbers)
@@ -409,7 +412,7 @@ class _Found:
         return PackedPairs(self.pair_site, self.pair_table, first, count)
 
     def take_over(self, other: _Found, positions: NDArray[np.int64]) -> None:
-        """Fill in positions that another call has found."""
+        """Fill in positions from another call."""
         for mine, theirs in zip(self.numbers, other.numbers, strict=True):
             mine[..., positions, :] = theirs
         self.first_pair[positions] = other.first_pair + len(self.pair_site)
@@ -419,7 +422,7 @@ class _Found:
 
 @dataclass
 class _CoreCall:
-    """The arguments of the core that stay, and how it is called with them."""
+    """The constant arguments of the core, and its call."""
 
     turns: tuple[NDArray[np.float64], NDArray[np.float64]]
     pairing: Pairing
@@ -435,7 +438,7 @@ class _CoreCall:
     watched: bool
 
     def all_positions(self, room: int) -> _Found:
-        """Solve every position; those whose pairs found no room again, with more."""
+        """Solve every position; repeat those whose pairs exceeded the allocated number."""
         n = len(self.turns[0])
         found = self._call(np.arange(n), room * n, done=0)
         while True:
@@ -520,7 +523,7 @@ class _CoreCall:
 
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
-    """Count what a call of the core has done, also for states that found no room."""
+    """Count the work of a call of the core, including states that exceeded the allocation."""
     begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))

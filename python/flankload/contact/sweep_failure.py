@@ -1,4 +1,4 @@
-"""What is raised where a position has no answer, and how much torque could be held there."""
+"""Exceptions for positions without a solution, with the largest possible torque."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Where the core speaks of a contact problem in general, and a scene has words of its own.
+#: Replacements for general terms of the core by terms of a scene.
 IN_A_SCENE = {
     -1: "no state of contact was found for this torque",
     -3: "no pair holds the rotation, or the pairs in contact depend on each other",
@@ -27,8 +27,8 @@ IN_A_SCENE = {
     ),
     -21: "only tips or fillets come near here, which effects.tip_contact = false leaves out",
 }
-#: The torque that a jammed pair can hold is looked for from this part on, in so many steps, which
-#: leave 3e-4 of it after so many rounds.
+#: Start and number of steps of the search for the largest torque that a jammed pair can hold; the
+#: given number of rounds locates it to 3e-4.
 LEAST_HELD, HELD_STEPS, HELD_ROUNDS = 1e-4, 40, 3
 
 
@@ -41,26 +41,26 @@ def raise_first_failure(
     rubs: bool,
     holds: Callable[[int, NDArray[np.float64]], NDArray[np.bool_]] | None = None,
 ) -> None:
-    """Raise what the first state without an answer asks for; nothing where all have one.
+    """Raise the exception of the first state without a solution, if there is one.
 
     Parameters
     ----------
     status : (P, T) array
-        Of the core; negative where there is no state.
+        Status of the core; negative if no state was found.
     position_rad : (P,) array
     torques : (T,) array
         N mm.
     certificate : (3, P, T) array
-        Where there is no state: part of the torque that can be held, 1 where that is proven.
+        For a position without a state: part of the torque that can be held, 1 if that is proven.
     rubs : bool
-        With friction.
+        Whether friction acts.
     holds : callable, optional
-        holds(k, torques) tells which torques position k can hold.
+        holds(k, torques) returns which torques position k can hold.
 
     Raises
     ------
     ContactError
-        `NoContactState` carries the largest torque that can be held.
+        `NoContactState` contains the largest torque that can be held.
     """
     failed = np.argwhere(status < 0)
     if failed.size == 0:
@@ -89,10 +89,10 @@ def raise_first_failure(
 def _largest_held(
     guess: float, torque: float, holds: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> float:
-    """Largest torque below one that is too much, N mm; the guess where none of those tried holds.
+    """Largest torque that can be held, N mm; the guess if none of those tried can be held.
 
-    The guess comes from cells that were laid for the torque asked for, as wide as its contacts
-    would be; here each torque has its own.
+    The guess comes from cells for the requested torque, as wide as its contacts would be; here each
+    torque has its own cells.
     """
     found = guess
     tried = np.geomspace(LEAST_HELD * torque, torque, HELD_STEPS)

@@ -1,7 +1,7 @@
 """Kinds of drive behind one protocol: flank pairs, belts and chains.
 
-A kind of drive is one room here and one line of `REGISTRY`. `runner.run` solves a scene of any kind
-stage by stage; the rooms know nothing of each other.
+Each kind of drive is one package here and one line of `REGISTRY`. `runner.run_once` solves a scene
+of any kind stage by stage; the packages do not import each other.
 """
 
 from flankload.mechanisms.protocol import Description, Mechanism, MeshFile, States

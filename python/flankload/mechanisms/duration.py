@@ -1,10 +1,10 @@
-"""Predicted duration of a run: counted work times measured rates.
+"""Predicted duration of a run: counted work multiplied by measured rates.
 
-Nothing is solved, so the prediction is right to a factor of two; `flankload plan` solves some
-states and is right to a factor of 1.5. The rates were measured on gears, rings, cams and splines
-with 10 to 40 cells on a half-width, and on elements with 600 to 16000 unknowns (CPU seconds, the
-shortest of several runs on one thread of a core at 3 GHz); on another machine they scale with its
-speed.
+Nothing is solved, so the prediction is correct to a factor of two; `flankload plan` solves some
+states and is correct to a factor of 1.5. The rates were measured on gears, rings, cams and splines
+with 10 to 40 cells on a half-width, and on finite elements with 600 to 16000 unknowns (CPU seconds,
+the shortest of several runs on one thread of a core at 3 GHz); on another machine they scale with
+its speed.
 """
 
 from __future__ import annotations
@@ -19,21 +19,22 @@ if TYPE_CHECKING:
 
     Counters = Mapping[str, int]
 
-#: Of a mesh, an element, a factor, a solution; a column of the cuts takes less than another one.
+#: CPU seconds per mesh, element, factorisation and solution; a solution for a column of the cuts
+#: costs less than another one.
 ASSEMBLY_S, ELEMENT_S, FACTOR_S, FACTOR_POWER = 0.011, 6.5e-5, 3.0e-7, 1.3
 SOLUTION_S, CUT_PART, SMOOTHING_S = 1.0e-7, 0.3, 8e-7
 
 
 @dataclass(frozen=True)
 class Duration:
-    """How long a run will take, to a factor of two or so.
+    """Predicted duration of a run, correct to a factor of about two.
 
     Attributes
     ----------
     elements_s, states_s : float
-        Finite elements; states, on as many threads as there are.
+        Predicted seconds of the finite elements, and of the states on all available threads.
     work : str
-        What there is to do.
+        Description of the work.
     """
 
     elements_s: float
@@ -42,23 +43,23 @@ class Duration:
 
     @property
     def seconds(self) -> float:
-        """All of it."""
+        """Total duration."""
         return self.elements_s + self.states_s
 
     def __str__(self) -> str:
-        """One line."""
+        """Duration and work in one line."""
         return f"about {float(f'{self.seconds:.1g}'):g} s: {self.work}"
 
 
 def work_in_words(scene: Scene, positions: int, least: str = "") -> str:
-    """Torques and positions of a run.
+    """Describe the torques and positions of a run.
 
     Parameters
     ----------
     scene : Scene
     positions : int
     least : str
-        Before the number of positions.
+        Text before the number of positions.
 
     Returns
     -------
@@ -70,14 +71,14 @@ def work_in_words(scene: Scene, positions: int, least: str = "") -> str:
 
 
 def elements_seconds(counters: Counters, unknowns: int, elements: int) -> float:
-    """Seconds of assembly, factorisations and solutions.
+    """CPU seconds of assembly, factorisations and solutions.
 
     Parameters
     ----------
     counters : mapping of str to int
-        Of the stage.
+        Counters of the stage.
     unknowns, elements : int
-        Of a mesh.
+        Size of the mesh.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How much an effect changes: the states of the same positions and torques with it and without."""
+"""Size of an effect: difference between states with it and without it at the same positions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Forces of no load at all are divided by this.
+#: Least divisor of forces, for states without any load.
 TINY = float(np.finfo(float).tiny)
 
 
@@ -31,7 +31,7 @@ class States:
     def of(
         cls, torque_Nm: float, sites: NDArray[np.int64], rotation_rad: Floats, site_force_N: Floats
     ) -> States:
-        """From the forces of the sites (P, S)."""
+        """States from the forces of the sites (P, S)."""
         total = np.maximum(site_force_N.sum(axis=1, keepdims=True), TINY)
         return cls(torque_Nm, sites, rotation_rad, site_force_N / total)
 
@@ -41,7 +41,7 @@ class States:
         return replace(self, rotation_rad=self.rotation_rad[which], load_share=share)
 
     def share_on(self, sites: NDArray[np.int64]) -> Floats:
-        """Load share (P, n) of more sites."""
+        """Load share (P, n) on a larger set of sites."""
         share = np.zeros((len(self.load_share), sites.size))
         share[:, np.searchsorted(sites, self.sites)] = self.load_share
         return share
@@ -49,21 +49,21 @@ class States:
 
 @dataclass(frozen=True)
 class Size:
-    """What an effect changes: with it less without it.
+    """Size of an effect: results with the effect minus results without it.
 
     Attributes
     ----------
     rotation_mean : float or None
-        Of the rotation, mean over the positions, over the mean wind-up of the scene as it stands
-        (its rotation less that without torque); None where nothing winds up.
+        Mean change of the rotation over the positions, divided by the mean wind-up of the unchanged
+        scene (its rotation minus the rotation without torque); None if the bodies do not wind up.
     rotation_largest : float or None
-        Largest amount at a position, over the wind-up there.
+        Largest absolute change of the rotation at a position, divided by the wind-up there.
     rotation_um : float
-        Largest amount, as transmission error.
+        Largest absolute change of the rotation, as transmission error.
     load_share : float
-        Largest amount of a pair's share of the load.
+        Largest absolute change of the load share of a pair.
     torque_Nm : float
-        Torque at which it is so: of several the one at which it is largest.
+        Torque to which the numbers belong: the one at which the effect is largest.
     """
 
     rotation_mean: float | None
@@ -74,15 +74,15 @@ class Size:
 
     @property
     def largest(self) -> float:
-        """What is compared with the tolerance: of rotation and share the greater."""
+        """The larger one of rotation and load share, which is compared with the tolerance."""
         return max(self.rotation_largest or 0.0, self.load_share)
 
     def as_dict(self) -> dict[str, float | None]:
-        """Its numbers by name."""
+        """Numbers by name."""
         return asdict(self)
 
     def times(self, part: float) -> Size:
-        """A part of it."""
+        """The size multiplied by a factor."""
         mean, largest = self.rotation_mean, self.rotation_largest
         return replace(
             self,
@@ -101,7 +101,20 @@ def size_of(
     unloaded_rad: Floats,
     reference_radius_mm: float,
 ) -> Size:
-    """Size of an effect, at the torque at which it is largest."""
+    """Size of an effect at the torque at which it is largest.
+
+    Parameters
+    ----------
+    with_it, without, base : sequences of States
+        One for each torque, at the same positions; `base` is the unchanged scene.
+    unloaded_rad : (P,) array
+        Rotation of the unchanged scene without torque.
+    reference_radius_mm : float
+
+    Returns
+    -------
+    Size
+    """
     sizes = [
         _size(one, other, scene.rotation_rad - unloaded_rad, reference_radius_mm)
         for one, other, scene in zip(with_it, without, base, strict=True)

@@ -1,9 +1,9 @@
-"""What the elements of a body will take: the steps of a job with linear ones, scaled as they grow.
+"""Predicted cost of the finite elements of a body, scaled from a job with linear elements.
 
 A factor of a plane mesh with n unknowns has n log n entries (George, SIAM J. Numer. Anal. 10,
-1973). On meshes of 600 to 16000 unknowns it takes as long as that, not yet n^(3/2); a solution as
-long as there are unknowns. Elements
-are assembled by the numbers in their matrices.
+1973). On meshes of 600 to 16000 unknowns the factorisation time grows in proportion to that, not
+yet as n^(3/2); the time of a solution grows in proportion to n. The assembly time is proportional
+to the number of entries of the element matrices.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.elasticity.compliance import BodyCompliance
 
-#: A smoothing of stresses takes this part of an assembly for each flank, and for so many columns:
-#: it takes the same gradients, but no products of them.
+#: Cost of smoothing stresses relative to an assembly, for each flank and for each group of this
+#: many columns: smoothing evaluates the same gradients, but not their products.
 SMOOTHING_PART, SMOOTHED_COLUMNS = 1 / 3, 12
 
 
 def load_packages() -> None:
-    """Import what elements need before they are timed."""
+    """Import the packages that elements need before they are timed."""
     import_module("skfem")
 
 
 def unknowns_of(body: Body) -> int:
-    """Degrees of freedom of a body's elements that are not held."""
+    """Number of free degrees of freedom of a body's elements."""
     assert body.mesh is not None
     return 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
 
 
 @dataclass(frozen=True)
 class ElementRates:
-    """What the job of a body with linear elements took.
+    """Measured cost of a job with linear elements.
 
     Attributes
     ----------
     body : Body
     linear_s : float
-        CPU seconds of the stiffness of the linear elements.
+        CPU seconds for the stiffness matrix of the linear elements.
     job : BodyCompliance
     """
 
@@ -57,7 +57,7 @@ class ElementRates:
 
     @property
     def _assembly_s(self) -> float:
-        """Of the stiffness of the run."""
+        """CPU seconds for the stiffness matrix of the run."""
         mesh = self.body.mesh
         assert mesh is not None
         linear, quadratic = (
@@ -67,16 +67,16 @@ class ElementRates:
         return self.linear_s * quadratic / linear
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
-        """CPU seconds and bytes of elements.
+        """CPU seconds and bytes of the finite elements.
 
         Parameters
         ----------
         counters : mapping of str to int
-            Of the stage.
+            Counters of the stage.
         places : int
-            In the root fillets of a tooth.
+            Number of evaluation points in the root fillets of a tooth.
         finer : float
-            So many times the unknowns of the run's mesh.
+            Unknowns relative to the mesh of the run.
 
         Returns
         -------
@@ -89,7 +89,7 @@ class ElementRates:
         cuts, mine = counters.get("cut_columns", 0), job.counters.get("cut_columns", 0)
         columns, own = counters["fe_solutions"] - cuts, job.counters["fe_solutions"] - mine
         seconds = finer * self._assembly_s + steps.get("ring", 0.0)
-        # half of that step are the solutions for the cuts, where there are any
+        # if there are cuts, half of that step are the solutions for them
         work = counters["fe_factorisations"] + (cuts / mine if mine else 0.0)
         seconds += steps.get("factorisation", 0.0) * larger * work / (2.0 if mine else 1.0)
         seconds += steps.get("solution", 0.0) * more * columns / max(1, own)
@@ -106,7 +106,7 @@ class ElementRates:
         )
 
     def smoothing_s(self, counters: Mapping[str, int]) -> float:
-        """CPU seconds in which the estimate smooths stresses."""
+        """CPU seconds that the error estimate needs to smooth stresses."""
         columns = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1

@@ -1,7 +1,7 @@
-"""Premises of the model: a scene that breaks one is refused, or its result says so.
+"""Premises of the model: a scene that violates one is refused, or its result is marked.
 
-The model knows small deformations of bodies that touch on their working flanks. Each premise is one
-record, with the number up to which it holds.
+The model assumes small deformations of bodies that touch on their working flanks. Each premise is
+one record with its limit.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Premise:
-    """What must hold.
+    """A condition that the model requires.
 
     Attributes
     ----------
     name : str
-        As `result.outside_limits` lists it.
+        Name in `result.outside_limits`.
     limit : float
     expected : str
-        What is expected, with the limit.
+        Expected condition, with the limit.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Premise:
     expected: str
 
 
-#: Where there is no module; of a cam's follower parts of a radian.
+#: For drives without a module; for a cam's follower the limit is in radians.
 ROTATION = Premise(
     "rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch, or of a radian"
 )
@@ -52,15 +52,15 @@ ROTATION = Premise(
 
 @dataclass(frozen=True)
 class Broken:
-    """A premise that does not hold.
+    """A premise that is violated.
 
     Attributes
     ----------
     premise : Premise
     key : str
-        To blame.
+        Key that causes the violation.
     found : str
-        The number, in words.
+        Number found, as text.
     """
 
     premise: Premise
@@ -68,7 +68,7 @@ class Broken:
     found: str
 
     def error(self, scene: Scene) -> PremiseError:
-        """The refusal."""
+        """Error that refuses the scene."""
         return PremiseError(
             file=scene.file,
             key=self.key,
@@ -78,12 +78,12 @@ class Broken:
 
     @property
     def note(self) -> str:
-        """What the result says."""
+        """Warning in the result."""
         return f"{OUTSIDE}: {self.key}: expected {self.premise.expected}, found {self.found}"
 
 
 def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
-    """Refuse what is broken, unless the scene wants to go on without.
+    """Refuse a scene that violates premises, unless it allows that.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
     Raises
     ------
     PremiseError
-        Names the first of them.
+        Names the first violated premise.
     """
     if broken and not scene.effects.beyond_limits:
         raise broken[0].error(scene)
@@ -105,7 +105,7 @@ def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
 
 
 def marked(result: Result, broken: Sequence[Broken]) -> Result:
-    """A result that says which premises it breaks: first of its warnings, and in its estimate.
+    """Mark a result with the premises that it violates, as its first warnings and in its estimate.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def marked(result: Result, broken: Sequence[Broken]) -> Result:
 def broken_by_drive(
     scene: Scene, torque_Nm: float, stiffness_Nm_per_rad: Floats, pitch_rad: float, number: int
 ) -> Iterator[Broken]:
-    """What a torque breaks on a chain or a belt, whose displacements are small.
+    """Premises that a torque violates on a chain or a belt, which assume small displacements.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def broken_by_drive(
         Tangent stiffness at the positions.
     pitch_rad : float
     number : int
-        Of the torque.
+        Index of the torque.
 
     Yields
     ------
@@ -154,7 +154,7 @@ def broken_by_drive(
 
 
 def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
-    """A body 1 that turns too far under load.
+    """Violation by a body 1 that turns too far under load.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Itera
 
 
 class Torque:
-    """A torque of a scene, as a message names it."""
+    """A torque of a scene, as messages name it."""
 
     def __init__(self, scene: Scene, number: int, part: float = 1.0) -> None:
         self._scene, self._number = scene, number
@@ -182,7 +182,7 @@ class Torque:
             self.under = f"already under {part * whole:.3g} N m, a part of {whole:g} N m"
 
     def broken(self, premise: Premise, found: str) -> Broken:
-        """Blame a modulus that is unusual, else the torque."""
+        """Violation that names an unusual modulus if there is one, else the torque."""
         asked = questions(self._scene)
         for key in ("body_1.young_modulus_MPa", "body_2.young_modulus_MPa"):
             if key in asked:
@@ -192,5 +192,5 @@ class Torque:
 
 
 def largest_turn(turned_rad: Floats) -> float:
-    """The largest by which a torque turns body 1, at least: contacts get stiffer as it grows."""
+    """Lower bound of the rotation of body 1 by a torque: contacts get stiffer under load."""
     return float(np.max(turned_rad, where=np.isfinite(turned_rad), initial=0.0))

@@ -1,4 +1,4 @@
-"""The protocol that every kind of drive follows."""
+"""The protocol that every kind of drive implements."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Description:
-    """What `flankload check` prints.
+    """Output of `flankload check`.
 
     Attributes
     ----------
@@ -43,18 +43,18 @@ class Description:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """Mesh of a body at position zero, as `flankload mesh` writes it.
+    """Mesh of a body at position zero, as written by `flankload mesh`.
 
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     mesh : SectorMesh, WholeMesh or None
-        None where the body has no mesh.
+        None if the body has no mesh.
     words : str
-        Part of the body that the mesh is of, or why there is none.
+        Part of the body that is meshed, or the reason for no mesh.
     turn_rad : float
-        Turn of the body about its axis.
+        Rotation of the body about its axis.
     """
 
     name: str
@@ -64,7 +64,7 @@ class MeshFile:
 
 
 class Assembly(Protocol):
-    """Bodies of a drive put together, before elements are solved."""
+    """Assembled bodies of a drive, before finite elements are solved."""
 
     @property
     def position_rad(self) -> NDArray[np.float64]:
@@ -72,7 +72,7 @@ class Assembly(Protocol):
 
 
 class States(Protocol):
-    """States of a drive at all its positions."""
+    """States of a drive at all positions."""
 
     @property
     def found(self) -> tuple[Any, ...]:
@@ -82,26 +82,27 @@ class States(Protocol):
 class Mechanism(Protocol):
     """A kind of drive, stage by stage.
 
-    Assembly, compliances and states are the drive's own: what one method returns the next takes.
+    Each drive has its own types for assembly, compliances and states; later methods receive what
+    earlier methods return.
 
     Attributes
     ----------
     without_flanks : str or None
-        Why the bodies are no `Body` with flanks and elements; None where they are.
+        Reason why the bodies are not `Body` objects with flanks and elements; None if they are.
     """
 
     @property
     def without_flanks(self) -> str | None:
-        """Why the bodies have no flanks."""
+        """Reason why the bodies have no flanks."""
 
     def build(self, scene: Scene, discretization: Discretization | None, account: Account) -> Any:
-        """Assemble the bodies; no elements are solved. A SceneError names what is impossible."""
+        """Assemble the bodies without solving elements; a SceneError names an impossible input."""
 
     def work(self, scene: Scene, assembly: Any) -> Counted:
         """Counters of a run by stage, as far as they are known before it."""
 
     def sweeps(self, scene: Scene) -> int:
-        """Sweeps over all positions at the most, the estimate's included."""
+        """Largest number of sweeps over all positions, including those of the estimate."""
 
     def compliances(
         self,
@@ -110,20 +111,20 @@ class Mechanism(Protocol):
         clock: StageClock,
         kept: MutableMapping[int, tuple[Any, Account]],
     ) -> tuple[Any, Any]:
-        """Solve the elements of both bodies that `kept` lacks; the assembly with what they add."""
+        """Solve the elements of both bodies not in `kept`; return the completed assembly too."""
 
     def states(
         self, scene: Scene, assembly: Any, compliances: Any, clock: StageClock
     ) -> tuple[Any, States]:
-        """States under all torques; the assembly at all their positions."""
+        """States under all torques, and the assembly at all their positions."""
 
     def broken_by_geometry(self, assembly: Any) -> Iterable[Broken]:
-        """Premises of the model that hold under no load."""
+        """Premises that the geometry violates without load."""
 
     def broken_by_load(
         self, scene: Scene, assembly: Any, states: Any, number: int
     ) -> Iterable[Broken]:
-        """Premises of the model that the torque of this number breaks."""
+        """Premises that the torque with this index violates."""
 
     def estimates(
         self, scene: Scene, assembly: Any, compliances: Any, states: Any, clock: StageClock
@@ -138,19 +139,19 @@ class Mechanism(Protocol):
         states: Any,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque; `cost` holds what is the torque's own."""
+        """Results, one per torque; `cost` contains the part of this torque."""
 
     def describe(self, scene: Scene) -> Description:
-        """Describe what is understood of a scene."""
+        """Describe the interpreted scene."""
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""
 
     def duration(self, scene: Scene, assembly: Any) -> Duration | None:
-        """Predict the seconds of a run from counted work; None where they are next to nothing."""
+        """Predict the duration of a run from counted work; None if it is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
 
     def default_element_mm(self, scene: Scene) -> float | None:
-        """Length of flank elements by default; None where it differs from body to body."""
+        """Default length of flank elements; None if it differs between the bodies."""

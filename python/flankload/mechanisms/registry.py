@@ -1,4 +1,4 @@
-"""Which room solves a scene; a room is imported only where a scene needs it."""
+"""Selection of the package that solves a scene; a package is imported when a scene needs it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Mechanism
     from flankload.scene import Scene
 
-#: Room by the kind of body 2; bodies that are not named here touch on their flanks.
+#: Package by the kind of body 2; bodies that are not named here touch on their flanks.
 REGISTRY = {"belt": "belt", "chain": "chain"}
 OTHERS = "flank_pair"
 
@@ -33,7 +33,7 @@ def mechanism_of(scene: Scene) -> Mechanism:
 
 
 def require_flanks(scene: Scene) -> None:
-    """Refuse drives whose bodies have no flanks with elements.
+    """Refuse drives whose bodies have no flanks with finite elements.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One run of a scene of any kind of drive, stage by stage, with the clock running."""
+"""One run of a scene of any kind of drive, stage by stage, with measured times."""
 
 from __future__ import annotations
 
@@ -32,38 +32,37 @@ def run_once(
     stages: Mapping[str, Account] | None = None,
     notes: Sequence[str] = (),
 ) -> Result | tuple[Result, ...]:
-    """Solve a scene at the discretization that it names, or by default has.
+    """Solve a scene at the discretization that it names, or at the default one.
 
     Parameters
     ----------
     scene : Scene
     kept : mapping of 0 and 1 to compliance and Account, optional
-        Compliances that another scene of the same bodies and discretization has left; what they
-        took counts as if it were spent here. Missing ones are computed and added.
+        Compliances from another scene of the same bodies and discretization; their cost counts as
+        if it were spent here. Missing ones are computed and added.
     progress : callable, optional
-        Called as progress(stage, done, total); done grows up to total.
+        Called as progress(stage, done, total); done increases up to total.
     plan : mapping, optional
-        Predictions by stage, which the result shows beside what is spent.
+        Predictions by stage, which the result shows beside the actual cost.
     discretization : Discretization, optional
-        In place of that of the scene.
+        Replaces the discretization of the scene.
     on_assembly : callable, optional
-        Called with the assembly before elements are solved.
+        Called with the assembly before finite elements are solved.
     stages : mapping of str to Account, optional
-        Stages that come before this run.
+        Stages that precede this run.
     notes : sequence of str
         Further warnings of the results.
 
     Returns
     -------
-    Result, or a tuple of Results where the scene has a list of torques
+    Result, or a tuple of Results if the scene has a list of torques
 
     Raises
     ------
     SceneError
-        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
-        model.
+        If the scene is impossible; `PremiseError` if it violates a premise of the model.
     FlankloadError
-        If a position has no answer, or the plan is one of another scene.
+        If a position has no solution, or the plan belongs to another scene.
     """
     mechanism = mechanism_of(scene)
     clock = StageClock(progress, mechanism.sweeps(scene), stages or {})
@@ -77,7 +76,7 @@ def run_once(
     kept = {} if kept is None else kept
     assembly, compliances = mechanism.compliances(scene, built, clock, kept)
     if assembly.position_rad.size != built.position_rad.size:
-        # teeth of different compliance need more positions, which no plan knows
+        # teeth of different compliance need more positions, which a plan cannot predict
         predicted = beside_plan(mechanism.work(scene, assembly))
     assembly, states = mechanism.states(scene, assembly, compliances, clock)
     numbers = range(len(states.found))
@@ -105,7 +104,7 @@ def _finished(
     predicted: Mapping[str, Mapping[str, Any]],
     notes: Sequence[str],
 ) -> Result:
-    """The result with the warnings and the cost of the run."""
+    """Add the warnings and the cost of the run to a result."""
     cost = {
         **totals(stages),
         **result.cost,

@@ -1,4 +1,4 @@
-"""Accounts of the stages of a run, and the progress that is reported on the way."""
+"""Accounts of the stages of a run, and progress reports."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 Progress = Callable[[str, int, int], None]
-#: Compliance of body 1 (0) and body 2 (1), each with what it took.
+#: Compliance of body 1 (0) and body 2 (1), each with its cost.
 Kept = MutableMapping[int, tuple[Any, Account]]
 
-#: Steps of the progress: bodies, elements of each body, each sweep.
+#: Progress steps for the bodies, the finite elements of each body, and each sweep.
 BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 5, 20
-#: Steps before the first sweep.
+#: Progress steps before the first sweep.
 FIXED_STEPS = BODY_STEPS + 2 * COMPLIANCE_STEPS
-#: Steps that are done when a stage begins.
+#: Progress steps completed at the beginning of a stage.
 STEPS_BEFORE = {
     "plan": 0,
     "bodies": 0,
@@ -38,9 +38,9 @@ class StageClock:
     progress : callable or None
         Called as progress(stage, done, total).
     sweeps : int
-        Sweeps over the positions at the most.
+        Largest number of sweeps over the positions.
     stages : mapping of str to Account
-        Stages that are over already.
+        Completed stages.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class StageClock:
         return self.stages.setdefault(name, Account())
 
     def report(self, name: str, done: int) -> None:
-        """Report progress where it is new."""
+        """Report progress if it has changed."""
         if self._progress is not None and self._last != (name, done):
             self._last = (name, done)
             self._progress(name, done, self._total)
@@ -75,14 +75,15 @@ class StageClock:
         ----------
         name : str
         sweep : int
-            Sweeps of the stage before this one.
+            Number of earlier sweeps of this stage.
         number : int, optional
-            Of a round of positions, whose number is not known: each takes half of what is left.
+            Index of a round of positions; the number of rounds is unknown, so each round takes half
+            of the remaining progress.
 
         Returns
         -------
         callable
-            Takes the positions that are done, and all.
+            Called with the number of completed positions and the total.
         """
         before = STEPS_BEFORE[name] + sweep * SWEEP_STEPS
         left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))
@@ -94,7 +95,7 @@ class StageClock:
         return report
 
     def move(self, seconds: Mapping[str, float], name: str, step: str) -> None:
-        """Count a step of a stage to the stage that has the step's name."""
+        """Move the time of a step from a stage to the stage that has the step's name."""
         if step in seconds:
             for account, sign in ((self.stages[name], -1), (self.stages[step], 1)):
                 account.wall_s += sign * seconds[step]

@@ -1,4 +1,4 @@
-"""A scene with one effect the other way: what the size and the cost of an effect are taken from."""
+"""Scenes with one effect switched, from which the size and cost of an effect are determined."""
 
 from __future__ import annotations
 
@@ -27,12 +27,13 @@ LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     if not row.is_quantity
 }
 #: Keys of an effect whose deciding key is a number; the effect is off without them.
+#: Keys of [effects] that set a quantity; without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
     name: tuple(row.off) for name, row in RECORDS.items() if row.is_quantity
 }
-#: Bodies that may be rigid.
+#: Bodies that can be rigid.
 RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
-#: Keys of a body without which an effect is off, and their values then.
+#: Keys of a body that switch an effect off, with their values for that.
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
     "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
@@ -41,16 +42,16 @@ REMOVED: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Toggle:
-    """A scene with one effect the other way.
+    """A scene with one effect switched.
 
     Attributes
     ----------
     scene : Scene or None
-        None where the scene cannot have it.
+        None if the scene cannot have the effect switched.
     assumed : str or None
-        What the scene does not say and was taken all the same, as key and value.
+        Value that the scene does not set and that was assumed, as key and value.
     impossible : str or None
-        Why the scene cannot have it.
+        Reason why the effect cannot be switched.
     """
 
     scene: Scene | None
@@ -59,7 +60,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """A scene with each of some effects the other way, those left out that nothing switches.
+    """Scenes with each of some effects switched, except effects that no key switches.
 
     Parameters
     ----------
@@ -91,17 +92,17 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
     name : str
         Row of the table of effects.
     on : bool
-        Whether the scene has it.
+        Whether the scene has the effect.
 
     Returns
     -------
     Toggle or None
-        None where nothing says what the scene would be the other way.
+        None if the switched scene is undefined.
 
     Raises
     ------
     SceneError
-        If there is no such scene.
+        If the switched scene is impossible.
     """
     taken = {} if on else ASSUMED.get(name, {})
     assumed = next((f"effects.{key} = {value:g}" for key, value in taken.items()), None)
@@ -112,7 +113,7 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
         found = with_keys(scene, **level, **taken)
     elif name in RIGID:
         other = scene.body_2 if name == "elastic_body_1" else scene.body_1
-        # nothing would say how flanks share between two rigid bodies
+        # the load sharing of flanks between two rigid bodies is undefined
         if not any(scene.torques_Nm) or (on and getattr(other, "rigid", False)):
             return None
         found = with_rigid(scene, RIGID[name], rigid=on)
@@ -135,25 +136,25 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
 
 
 def with_keys(scene: Scene, **keys: Any) -> Scene:
-    """A scene with these keys of [effects] written out."""
+    """A scene with these keys of [effects] set explicitly."""
     effects = structs.replace(scene.effects, **keys)
     return replace(scene, effects=effects, named_effects=scene.named_effects | set(keys))
 
 
 def without_keys(scene: Scene, *keys: str) -> Scene:
-    """A scene without these keys of [effects]."""
+    """A scene with these keys of [effects] removed."""
     plain = EffectsAsked()
     effects = structs.replace(scene.effects, **{key: getattr(plain, key) for key in keys})
     return replace(scene, effects=effects, named_effects=scene.named_effects - set(keys))
 
 
 def with_rigid(scene: Scene, key: str, *, rigid: bool) -> Scene:
-    """A scene with a body that does not yield, or does."""
+    """A scene with a rigid or an elastic body."""
     return replace(scene, **{key: structs.replace(getattr(scene, key), rigid=rigid)})
 
 
 def _without(body: Any, keys: dict[str, Any]) -> Any:
-    """A body, or the profile of a mesh, without some keys."""
+    """A body, or the profile of a mesh, with some keys removed."""
     here = {key: value for key, value in keys.items() if key in body.__struct_fields__}
     profile = getattr(body, "profile", None)
     if not here and hasattr(profile, "__struct_fields__"):

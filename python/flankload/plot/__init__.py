@@ -1,7 +1,7 @@
-"""Pictures for a report; the only room that knows matplotlib.
+"""Plots for a report; the only package that imports matplotlib.
 
-Figures are made as objects (no pyplot, no global state) and drawn by the Agg canvas, so that they
-come out the same with and without a screen.
+Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
+the same with and without a screen.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ __all__ = [
 ]
 
 
-#: Every picture by its name.
+#: All plots by name.
 PICTURES: dict[str, Callable[[Result], Figure]] = {
     "transmission_error": plot_transmission_error,
     "load_sharing": plot_load_sharing,
@@ -80,38 +80,37 @@ PICTURES: dict[str, Callable[[Result], Figure]] = {
 
 
 def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
-    """Write the pictures of a result, all or none.
+    """Write the plots of a result, all or none.
 
     Parameters
     ----------
     result : Result
     directory : path
-        Made where it does not exist.
+        Created if it does not exist.
 
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png;
-        stiffness.png where there is a torque; flank_forces.png where coast flanks can carry;
-        profile_deviation.png where a body has an
-        involute. Of a follower on its cam follower_motion.png in place of load_sharing.png. Of
-        bodies that touch all around load_per_tooth.png, flank_pressure.png,
-        loaded_pair.png, and with several positions transmission_error.png. Of all
-        root_stress.png where stress is asked for. Of a chain transmission_error.png,
-        chain_on_sprocket.png, tensions.png and stiffness.png. Of a belt belt_on_pulley.png and
-        load_around_wrap.png, with several positions transmission_error.png and
-        force_through_wrap.png.
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; stiffness.png
+        if there is a torque; flank_forces.png if coast flanks can carry load;
+        profile_deviation.png if a body has an involute. For a follower on its cam
+        follower_motion.png replaces load_sharing.png. For bodies with contact all around:
+        load_per_tooth.png, flank_pressure.png, loaded_pair.png, and for several positions
+        transmission_error.png. For all of these root_stress.png if stress is requested. For a
+        chain: transmission_error.png, chain_on_sprocket.png, tensions.png and stiffness.png. For a
+        belt: belt_on_pulley.png and load_around_wrap.png, for several positions also
+        transmission_error.png and force_through_wrap.png.
 
     Raises
     ------
     OSError
-        If the directory cannot be made or a file not be written.
+        If the directory cannot be created or a file cannot be written.
     """
     names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
     if any(stress is not None for stress in result.root_stress):
         names = (*names, "root_stress")
     pictures = {f"{name}.png": PICTURES[name] for name in names}
-    # Every picture is drawn before the first is written.
+    # Every plot is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -121,7 +120,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
 
 
 def _of_flanks(result: Result) -> tuple[str, ...]:
-    """Pictures of a flank pair."""
+    """Plots of a flank pair."""
     several = result.position_rad.size > 1
     if result.whole_circle:
         names = ("load_per_tooth", "flank_pressure", "loaded_pair")

@@ -1,4 +1,4 @@
-"""Pictures of a timing belt on its pulley: teeth, tension and lands around the wrap."""
+"""Plots of a timing belt on its pulley: teeth, tension and lands around the wrap."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Length of the free strands that are drawn, in pitches.
+#: Drawn length of the free strands, in pitches.
 STRAND_PITCHES = 3.0
 
 
@@ -39,7 +39,7 @@ def _drive(result: Result) -> BeltDrive:
 
 
 def _shown(result: Result, position: int | None) -> int:
-    """The position that is drawn; if none is named, that at which a tooth carries most."""
+    """The position to draw; by default the one with the largest tooth force."""
     return int(np.argmax(result.site_force_N.max(axis=1))) if position is None else position
 
 
@@ -49,9 +49,9 @@ def plot_belt_on_pulley(result: Result, position: int | None = None) -> Figure:
     Parameters
     ----------
     result : Result
-        Of a belt.
+        Result of a belt.
     position : int, optional
-        Index of the position; if absent, that at which a tooth carries most.
+        Index of the position; by default the one with the largest tooth force.
 
     Returns
     -------
@@ -100,9 +100,9 @@ def plot_load_around_wrap(result: Result, position: int | None = None) -> Figure
     Parameters
     ----------
     result : Result
-        Of a belt.
+        Result of a belt.
     position : int, optional
-        Index of the position; if absent, that at which a tooth carries most.
+        Index of the position; by default the one with the largest tooth force.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def plot_force_through_wrap(result: Result) -> Figure:
     Parameters
     ----------
     result : Result
-        Of a belt, at several positions.
+        Result of a belt at several positions.
 
     Returns
     -------
@@ -171,7 +171,7 @@ def plot_force_through_wrap(result: Result) -> Figure:
 
 
 def _forces(axes: Axes, result: Result, angles: Floats, there: NDArray[np.intp], p: int) -> None:
-    """An arrow for each tooth that carries, along the turn."""
+    """An arrow in the circumferential direction for each loaded tooth."""
     force, radius = result.site_force_N[p, there], result.reference_radius_mm
     angles, most = angles[there], float(force.max())
     if most <= 0.0:

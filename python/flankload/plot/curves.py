@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
-#: Transmission errors are drawn over at least this span, um, and this part of their mean: what is
-#: below is rounding.
+#: Least range of a plot of transmission errors, um, and as part of their mean: smaller variations
+#: are roundoff.
 LEAST_SPAN_UM = 1e-3
 LEAST_SPAN_PART = 5e-3
-#: So many positions are marked where they are uneven; more are a line of their own.
+#: Largest number of uneven positions with markers; more of them look like a line.
 MOST_MARKS = 400
-#: More pairs are not named one by one.
+#: Largest number of pairs that are named one by one.
 MOST_NAMED = 12
-#: Points of a drawn curve on each of its pieces.
+#: Points of a plotted curve on each of its pieces.
 CURVE_STEPS = 8
 
 
@@ -80,7 +80,7 @@ def plot_transmission_error(result: Result) -> Figure:
                 label="a pair carries on a sharp corner",
             )
             axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
-        # Head-room for the numbers, so that they never lie on the curve; and no magnified rounding.
+        # head-room for the numbers, so that they never cover the curve; roundoff is not magnified
         shown = max(span, LEAST_SPAN_UM, LEAST_SPAN_PART * abs(mean))
         low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
         low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
@@ -132,7 +132,7 @@ def plot_load_sharing(result: Result) -> Figure:
 
 
 def _add_force_axis(axes: Axes, result: Result) -> None:
-    """A second axis in kN; the sum of the forces hardly changes over the positions."""
+    """A second axis in kN; the sum of the forces is almost constant over the positions."""
     total = float(result.site_force_N.sum(axis=1).mean()) / 1e3
     if total <= 0:
         return
@@ -166,7 +166,7 @@ def plot_peak_pressure(result: Result) -> Figure:
             angle, whole = pair_curve(result, result.peak_pressure_MPa, s)
             _, corner = pair_curve(result, result.corner_contact.astype(float), s, closing=0.0)
             on_corner = corner > 0
-            # A segment is dashed when one of its ends lies on a corner.
+            # a segment is dashed if one of its ends lies on a corner
             beside = on_corner.copy()
             beside[1:] |= on_corner[:-1]
             beside[:-1] |= on_corner[1:]
@@ -183,7 +183,7 @@ def plot_peak_pressure(result: Result) -> Figure:
                 linestyle=(0, (3, 2)),
                 label="dashed: on a sharp corner, not meaningful",
             )
-        # Numbers that mean nothing must not press the others flat.
+        # meaningless values must not compress the range of the others
         smooth = result.summary["peak_pressure_off_corners_MPa"]
         axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
         axes.set_ylabel("peak pressure in MPa")
@@ -192,12 +192,12 @@ def plot_peak_pressure(result: Result) -> Figure:
 
 
 def plot_follower_motion(result: Result) -> Figure:
-    """Angle of a follower over a turn of its cam, and the force between both.
+    """Angle of a follower over a turn of its cam, and the contact force.
 
     Parameters
     ----------
     result : Result
-        Of a follower on its cam.
+        Result of a follower on its cam.
 
     Returns
     -------
@@ -243,13 +243,13 @@ def figure_over_positions(result: Result, title: str) -> tuple[Figure, Axes]:
         pitch = degrees(result.pitch_rad)
         axes.set_xlabel(f"{angle} (one pitch = {pitch:.4g}°)")
     elif np.ptp(angles) > 0:
-        margin = 0.02 * np.ptp(angles)  # the marks at both ends are whole
+        margin = 0.02 * np.ptp(angles)  # markers at both ends remain complete
         axes.set_xlim(angles.min() - margin, angles.max() + margin)
     return figure, axes
 
 
 def marks(result: Result) -> dict[str, Any]:
-    """Marks where positions are few or uneven: a line through them would hide where they are."""
+    """Markers for few or uneven positions: a line alone would hide them."""
     if result.position_rad.size > 12 and (_is_closed(result) or not _gaps(result).size):
         if result.position_rad.size > MOST_MARKS or over_positions(result).regular:
             return {}
@@ -258,7 +258,7 @@ def marks(result: Result) -> dict[str, Any]:
 
 
 def curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles in degrees and values; closed over the period, else ascending and broken at gaps."""
+    """Angles in degrees and values; closed over the period, else ascending with gaps."""
     angle = np.degrees(result.position_rad)
     if _is_closed(result):
         return np.append(angle, degrees(result.period_rad)), np.append(values, values[0])
@@ -282,12 +282,12 @@ def _through_uneven(
 
 
 def _is_closed(result: Result) -> bool:
-    """One position is a point: a line over the period from it would be made up."""
+    """Whether the curve is closed; one position is a point, since a line would be invented."""
     return result.closed and result.position_rad.size > 1
 
 
 def _gaps(result: Result) -> NDArray[np.int64]:
-    """Where a line would bridge more than half a pitch, about which nothing is known."""
+    """Positions after which a line would cross more than half a pitch without data."""
     steps = np.diff(np.sort(result.position_rad))
     return np.asarray(np.flatnonzero(steps > 0.5001 * result.pitch_rad) + 1)
 
@@ -295,7 +295,7 @@ def _gaps(result: Result) -> NDArray[np.int64]:
 def pair_curve(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Curve of one pair: a period on it stands where the pair so many pitches further stood."""
+    """Curve of one pair: a period later it has the place of another pair."""
     if not _is_closed(result) or result.has_cam:
         return curve(result, values[:, s])
     after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
@@ -305,7 +305,7 @@ def pair_curve(
 
 
 def lifted(values: NDArray[Any]) -> NDArray[Any]:
-    """Values without the stretches where a pair is open, so that no curve runs along the axis."""
+    """Values without the parts at which a pair is open, so that no curve follows the axis."""
     carries = values > 0
     near = carries.copy()
     near[1:] |= carries[:-1]

@@ -1,4 +1,4 @@
-"""Pictures of a chain on its sprocket: rollers and their forces, tensions around the wrap."""
+"""Plots of a chain on its sprocket: rollers and their forces, tensions around the wrap."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
-#: Positions whose tensions are drawn.
+#: Number of positions whose tensions are drawn.
 N_CURVES = 5
 
 
@@ -41,9 +41,9 @@ def plot_chain_on_sprocket(result: Result, position: int | None = None) -> Figur
     Parameters
     ----------
     result : Result
-        Of a chain.
+        Result of a chain.
     position : int, optional
-        Index of the position; if absent, that at which the tight strand pulls most.
+        Index of the position; by default the one with the largest tight tension.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def plot_tensions(result: Result) -> Figure:
     Parameters
     ----------
     result : Result
-        Of a chain.
+        Result of a chain.
 
     Returns
     -------

@@ -22,7 +22,7 @@ def plot_flank_forces(result: Result) -> Figure:
     Parameters
     ----------
     result : Result
-        Whose coast flanks can carry.
+        Result with coast flanks that can carry load.
 
     Returns
     -------
@@ -31,7 +31,7 @@ def plot_flank_forces(result: Result) -> Figure:
     Raises
     ------
     ValueError
-        If they cannot.
+        If they cannot carry load.
     """
     if result.coast is None:
         raise ValueError("result: expected contact on coast flanks, found none")

@@ -31,19 +31,19 @@ if TYPE_CHECKING:
 
     from flankload.result import PairTable, Result
 
-#: Points along the pressure of a lumped contact.
+#: Points of the pressure curve of a lumped contact.
 HERTZ_POINTS = 41
 
 
 def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
-    """Teeth in mesh at one position with the pressure on their flanks, and each pressure by itself.
+    """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
 
     Parameters
     ----------
     result : Result
     position : int, optional
-        Index of the position; if absent, one with most pairs in contact and the most even share,
-        with a cam that of the largest pressure.
+        Index of the position; by default one with most pairs in contact and the most even load
+        sharing, with a cam the one of the largest pressure.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
             axes = figure.add_subplot()
             _draw_bodies(axes, result, p)
             largest = _largest_force(result, p)
-            part = 0.08 if result.coast is None else 0.05  # less room between two flanks
+            part = 0.08 if result.coast is None else 0.05  # less space between two flanks
             for s, site in carrying:
                 _draw_force_on_flank(
                     axes, table, site, result.site_force_N[p, s] / largest, COLOURS[1], part
@@ -96,8 +96,8 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
                 if (force := result.coast.force_N[p, s]) > 0:
                     words = f"coast {force / 1e3:.2f} kN"
                     _draw_pressure_on_flank(axes, result, p, coast, site, words)
-        # The pair that stands above the other one in the picture stands so here.
-        # The panels have the same axes, so that widths and heights can be compared.
+        # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
+        # that widths and heights can be compared.
         curves = [_pressure_along(result, p, site) for _, site in carrying]
         reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
         upwards = carrying if not result.drawing.is_around else carrying[::-1]
@@ -107,9 +107,9 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
 
 
 def _telling_position(result: Result) -> int:
-    """Most pairs in contact, off the corners where possible, and the most even share.
+    """Position with most pairs in contact, off corners if possible, and the most even sharing.
 
-    With a cam the position of the largest pressure.
+    With a cam, the position of the largest pressure.
     """
     if result.has_cam:
         return int(np.argmax(result.peak_pressure_MPa.max(axis=1)))
@@ -138,7 +138,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         sectors = [_turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
         shape = [np.vstack(sectors)]
         if z == 1 and drawing.is_around:
-            turn = np.linspace(0.0, -2 * np.pi, 721)  # the other way round: the teeth are a hole
+            turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: the toothed contour is a hole
             shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         elif (result.has_cam or (z == 0 and result.whole_circle)) and rims[z]:
             turn = np.linspace(0.0, -2 * np.pi, 361)
@@ -169,7 +169,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
 
 
 def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Corners of the picture: all contacts of the position and about a tooth around them."""
+    """Corners of the drawing: all contacts of the position with a margin of about a tooth."""
     drawing = result.drawing
     if result.whole_circle:
         rim = drawing.bore_radius_2_mm or float(np.hypot(*drawing.outline_2.T).max())
@@ -180,7 +180,7 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
         return _whole_window(result, p)
     tip_1 = float(np.max(np.hypot(*drawing.outline_1.T)))
     radii_2 = np.hypot(*drawing.outline_2.T)
-    # the teeth meet between the axes, or, inside body 2, beyond the axis of body 1
+    # the teeth meet between the axes, or, for an internal gear, beyond the axis of body 1
     side, tip_2 = (-1.0, radii_2.min()) if drawing.is_around else (1.0, radii_2.max())
     pitch = 2 * np.pi * tip_1 / drawing.teeth_1
     middle = np.array([(side * tip_1 + drawing.center_distance_mm - tip_2) / 2, 0.0])
@@ -192,7 +192,7 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def _whole_window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Corners of the picture: both bodies, and room for their names below."""
+    """Corners of the drawing: both bodies, with space for their names below."""
     drawing = result.drawing
     one = _turned(drawing.outline_1, drawing.angle_1[p])
     two = _turned(drawing.outline_2, drawing.angle_2[p])
@@ -216,7 +216,7 @@ def _rows_of_pair(table: PairTable, site: int) -> NDArray[np.int64]:
 def _draw_force_on_flank(
     axes: Axes, table: PairTable, site: int, force: float, colour: str, part: float
 ) -> None:
-    """A force, of the largest, as a bar that stands on the part of the flank that carries."""
+    """A force relative to the largest, as a bar on the part of the flank in contact."""
     rows = _rows_of_pair(table, site)
     rows = rows[table.force_N[rows] > 0]
     place = np.column_stack([table.x_mm, table.y_mm])[rows]
@@ -235,7 +235,7 @@ def _largest_force(result: Result, p: int) -> float:
 def _draw_pressure_on_flank(
     axes: Axes, result: Result, p: int, table: PairTable, site: int, force: str
 ) -> None:
-    """The pressure as a filled profile on the flank along the normals, and the force by name."""
+    """The pressure as a filled area along the normals of the flank, with a label of the force."""
     _, place, normal, pressure = _profile(table, site)
     low, high = axes.get_ylim()
     largest = float(np.max(result.pairs(p).pressure_MPa, initial=0.0))
@@ -267,7 +267,7 @@ def _draw_pressure_on_flank(
 def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
     """Arc length on flank 1, place, normal and pressure along one pair.
 
-    Of a lumped contact the pressure is that of Hertz over its width.
+    The pressure of a lumped contact is the Hertz pressure over its width.
     """
     rows = _rows_of_pair(table, site)
     along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
@@ -277,7 +277,7 @@ def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
         return along, place, normal, pressure
     angle = np.linspace(0.0, np.pi, HERTZ_POINTS)
     aside = -np.outer(table.half_width_mm[rows], np.cos(angle))
-    # from root to tip, as arc length grows
+    # from root to tip, in the order of increasing arc length
     tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
     return (
         (along[:, None] + aside).ravel(),
@@ -290,7 +290,7 @@ def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
 def _pressure_along(
     result: Result, p: int, site: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Arc length on flank 1 from the middle of the force, mm, and pressure of one pair."""
+    """Arc length on flank 1 from the centre of force, mm, and pressure of one pair."""
     along, _, _, pressure = _profile(result.pairs(p), site)
     return along - float((along * pressure).sum() / pressure.sum()), pressure
 

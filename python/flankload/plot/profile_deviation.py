@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.result import Result
 
-#: Deviations are drawn over at least this span, um: what is below is rounding.
+#: Least range of the plotted deviations, um: smaller values are roundoff.
 LEAST_SPAN_UM = 5.0
-#: Height of a row of names, as part of the picture.
+#: Height of a row of names, as part of the plot.
 ROW = 0.085
 
 
@@ -53,7 +53,7 @@ def plot_profile_deviation(result: Result) -> Figure:
 
 
 def _span(profiles: list[ProfileDeviation]) -> tuple[float, float]:
-    """One scale for both bodies, with room above for the names of the marks."""
+    """One scale for both bodies, with space above for the labels of the marks."""
     every = np.concatenate([profile.deviation_um for profile in profiles])
     low, high = min(0.0, float(every.min())), max(0.0, float(every.max()))
     if high - low < LEAST_SPAN_UM:
@@ -99,7 +99,7 @@ def _draw_profile(
 
 
 def _draw_marks(axes: Axes, profile: ProfileDeviation) -> None:
-    """A line for each mark; its name beside it, each on a row of its own."""
+    """A line for each mark, with its label beside it in a row of its own."""
     marks = sorted(profile.marks, key=lambda mark: mark[1])
     low, high = axes.get_xlim()
     for row, (name, place) in enumerate(marks):

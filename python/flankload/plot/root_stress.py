@@ -17,21 +17,21 @@ if TYPE_CHECKING:
     from flankload.result.root_stress import Extremes
 
 
-#: Pitches that are drawn before and after the mesh.
+#: Number of pitches drawn before and after the mesh.
 BESIDE = 0.5
 
 
 def plot_root_stress(result: Result) -> Figure:
     """Largest tension and compression in the roots over the way of a tooth through the mesh.
 
-    Pair j stands j pitches further along than pair 0, so that the curves of all pairs, one after
-    the other, are what one tooth sees. On a spline every tooth stays where it is: its stress is
-    drawn over its number.
+    Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
+    show the history of one tooth. The teeth of a spline do not change their place: their stress is
+    plotted over the tooth number.
 
     Parameters
     ----------
     result : Result
-        With stress in the roots.
+        Result with root stress.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def plot_root_stress(result: Result) -> Figure:
         if not result.whole_circle and (result.site_force_N > 0).any():
             place = result.sites + result.position_rad[:, None] / result.pitch_rad
             carries = place[result.site_force_N > 0]
-            # further away nothing new is seen, or the tooth has come round once more
+            # further away the stress is constant, or the tooth has completed a turn
             axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
         axes.axhline(0.0, color=GREY, linewidth=0.8)
         axes.set_xlabel(
@@ -69,7 +69,7 @@ def _draw(
 ) -> None:
     look: dict[str, Any] = {"color": COLOURS[z], "linestyle": style}
     if result.whole_circle:
-        # the position at which a tooth sees most
+        # the position of the largest stress of a tooth
         p = int(np.abs(extremes.stress_MPa).max(axis=1).argmax())
         axes.plot(
             result.sites, extremes.stress_MPa[p], label=label, marker="o", markersize=4.5, **look
@@ -83,7 +83,7 @@ def _draw(
         after = np.flatnonzero(result.sites == site + pitches)
         x = site + along
         if result.closed and after.size:
-            # after a period a pair stands where another one stood
+            # after a period a pair is at the place of another one
             x = np.append(x, site + along[0] + pitches)
             values = np.append(values, extremes.stress_MPa[order[0], after[0]])
         axes.plot(x, values, label=label if s == 0 else None, **look)

@@ -1,4 +1,4 @@
-"""What all pictures share: style, colours, words, and figures without a screen."""
+"""Common parts of all plots: style, colours, words, and figures without a screen."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
-#: Colours that remain apart for colour-blind readers (Okabe and Ito), and in grey by their order.
+#: Colours that are distinguishable for colour-blind readers (Okabe and Ito), and in grey by their
+#: order.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GREY = "#555555"
 STEEL = ("#dfe5ea", "#ece5da")
 
-#: Where they are installed: for scripts that matplotlib's own font does not have.
+#: Used if installed: for scripts that matplotlib's default font does not have.
 OTHER_SCRIPTS = (
     "Noto Sans CJK JP", "Noto Sans CJK SC", "Noto Sans JP", "Noto Sans SC", "IPAexGothic",
     "WenQuanYi Zen Hei", "Droid Sans Fallback", "Hiragino Sans", "PingFang SC", "Yu Gothic",
@@ -66,7 +67,7 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 
 def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float64]) -> None:
-    """Arrows in data units, (k, 2) each; heads shrink with short shafts, so that all have a way."""
+    """Arrows in data units, (k, 2) each; the heads of short arrows are smaller."""
     axes.update_datalim(tips)
     axes.quiver(
         *starts.T,
@@ -87,11 +88,11 @@ def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float6
 
 
 def png_of(figure: Figure) -> bytes:
-    """The picture; a letter that no font has is a box in it."""
+    """The plot as PNG; a letter missing in all fonts is a box."""
     out = io.BytesIO()
     with rc_context(STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
-        # matplotlib before 3.10 sets such scripts letter by letter and says so
+        # matplotlib before 3.10 sets such scripts letter by letter, with a warning
         warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)
         figure.savefig(out, format="png")
     return out.getvalue()
@@ -103,13 +104,13 @@ def subtitle(result: Result) -> str:
 
 
 def short(name: str) -> str:
-    """A name on one line, cut where it would run into the title."""
+    """A name on one line, cut before it reaches the title."""
     line = "".join(letter if letter.isprintable() else " " for letter in " ".join(name.split()))
     return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
 
 
 def loaded_sites(result: Result) -> list[tuple[int, int]]:
-    """(Column, pair number) of the pairs that carry anywhere."""
+    """(Column, pair number) of the pairs that carry load at any position."""
     return [
         (s, int(site))
         for s, site in enumerate(result.sites)
@@ -118,7 +119,7 @@ def loaded_sites(result: Result) -> list[tuple[int, int]]:
 
 
 def coast_sites(result: Result) -> list[tuple[int, int]]:
-    """(Column, pair number) of the coast flanks that carry anywhere."""
+    """(Column, pair number) of the coast flanks that carry load at any position."""
     if result.coast is None:
         return []
     carries = (result.coast.force_N > 0).any(axis=0)
@@ -126,9 +127,9 @@ def coast_sites(result: Result) -> list[tuple[int, int]]:
 
 
 def colour_of(result: Result, site: int) -> str:
-    """Colour of a pair, the same in every picture of a result.
+    """Colour of a pair, the same in every plot of a result.
 
-    The pairs that carry take the colours in the order 0, -1, 1, -2, 2, ..., so that few pairs never
+    The loaded pairs get the colours in the order 0, -1, 1, -2, 2, ..., so that a few pairs never
     share one, however far from pair 0 they are.
     """
     order = sorted({j for _, j in loaded_sites(result) + coast_sites(result)}, key=_turn)

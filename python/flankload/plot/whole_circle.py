@@ -1,4 +1,4 @@
-"""Pictures of bodies that touch all around: load per tooth, pressure along the flank."""
+"""Plots of bodies with contact all around: load per tooth, pressure along the flank."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 
 def most_loaded(result: Result) -> tuple[int, int]:
-    """Position and column of the tooth that carries most."""
+    """Position and column of the tooth with the largest force."""
     p, s = np.unravel_index(np.argmax(result.site_force_N), result.site_force_N.shape)
     return int(p), int(s)
 
 
 def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
-    """Force on each tooth as bars around the axis, each where its tooth stands.
+    """Force on each tooth as bars around the axis, at the place of each tooth.
 
     Parameters
     ----------
     result : Result
     position : int, optional
-        Index of the position; if absent, that at which a tooth carries most.
+        Index of the position; by default the one with the largest tooth force.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
         # From a ring, not from a point: near the axis bars would have no width.
         bottom = 0.45 * largest
         parts = [(force, COLOURS[0], 0.0)]
-        if coast is not None:  # beside the working flank, on its other side
+        if coast is not None:  # beside the working flank, on the other side of the tooth
             parts = [(force, COLOURS[0], 0.25), (coast, COLOURS[2], -0.25)]
         for height, colour, beside in parts:
             axes.bar(
@@ -79,7 +79,7 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
         ticks = _round_steps(largest)
         axes.set_yticks(bottom + ticks, [f"{value:g} kN" if value else "" for value in ticks])
         axes.tick_params(axis="y", labelsize=8, colors=GREY)
-        # The labels stand where the least is in their way.
+        # The labels are placed where they cover least.
         around = force + np.roll(force, 1) + np.roll(force, -1)
         axes.set_rlabel_position(  # type: ignore[attr-defined]
             degrees(angle[int(np.argmin(around))])
@@ -97,13 +97,13 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
 
 
 def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
-    """Pressure over the height of the flank of the tooth that carries most.
+    """Pressure over the height of the flank of the tooth with the largest force.
 
     Parameters
     ----------
     result : Result
     position : int, optional
-        Index of the position; if absent, that at which a tooth carries most.
+        Index of the position; by default the one with the largest tooth force.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
         figure = new_figure(SIZE)
         axes = figure.add_subplot()
         if rows.size:
-            # Each cell at its width: towards the edges they are fine.
+            # each cell at its width: cells are fine near the edges
             half, along = 0.5 * table.cell_mm[rows], table.arc_length_1_mm[rows]
             radius = np.interp(
                 np.append(along - half, along[-1] + half[-1]), along, table.radius_mm[rows]

@@ -1,4 +1,4 @@
-"""Error over CPU seconds: what each knob buys, and the cheapest runs of all."""
+"""Error over CPU seconds for each discretization parameter, and the Pareto front of all runs."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
     Points = list[tuple[float, float]]
 
-#: Inches of a panel.
+#: Size of a panel, inches.
 PANEL = (4.6, 3.5)
-#: Errors below are rounding, or the reference itself, and are not drawn.
+#: Smaller errors are roundoff, or the reference itself, and are not drawn.
 LEAST_ERROR = 1e-7
 LEAST_SHOWN = 1e-6
-#: What errors are measured against is in doubt up to the upper edge of this shade.
+#: The upper edge of this shaded area is the uncertainty of the reference.
 SHADE = "#ececec"
 MARKS = dict(zip(KNOBS, "osD^v", strict=True))
 LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
@@ -45,10 +45,11 @@ TITLES = {
 
 
 def plot_work_precision(study: Study) -> Figure:
-    """A panel for each error that counts: a curve per knob, the Pareto front, tolerances, doubt.
+    """A panel per error quantity: a curve per parameter, the Pareto front, tolerances, uncertainty.
 
-    A knob's curve is its own error over the seconds of a run with the other knobs at their default;
-    all other points are whole errors of runs. Shaded is what the limit itself is in doubt by.
+    The curve of a parameter is its own error over the seconds of a run with the other parameters at
+    their default; all other points are whole errors of runs. The shaded area is the uncertainty of
+    the limit itself.
 
     Parameters
     ----------
@@ -78,13 +79,13 @@ def plot_work_precision(study: Study) -> Figure:
 
 
 def write_work_precision(study: Study, directory: str | Path) -> Path:
-    """Write the picture.
+    """Write the plot.
 
     Parameters
     ----------
     study : Study
     directory : path
-        Made where it does not exist.
+        Created if it does not exist.
 
     Returns
     -------
@@ -129,7 +130,7 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
 
 
 def _ladder(study: Study, knob: str, name: str) -> tuple[Points, Points]:
-    """Even and adaptive steps: seconds with the others at their default, error of this knob."""
+    """Even and adaptive steps: seconds with the others at default, error of this parameter."""
     parts: tuple[Points, Points] = ([], [])
     for row in study.steps.get(knob, ()):
         seconds, error = study.seconds_at_default(row, knob), row.alone.get(name)
@@ -143,7 +144,7 @@ def _errors(rows: Sequence[Row], name: str) -> Points:
 
 
 def _points(axes: Axes, points: Points, **style: Any) -> None:
-    """Seconds and errors, without errors that are rounding."""
+    """Seconds and errors, without errors that are roundoff."""
     known = [(x, y) for x, y in points if y > LEAST_ERROR]
     if known:
         seconds, errors = zip(*known, strict=True)

@@ -1,4 +1,4 @@
-"""What was found: frozen results, their tables and their files."""
+"""Results of a run: immutable objects with their tables and files."""
 
 from flankload.base.files import write_atomically
 from flankload.result.export import results_to_csv, results_to_json

@@ -1,4 +1,4 @@
-"""What a tolerance has bought, as a few lines of text; what an error estimate is worth."""
+"""Text lines about the tolerance report and the validity of an error estimate."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 
-#: Bound as part of the largest transmission error, where the estimate tells it as part of itself.
+#: Error bound relative to the largest transmission error, for estimates given as part of it.
 PEAK_TO_PEAK = "transmission_error_peak_to_peak"
-#: How results call what breaks a premise.
+#: Prefix of results that violate a premise.
 OUTSIDE = "outside the model's limits"
 
 
 def outside_words(names: Sequence[str]) -> str:
-    """Words that an error estimate does not go without.
+    """Words that accompany an error estimate if premises are violated.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def outside_words(names: Sequence[str]) -> str:
     Returns
     -------
     str
-        Empty where all premises hold.
+        Empty if all premises hold.
     """
     if not names:
         return ""
@@ -33,7 +33,7 @@ def outside_words(names: Sequence[str]) -> str:
 
 
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
-    """Verdict, knobs, what was tightened, what is missed.
+    """Verdict, discretization, changes of the discretization, and missed limits.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
 
 
 def _beside(sources: Sequence[str]) -> str:
-    """Sources that miss the tolerance by themselves, too."""
+    """Further sources that miss the tolerance by themselves."""
     if not sources:
         return ""
     exceed = "exceeds" if len(sources) == 1 else "each exceed"
@@ -80,7 +80,7 @@ def _beside(sources: Sequence[str]) -> str:
 
 
 def percent(part: float) -> str:
-    """Two digits."""
+    """Percentage with two digits."""
     return f"{float(f'{100 * part:.2g}'):g} %"
 
 
@@ -93,7 +93,7 @@ def _verdict(found: Mapping[str, Any]) -> str:
 
 
 def _number(value: float | None) -> str:
-    """None: by default."""
+    """Number as text; None is the default."""
     return "default" if value is None else f"{value:g}"
 
 

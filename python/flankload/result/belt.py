@@ -1,4 +1,4 @@
-"""What a timing belt has beyond the forces on its teeth: tensions, lands, its row of springs."""
+"""Result quantities of a timing belt beyond its tooth forces: tensions, lands, row of springs."""
 
 from __future__ import annotations
 
@@ -20,42 +20,42 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-#: Behind the row of a land that lifts.
+#: Suffix of the row of a land that lifts.
 HERE = "the land lifts here"
-#: Forces below this part of the tight tension are none.
+#: Forces below this part of the tight tension count as zero.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class BeltDrive:
-    """A belt on its pulley at P positions, S teeth; a land before each tooth and one behind all.
+    """A belt on its pulley at P positions, S teeth; a land before each tooth and a last one.
 
-    What is not on the pulley at a position has no number there.
+    Entries of teeth and lands that are not on the pulley at a position are NaN.
 
     Attributes
     ----------
     wrap_angle_rad : float
     tooth_stiffness_N_per_mm, cord_stiffness_N : float
-        Of the row of springs that stands for the belt: of a tooth, and tension over strain from
-        tooth to tooth.
+        Equivalent row of springs: stiffness of a tooth, and tension divided by strain from tooth
+        to tooth.
     prestress_N : float
-        Mean tension that the elements know of.
+        Mean tension in the geometric stiffness of the elements.
     land_friction : float
     tight_tension_N, slack_tension_N : (P,) arrays
-        Of the strands.
+        Tensions of the strands.
     land_friction_N : (P,) array
-        That all lands together take off the teeth, on the pitch circle.
+        Sum of the friction forces of the lands that relieve the teeth, on the pitch circle.
     last_land_N, last_land_lift_um : (P,) arrays
-        Force of the pulley on the land behind the last of the S teeth, and its way off the pulley.
+        Force of the pulley on the land behind the last of the S teeth, and its lift off the pulley.
     tension_behind_N : (P, S) array
-        Of the cord, or the tight strand, before each tooth.
+        Tension of the cord, or of the tight strand, before each tooth.
     land_before_N : (P, S) array
-        Force of the pulley on the land before each tooth; negative: the land lifts here, or would.
+        Force of the pulley on the land before each tooth; negative: a fixed land that would lift.
     land_lift_um : (P, S) array
-        Largest way of that land off the pulley; 0 where lands are held.
+        Largest lift of that land off the pulley; 0 for fixed lands.
     pulley_coupling_um_per_N : (w - 1,) array
-        Of the row of springs: by how much the pulley lets teeth go that stand 1, 2, … pitches from
-        a loaded one; empty where it is rigid.
+        Row of springs: displacement of the teeth 1, 2, … pitches from a loaded one because
+        of an elastic pulley; empty for a rigid pulley.
     """
 
     wrap_angle_rad: float
@@ -73,7 +73,7 @@ class BeltDrive:
     land_lift_um: Floats
     pulley_coupling_um_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
-    #: What the thing is called in a report.
+    #: Name of the drive in a report.
     name: ClassVar[str] = "belt"
     #: Arrays over the positions, with their units.
     along: ClassVar[dict[str, str]] = {
@@ -91,7 +91,7 @@ class BeltDrive:
     }
 
     def as_dict(self) -> dict[str, Any]:
-        """As the JSON of a result has it."""
+        """The drive in the form of the JSON result."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
     @property
@@ -101,18 +101,18 @@ class BeltDrive:
 
     @property
     def lifting(self) -> NDArray[np.bool_]:
-        """(P, S + 1) Lands that lift as a whole, or would if they were not held."""
+        """(P, S + 1) Lands that lift as a whole, or would lift if they were not fixed."""
         least = ROUNDING * self.tight_tension_N[:, None]
         lift = np.column_stack([self.land_lift_um, self.last_land_lift_um])
         return np.asarray((self.lands_N < -least) | ((self.lands_N < least) & (lift > 0)))
 
     def rows(self, result: Result) -> Iterator[str]:
-        """A row per position if there are several, then one per tooth where one carries most.
+        """A row per position if there are several, then one per tooth at the largest force.
 
         Parameters
         ----------
         result : Result
-            Of this drive.
+            Result of this drive.
 
         Yields
         ------
@@ -132,13 +132,13 @@ class BeltDrive:
         )
 
     def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the pictures that show it."""
+        """Names of the plots of the drive."""
         several = result.position_rad.size > 1
         names = ("belt_on_pulley", "load_around_wrap")
         return (*names, *("transmission_error", "force_through_wrap") * several)
 
     def words(self) -> str:
-        """What a report quotes."""
+        """Text of a report."""
         text = (
             f"strands {self.tight_tension_N.max():.4g} and {self.slack_tension_N.max():.4g} N, as "
             f"springs: a tooth {self.tooth_stiffness_N_per_mm:.4g} N/mm, the cord on its lands "

@@ -1,4 +1,4 @@
-"""Forces on the coast flanks of a result, where these can carry."""
+"""Forces on the coast flanks of a result, if these can carry load."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-#: Forces and pressures that differ by less, relative to the largest, are one.
+#: Forces and pressures that differ by less, relative to the largest, are equal.
 SAME = 1e-9
 #: Arrays over positions and sites that only results with coast flanks have, with their units.
 OVER_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
@@ -25,18 +25,18 @@ OVER_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
 
 @dataclass(frozen=True, eq=False)
 class CoastContact(KeepsReadOnly):
-    """Contact on coast flanks at P positions; of the S pair numbers of the working ones.
+    """Contact on coast flanks at P positions, for the S pair numbers of the working flanks.
 
-    Pair j is the tooth of body 1 whose working flank makes pair j; with its coast flank it faces
-    the tooth of body 2 that meets the next tooth, or, where body 2 stands around body 1, the other
-    side of its own space.
+    Pair j is the tooth of body 1 whose working flank belongs to pair j; its coast flank faces the
+    tooth of body 2 that meets the next tooth, or, if body 2 is an internal gear, the other side of
+    its own space.
 
     Attributes
     ----------
     force_N, peak_pressure_MPa : (P, S) arrays
-        Force and largest pressure; 0 where open.
+        Force and largest pressure; 0 if open.
     corner_contact : (P, S) array of bool
-        On a sharp corner, where the peak pressure means nothing.
+        Contact on a sharp corner, where the peak pressure is meaningless.
     pair_tables : sequence of PairTable, one per position
         Their forces turn body 1 against its torque.
     """
@@ -48,22 +48,22 @@ class CoastContact(KeepsReadOnly):
 
     @property
     def loaded(self) -> NDArray[np.int64]:
-        """(P,) Number of coast flanks that carry."""
+        """(P,) Number of coast flanks that carry load."""
         return np.asarray((self.force_N > 0).sum(axis=1))
 
 
 def coast_arrays(result: Result) -> dict[str, tuple[Any, str]]:
-    """Arrays (P, S) of the coast flanks, with their units; none where these cannot carry."""
+    """Arrays (P, S) of the coast flanks, with their units; empty if these cannot carry load."""
     if result.coast is None:
         return {}
     return {key: (getattr(result, key), unit) for key, unit in OVER_SITES.items()}
 
 
 def coast_summary(result: Result) -> dict[str, Any]:
-    """What a report quotes of the coast flanks; nothing where these cannot carry.
+    """Summary of the coast flanks; empty if these cannot carry load.
 
-    Least and most of them that carry at once, the largest force and the largest pressure off
-    corners, with the position and pair where each is (None where no coast flank carries).
+    Least and largest number of them that carry load at once, the largest force and the largest
+    pressure off corners, with the position and pair of each (None if no coast flank carries load).
     """
     coast = result.coast
     if coast is None:
@@ -78,7 +78,7 @@ def coast_summary(result: Result) -> dict[str, Any]:
 
 
 def _largest(result: Result, key: str, values: Floats, unit: str) -> dict[str, Any]:
-    # of equal ones the first, whatever rounding makes of them
+    # of equal values the first one, independent of roundoff
     p, s = np.unravel_index(np.argmax(values >= (1.0 - SAME) * values.max()), values.shape)
     found = float(values[p, s])
     return {

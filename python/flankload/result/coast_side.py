@@ -1,6 +1,7 @@
-"""The flanks that do not work: how far they stand apart.
+"""Gap between the flanks that do not work.
 
-In the mirror of `coast_sites` their gap is found by the search for working flanks, without load.
+In the mirror image of `coast_sites` the gap follows from the search for working flanks, without
+load.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CoastSide:
-    """A pair seen in the mirror; its gaps are computed when they are first asked for.
+    """Mirror image of a pair; its gaps are computed on first use.
 
     Attributes
     ----------
     bodies : two Body
     pairing : Pairing
-        Of the mirrored pair.
+        Pairing of the mirrored pair.
     position_rad : (P,) array
         Positions of the mirrored pair.
     base_radius_mm : float
-        Of body 1.
+        Base radius of body 1.
     grid : Grid
     compliances : two BodyCompliance
-        Without forces: of bodies that grow.
+        Without forces; for bodies that expand.
     """
 
     bodies: tuple[Body, Body]
@@ -52,9 +53,9 @@ class CoastSide:
 
     @cached_property
     def gap_rad(self) -> NDArray[np.float64]:
-        """(P,) How far body 1 can turn back from its place without load before coast flanks touch.
+        """(P,) Angle by which body 1 can turn back without load before coast flanks touch.
 
-        Negative where they overlap; NaN where no coast flanks face each other.
+        Negative if they overlap; NaN if no coast flanks face each other.
         """
         try:
             return self._gaps(self.position_rad)
@@ -84,10 +85,10 @@ class CoastSide:
 def coast_side(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> tuple[CoastSide | None, str]:
-    """Return the coast flanks of a pair; None and the reason where they are not known.
+    """Return the coast flanks of a pair; None and the reason if they are unknown.
 
-    Both flanks of a tooth are taken to be alike, and to grow alike; pitch errors, which are said of
-    working flanks, leave coast flanks where they are.
+    Both flanks of a tooth are assumed to be equal, and to expand equally; pitch errors apply to
+    working flanks only.
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def coast_side(
 
 
 def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:
-    """The pairing of coast flanks, seen in the mirror."""
+    """The pairing of coast flanks in the mirror image."""
     numbers = pairing.sites
     if body_2.outward > 0:
         numbers = np.union1d(numbers, numbers + 1)

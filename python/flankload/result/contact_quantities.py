@@ -1,4 +1,4 @@
-"""What the contact pairs of a result say of its flanks: width, sliding, coast side."""
+"""Quantities derived from the contact pairs of a result: contact width, sliding, coast side."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 class ContactQuantities(KeepsReadOnly):
     """Quantities of a `Result` that follow from its pair tables and the pair's geometry.
 
-    They are computed when they are first asked for.
+    They are computed on first use.
     """
 
     if TYPE_CHECKING:
@@ -49,18 +49,18 @@ class ContactQuantities(KeepsReadOnly):
 
     @cached_property
     def potential_pairs(self) -> NDArray[np.int64]:
-        """(P,) Number of pairs that could carry.
+        """(P,) Number of pairs that could carry load.
 
         Those between the ends of the geometric path of contact, and those whose flanks would touch
-        if they did not yield (their gap without load is less than the rotation, so that the core
-        lays cells on them).
+        if they were rigid (their gap without load is less than the rotation, so that the core
+        places cells on them).
         """
         path = None if self.geometry is None else self.geometry.path_pitches
         counts = []
         for place, table in zip(self.position_rad / self.pitch_rad, self.pair_tables, strict=True):
             could = set(table.site.tolist())
             if path is not None:
-                # pair j stands j pitches further along
+                # pair j is j pitches further along
                 could |= set(range(round_up(path[0] - place), round_down(path[1] - place) + 1))
             counts.append(len(could))
         return frozen(np.array(counts))
@@ -72,45 +72,45 @@ class ContactQuantities(KeepsReadOnly):
 
     @cached_property
     def flank_contacts(self) -> FlankContacts:
-        """How wide each pair touches, and how both bodies move there."""
+        """Contact width of each pair, and motion of both bodies there."""
         return flank_contacts(self.pair_tables, self.sites, self.geometry)
 
     @property
     def contact_half_width_mm(self) -> Floats:
-        """(P, S) Half the length of flank that carries, better than to a cell; NaN where open.
+        """(P, S) Half the length of flank in contact, more accurate than one cell; NaN if open.
 
-        For Hertz contact b = sqrt(2 rho F c) with the line load F, the reduced radius rho and the
+        A Hertz contact has b = sqrt(2 rho F c) with the line load F, the reduced radius rho and the
         sum c of 2 (1 - nu²)/(pi E) of both bodies (plane strain).
         """
         return self.flank_contacts.half_width_mm
 
     @property
     def sliding_mm_per_rad(self) -> Floats:
-        """(P, S) Sliding (v_2 - v_1)·t_1, mean over each contact by force; NaN where open.
+        """(P, S) Sliding (v_2 - v_1)·t_1, mean over each contact weighted by force; NaN if open.
 
-        t_1 points to the tip of body 1. Per rad of body 1 in the sense of its torque: times its
-        speed in rad/s it is mm/s; where body 2 drives, that speed is negative.
+        t_1 points to the tip of body 1. The value is per rad of body 1 in the sense of its torque:
+        multiplied by its speed in rad/s it is in mm/s; if body 2 drives, that speed is negative.
         """
         return frozen(self.flank_contacts.velocity_2 - self.flank_contacts.velocity_1)
 
     @property
     def specific_sliding_1(self) -> Floats:
-        """(P, S) 1 - v_2/v_1 (DIN 3960), v along the flank; NaN where open, or where v_1 is 0."""
+        """(P, S) 1 - v_2/v_1 (DIN 3960), v along the flank; NaN if open, or if v_1 is 0."""
         return _specific(self.flank_contacts.velocity_1, self.flank_contacts.velocity_2)
 
     @property
     def specific_sliding_2(self) -> Floats:
-        """(P, S) 1 - v_1/v_2 (DIN 3960), v along the flank; NaN where open, or where v_2 is 0."""
+        """(P, S) 1 - v_1/v_2 (DIN 3960), v along the flank; NaN if open, or if v_2 is 0."""
         return _specific(self.flank_contacts.velocity_2, self.flank_contacts.velocity_1)
 
     @cached_property
     def coast_flank_gap_um(self) -> Floats | None:
         """(P,) Distance of the coast flanks along the line of action, um; None if not known.
 
-        By geometry: body 1 has turned by the rotation, flanks have their shape without load. Loaded
-        teeth lean back by part of the rotation, so that at least this much less the transmission
-        error is left. How far body 1 turns back when its torque reverses is this distance over its
-        base radius.
+        From geometry: body 1 has turned by the rotation, and flanks have their shape without load.
+        Loaded teeth bend back by part of the rotation, so at least this distance minus the
+        transmission error remains. The angle by which body 1 turns back when its torque reverses is
+        this distance divided by its base radius.
         """
         if self.geometry is None or self.geometry.coast is None:
             return None
@@ -119,7 +119,7 @@ class ContactQuantities(KeepsReadOnly):
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """Make an array read-only and hand it on."""
+    """Make an array read-only and return it."""
     array.setflags(write=False)
     return array
 

@@ -1,4 +1,4 @@
-"""Sharp corners of flanks that work: which ones, and what takes them away."""
+"""Warnings about sharp corners of flanks in contact, with the key that removes each corner."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
 
-#: Labels of the curve before and behind a corner: what it is, and the key that takes it away. What
-#: is not here is the end of the curve.
+#: Labels of the curve before and behind a corner: its name, and the key that removes it. Other
+#: corners are the end of the curve.
 CORNERS = {
     ("flank", "relief"): (
         "the kink where its tip relief begins",
@@ -30,14 +30,14 @@ CORNERS = {
     ),
 }
 TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
-#: Where tips and fillets are left out.
+#: If tips and fillets are left out.
 CUT = ("the end of its active flank", "the tip or fillet beyond it is left out")
-#: Of bodies whose profile comes from a file.
+#: For bodies with an imported profile.
 OF_FILE = ("a sharp corner of its flank", "a rounding there cures it")
 
 
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
-    """Say where sharp corners work, each kind of each body once.
+    """Warnings about contact on sharp corners, one for each kind of corner of each body.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
 
 
 def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
-    """Position, and place of the largest pressure, where a corner of body z works."""
+    """Position, and place of the largest pressure, for contact on a corner of body z."""
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
     for p, j in np.argwhere(found.site_corner == z + 1):
@@ -74,7 +74,7 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
 
 
 def _corner(body: Body, s: float) -> tuple[str, str]:
-    """The corner next to a place, and its cure."""
+    """The corner next to a place, and the key that removes it."""
     if not body.is_parametric:
         return OF_FILE
     curve, ends = body.curve, body.active_range_mm or ()

@@ -1,4 +1,4 @@
-"""What a run took as text: stage by stage, beside what was predicted."""
+"""Cost of a run as text: stage by stage, beside the prediction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 HEAD = ("stage", "work", "predicted", "spent")
-#: Of an account beside its counters: key, what it is called, units in one of the account's.
+#: Entries of an account beside its counters: key, name, and number of units in one of the
+#: account's.
 MEASURES = (
     ("cpu_s", "CPU s", 1.0),
     ("wall_s", "wall s", 1.0),
@@ -21,24 +22,24 @@ MEASURES = (
 
 
 def cost_table(cost: Mapping[str, Any]) -> str:
-    """Return a row for all that a stage was predicted to take, or took.
+    """Return a row for each quantity that a stage was predicted to use, or used.
 
     Parameters
     ----------
     cost : mapping
-        Of a result.
+        Cost of a result.
 
     Returns
     -------
     str
-        Lines without a line break at the end.
+        Lines without a final line break.
     """
     rows = (row for item in cost["stages"].items() for row in _rows(*item))
     return "\n".join(text_table([HEAD, *rows], left=2))
 
 
 def _rows(name: str, stage: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
-    """Rows of a stage; its name stands in the first."""
+    """Rows of a stage; the first one contains its name."""
     predicted = stage["predicted"]
     label = name
     for key, words, unit in MEASURES:

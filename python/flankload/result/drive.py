@@ -1,4 +1,4 @@
-"""What a flexible drive has beyond the forces on its flanks: tensions, places, margins."""
+"""Result quantities of a chain drive beyond its contact forces: tensions, places, margins."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ALONG_POSITIONS = {
     "jump_margin_N": "N",
     "passes": "1",
 }
-#: Arrays over positions and sites, with their units; no number where a roller is off the sprocket.
+#: Arrays over positions and sites, with their units; NaN if a roller is off the sprocket.
 OVER_SITES = {
     "tension_behind_N": "N",
     "roller_height_um": "um",
@@ -42,22 +42,24 @@ class ChainDrive:
     ----------
     mode : {"linear", "large displacement"}
     wrap_angle_rad : float
-        Between the places where both strands leave; the tight one leaves on the positive x axis.
+        Angle between the places where the strands leave; the tight one leaves on the positive x
+        axis.
     tension_ratio : float
-        q: from roller to roller the tension falls by it where feet of flanks carry.
+        q: ratio of adjacent tensions if the feet of the flanks carry the rollers.
     tight_tension_N, slack_tension_N : (P,) arrays
-        Of the strands.
+        Tensions of the strands.
     jump_margin_N : (P,) array
-        By how much the slack strand pulls more than T1 q^n, n pitches in the wrap: what worn
-        chains need so as not to climb over the teeth.
+        Excess of the slack tension over T1 q^n, with n pitches in the wrap: worn chains need this
+        value to be positive in order not to climb over the teeth.
     passes : (P,) array
-        Contact problems that a position took.
+        Number of contact problems solved at a position.
     tension_behind_N : (P, S) array
-        Of the link, or the tight strand, before which a roller stands; NaN off the sprocket.
+        Tension of the link, or of the tight strand, in front of each roller; NaN off the sprocket.
     roller_height_um : (P, S) array
-        By which a roller stands further out than the pitch circle; NaN off the sprocket.
+        Height of each roller above the pitch circle; NaN off the sprocket.
     force_angle_deg : (P, S) array
-        Of the force on a roller, from outwards, positive along the turn; NaN where there is none.
+        Angle of the force on a roller from the outward direction, positive in the direction of
+        rotation; NaN without force.
     """
 
     mode: str
@@ -71,28 +73,28 @@ class ChainDrive:
     roller_height_um: Floats
     force_angle_deg: Floats
 
-    #: What the thing is called in a report.
+    #: Name of the drive in a report.
     name: ClassVar[str] = "chain"
     along: ClassVar[dict[str, str]] = ALONG_POSITIONS
     over_sites: ClassVar[dict[str, str]] = OVER_SITES
 
     def as_dict(self) -> dict[str, Any]:
-        """As the JSON of a result has it."""
+        """The drive in the form of the JSON result."""
         single = {key: getattr(self, key) for key in ("mode", "wrap_angle_rad", "tension_ratio")}
         return single | {key: getattr(self, key) for key in (*ALONG_POSITIONS, *OVER_SITES)}
 
     @property
     def least_margin_N(self) -> float:
-        """Of all positions."""
+        """Least value over all positions."""
         return float(self.jump_margin_N.min())
 
     def rows(self, result: Result) -> Iterator[str]:
-        """A row per position, then one per roller where the chain pulls most.
+        """A row per position, then one per roller at the position of the largest tension.
 
         Parameters
         ----------
         result : Result
-            Of this drive.
+            Result of this drive.
 
         Yields
         ------
@@ -101,11 +103,11 @@ class ChainDrive:
         yield from _rows_of_chain(result, self)
 
     def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the pictures that show it."""
+        """Names of the plots of the drive."""
         return ("transmission_error", "chain_on_sprocket", "tensions", "stiffness")
 
     def words(self) -> str:
-        """What a report quotes."""
+        """Text of a report."""
         tight, margin = self.tight_tension_N, self.least_margin_N
         return (
             f"{self.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "

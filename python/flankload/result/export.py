@@ -1,4 +1,4 @@
-"""Results as files: strict JSON, CSV, labelled arrays."""
+"""Export of results: strict JSON, CSV, labelled arrays."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ALONG_POSITIONS = {
     "status": "1",
 }
 
-#: The same, which only some pairs have.
+#: Arrays over the positions that only some pairs have.
 ALONG_SOME_POSITIONS = {"follower_angle_rad": "rad", "unloaded_transmission_error_um": "um"}
 
 #: Arrays over positions and sites, with their units.
@@ -51,7 +51,7 @@ OVER_SITES = {
     "specific_sliding_1": "1",
     "specific_sliding_2": "1",
 }
-#: Those of them that are no number where a pair is open; the others are 0 there.
+#: Arrays that are NaN if a pair is open; the others are 0 there.
 ONLY_LOADED = {
     "contact_half_width_mm",
     "sliding_mm_per_rad",
@@ -69,7 +69,7 @@ SINGLE_NUMBERS = {
 
 
 def along_positions(*results: Result) -> dict[str, str]:
-    """Arrays over the positions that a result has (or several of one scene), with their units."""
+    """Arrays over the positions of a result (or of several of one scene), with their units."""
     some = {
         key: unit
         for key, unit in ALONG_SOME_POSITIONS.items()
@@ -86,7 +86,7 @@ def results_to_json(results: Result | Sequence[Result], path: str | Path | None 
     results : Result or sequence of Result
         A sequence gives {"torques_Nm": [...], "results": [...]}.
     path : path, optional
-        Where to write it.
+        File to write.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
 
 
 def _arrays_asked_for(result: Result) -> dict[str, tuple[Any, str]]:
-    """Arrays (P, S) of coast flanks and of stress in the roots, with their units, if asked for."""
+    """Arrays (P, S) of coast flanks and of root stress, with their units, if requested."""
     found = coast_arrays(result)
     for z, stress in enumerate(result.root_stress):
         if stress is not None:
@@ -151,7 +151,7 @@ def _arrays_asked_for(result: Result) -> dict[str, tuple[Any, str]]:
 
 
 def _plain(value: Any) -> Any:
-    """Plain lists, numbers and None: what JSON can say."""
+    """Plain lists, numbers and None, as JSON allows them."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, float):
@@ -172,13 +172,13 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     ----------
     results : Result or sequence of Result
     path : path, optional
-        Where to write it.
+        File to write.
 
     Returns
     -------
     str
-        Column names carry units, and the pair number where there is one column per pair; an empty
-        cell is not a number.
+        Column names contain units, and the pair number for columns of a single pair; an empty cell
+        is not a number.
     """
     several = results if isinstance(results, Sequence) else (results,)
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
@@ -220,7 +220,7 @@ def _at(result: Result, key: str, p: int) -> Any:
 
 
 def _at_site(over: Mapping[str, Any], key: str, p: int, s: int | None) -> Any:
-    """A pair that no position of a torque loads carries nothing."""
+    """Value of a pair that is unloaded at all positions of a torque."""
     if s is None:
         carried = key in OVER_SITES or key in COAST
         return 0 if carried and key not in ONLY_LOADED else float("nan")

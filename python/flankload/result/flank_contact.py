@@ -1,4 +1,4 @@
-"""What the pairs of a flank say together: how wide the contact is, where, and how it slides."""
+"""Contact width, place and sliding of a flank pair from its contact pairs."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FlankContacts(KeepsReadOnly):
-    """Contacts at P positions on S sites; NaN where nothing carries.
+    """Contacts at P positions on S sites; NaN if unloaded.
 
     Attributes
     ----------
     half_width_mm : (P, S) array
-        Half the length of flank that carries.
+        Half the length of flank in contact.
     velocity_1, velocity_2 : (P, S) arrays
-        Of both bodies along the flank, mm per rad of position: means over the contact, weighted by
-        force; NaN also where the motion is not known.
+        Velocities of both bodies along the flank, mm per rad of position: means over the contact,
+        weighted by force; also NaN if the motion is unknown.
     """
 
     half_width_mm: Floats
@@ -48,7 +48,7 @@ def flank_contacts(
         One per position.
     sites : (S,) array
     geometry : PairGeometry or None
-        How the bodies move.
+        Motion of the bodies.
 
     Returns
     -------
@@ -78,12 +78,12 @@ def pair_velocities(
 ) -> tuple[Floats, Floats]:
     """Velocities of both bodies along flank 1, towards its tip, at each pair of position p.
 
-    A body that turns with the speed w about (c, 0) moves with w (-y, x - c).
+    A body that rotates with the speed w about (c, 0) moves with w (-y, x - c).
 
     Parameters
     ----------
     table : PairTable
-        Of n pairs.
+        Table of n pairs.
     geometry : PairGeometry or None
     p : int
 
@@ -96,7 +96,7 @@ def pair_velocities(
         unknown = np.full(len(table), np.nan)
         return unknown, unknown
     x, y = table.x_mm, table.y_mm
-    # the normal stands to the left of the tangent
+    # the normal points to the left of the tangent
     t_x, t_y = table.normal_y, -table.normal_x
     one = geometry.speed_1[p] * (x * t_y - y * t_x)
     two = geometry.speed_2[p] * ((x - geometry.center_distance_mm) * t_y - y * t_x)
@@ -104,12 +104,12 @@ def pair_velocities(
 
 
 def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
-    """Length of flank that carries, better than to a cell.
+    """Length of flank in contact, more accurate than one cell.
 
-    The square of the pressure p falls to 0 in a straight line at the end of a Hertz contact
-    (p² = p_0² (1 - x²/b²)); that line through the last two cells gives the end, which is never
-    beyond the centre of the next open cell. Where pressure rises towards the end (a sharp corner,
-    a flat punch) the last cell carries as a whole.
+    The square of the pressure p decreases linearly to 0 at the end of a Hertz contact (p² = p_0² (1
+    - x²/b²)); a line through the last two cells gives the end, limited to the centre of the next
+    open cell. If the pressure increases towards the end (a sharp corner, a flat punch), the whole
+    last cell is in contact.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
     Returns
     -------
     float
-        mm; the sum where several stretches carry.
+        mm; the sum if several separate parts are in contact.
     """
     order = np.argsort(place)
     s, d = place[order], cell[order]
@@ -134,7 +134,7 @@ def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
 
 
 def _end(s: Floats, d: Floats, squared: Floats, k: int, outwards: int) -> float:
-    """Where the stretch ends whose last cell is k."""
+    """End of the loaded part whose last cell is k."""
     inner, outer = k - outwards, k + outwards
     farthest = s[k] + outwards * 0.5 * d[k]
     if not 0 <= inner < s.size or squared[inner] <= squared[k]:

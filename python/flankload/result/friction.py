@@ -1,4 +1,4 @@
-"""What friction does: forces along the flanks, losses, torque on body 2."""
+"""Results of friction: forces along the flanks, losses, torque on body 2."""
 
 from __future__ import annotations
 
@@ -24,21 +24,22 @@ class FrictionResult:
     driver : str
         "body_1" or "body_2".
     speed_1, speed_2 : (P,) arrays
-        Speeds of both bodies, rad per rad of the position, negative against its count.
+        Speeds of both bodies, rad per rad of the position, negative if opposite to increasing
+        position.
     torque_2_Nm : (P,) array
-        Moment about the axis of body 2 of all forces on it, friction included, at the places of the
-        contact pairs on flank 1; positive in the sense in which body 2 turns while positions count
-        up.
+        Moment about the axis of body 2 of all forces on it, including friction, at the places of
+        the contact pairs on flank 1; positive in the sense of rotation of body 2 for increasing
+        position.
     loss_J_per_rad : (P,) array
-        Work of friction per rad of the position: sum of friction force times sliding speed.
+        Work of friction per rad of the position: sum of friction force multiplied by sliding speed.
     site_friction_N : (P, S) array
-        Friction force of each flank pair on body 1, towards growing arc length of its flank (the
-        tip of a gear).
+        Friction force of each flank pair on body 1, in the direction of increasing arc length of
+        its flank (towards the tip of a gear).
     loss_work_J, work_1_J, work_2_J : float or None
-        Work of friction, of the torque on body 1 and of `torque_2_Nm` over one period, without
-        sign; None where the positions leave a part of the period open. The last two differ by the
-        first, but for what the pairing on circles leaves (less than 0.1 % of the work, with or
-        without friction).
+        Absolute work of friction, of the torque on body 1 and of `torque_2_Nm` over one period;
+        None if the positions do not cover the period. The last two differ by the first, except for
+        the residual of the pairing on circles (less than 0.1 % of the work, with or without
+        friction).
     """
 
     driver: str
@@ -53,10 +54,10 @@ class FrictionResult:
 
     @property
     def efficiency(self) -> float | None:
-        """Work of the driven body over that of the driver, over one period.
+        """Work of the driven body divided by that of the driver, over one period.
 
-        From the work of body 1 and the loss, since the pairing's remainder in `work_2_J` would be
-        taken for a loss. None without a whole period or without torque.
+        From the work of body 1 and the loss, since the residual of the pairing in `work_2_J` would
+        appear as a loss. None without a whole period or without torque.
         """
         work, loss = self.work_1_J, self.loss_work_J
         if not work or loss is None:
@@ -64,7 +65,7 @@ class FrictionResult:
         return (work - loss) / work if self.driver == "body_1" else work / (work + loss)
 
     def as_dict(self) -> dict[str, Any]:
-        """The form of the files."""
+        """Friction in the form of the files."""
         return {
             "driver": self.driver,
             "torque_2_Nm": self.torque_2_Nm,
@@ -90,7 +91,7 @@ def friction_result(
     torque_1_Nm: float,
     over_period: Callable[[Floats], float | None],
 ) -> FrictionResult:
-    """Sum up the pairs of all positions.
+    """Sum over the pairs of all positions.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def friction_result(
     driver : str
     torque_1_Nm : float
     over_period : callable
-        Integral of a quantity (P,) over one period, None where that is not known.
+        Integral of a quantity (P,) over one period, None if it is unknown.
 
     Returns
     -------
@@ -115,7 +116,7 @@ def friction_result(
     """
     n = speeds.shape[1]
     force, rub = pairs["force"], pairs["force"] * pairs["friction"]
-    # on body 2: n F - mu sigma t F with t = n turned back, on coast flanks turned on
+    # on body 2: n F - mu sigma t F, where t is n rotated backward, on coast flanks forward
     turned = np.where(site < n_working, rub, -rub)
     force_x = pairs["normal_x"] * force - pairs["normal_y"] * turned
     force_y = pairs["normal_y"] * force + pairs["normal_x"] * turned

@@ -1,4 +1,4 @@
-"""How the bodies of a result stand and move: what its kinematic quantities need."""
+"""Positions and motion of the bodies of a result, for its kinematic quantities."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PairGeometry:
-    """Kinematics of both bodies at P positions, and the geometry of their mesh where it is known.
+    """Kinematics of both bodies at P positions, and the geometry of their mesh if it is known.
 
     Attributes
     ----------
     center_distance_mm : float
-        Distance of the axes: body 1 turns about the origin, body 2 about a point on the x axis.
+        Distance of the axes: body 1 rotates about the origin, body 2 about a point on the x axis.
     speed_1, speed_2 : (P,) arrays
-        Turn of both bodies, counter-clockwise, per rad of position.
+        Rotation of both bodies, counter-clockwise, per rad of position.
     contact_ratio : float or None
-        Length of the path of contact over the base pitch.
+        Length of the path of contact divided by the base pitch.
     usable_contact_ratio : float or None
-        The same of the part on which both flanks are involutes.
+        Contact ratio of the part on which both flanks are involutes.
     path_pitches : (float, float) or None
-        Ends of that path in base pitches from the pitch point, in the sense of motion.
+        Ends of the path of contact in base pitches from the pitch point, in the sense of motion.
     coast : CoastSide or None
-        The flanks that do not work.
+        Coast flanks.
     coast_unknown : str
-        Why there are none, where `coast` is None.
+        Reason if `coast` is None.
     """
 
     center_distance_mm: float
@@ -50,13 +50,13 @@ class PairGeometry:
 def pair_geometry(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> PairGeometry:
-    """Geometry of a pair; nothing is computed that is not asked for later.
+    """Geometry of a pair; derived quantities are computed on first use.
 
     Parameters
     ----------
     pair : BodyPair
     compliances : two BodyCompliance
-        They say how far flanks stand out of their place.
+        They contain the displacement of the flanks from their nominal place.
 
     Returns
     -------

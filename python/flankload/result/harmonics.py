@@ -1,7 +1,7 @@
-"""Transmission error over the period: mean and harmonics, from even and from uneven positions.
+"""Mean and harmonics of the transmission error over the period, for even and uneven positions.
 
-Even positions that divide the period give sums over them (the discrete Fourier transform). Others
-give integrals over the curve through them (`position_curve`), exactly.
+Even positions that divide the period are summed (discrete Fourier transform). For other positions
+the curve through them (`curve_through`) is integrated exactly.
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ if TYPE_CHECKING:
     from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
     from flankload.result.result import Result
 
-#: Harmonics of the transmission error that the summary names.
+#: Number of harmonics of the transmission error in the summary.
 N_HARMONICS = 5
-#: Positions further apart, in pitches, leave what is between them open.
+#: A larger distance between positions, in pitches, is a gap.
 WIDEST = 0.25
-#: Positions closer than this part of a pitch are one.
+#: Positions closer than this part of a pitch are equal.
 SAME = 1e-9
 
 
 @dataclass(frozen=True)
 class OverPositions:
-    """What a curve over the positions says on the whole.
+    """Integral quantities of a curve over the positions.
 
     Attributes
     ----------
     position_rad : (n,) array
-        Positions of the curve, ascending, none twice.
+        Positions of the curve, ascending and distinct.
     index : (n,) array
-        Which of the result's positions they are.
+        Indices of these positions in the result.
     periods : (n,) array
-        Periods by which each has been moved back.
+        Number of periods by which each has been moved back.
     covers_period : bool
-        They leave no part of the period open.
+        Whether there is no gap in the period.
     contiguous : bool
-        They leave no part open between the first and the last.
+        Whether there is no gap between the first and the last position.
     even : bool
-        They divide the period evenly, as they stand.
+        Whether the original positions divide the period evenly.
     regular : bool
-        They have equal distances.
+        Whether they have equal distances.
     """
 
     result: Result
@@ -59,17 +59,17 @@ class OverPositions:
     regular: bool
 
     def mean(self, values: Floats) -> float:
-        """Mean of a smooth quantity: over the period, or over what the positions span.
+        """Mean of a smooth quantity over the period, or over the range of the positions.
 
-        Single positions, of which nothing is known between them, count alike.
+        Single positions, between which nothing is known, have equal weights.
         """
         curve = self.curve(values)
         return float(values.mean()) if curve is None else curve.mean()
 
     def mean_of_steps(self, values: Floats | Integers) -> float:
-        """Mean of a number that changes where the loaded pairs do.
+        """Mean of a number that changes where the set of loaded pairs changes.
 
-        Between two positions that is where the transmission error has its kink, or half-way.
+        Between two positions this is at the kink of the transmission error, or half-way.
         """
         curve = self.curve(self.result.transmission_error_um)
         if curve is None or not self.covers_period:
@@ -83,10 +83,9 @@ class OverPositions:
         return float(parts.sum() / self.result.period_rad)
 
     def harmonics(self, values: Floats, *, every: int = 1) -> list[float | None] | None:
-        """Amplitudes of the first waves of the period, or of every so-manieth.
+        """Amplitudes of the first harmonics of the period, or of every n-th one.
 
-        None in place of one for which the positions are too few; None at all where the positions
-        leave a part of the period open.
+        None for a harmonic with too few positions; None as a whole if there is a gap in the period.
         """
         if not self.covers_period:
             return None
@@ -101,7 +100,7 @@ class OverPositions:
         return [float(a) if 2 * k < n else None for a, k in zip(found, orders, strict=True)]
 
     def curve(self, values: Floats) -> PositionCurve | None:
-        """Curve through the values of uneven positions that leave nothing open, else None."""
+        """Curve through the values of uneven positions without a gap, else None."""
         if self.even or self.position_rad.size < 2:
             return None
         if not (self.covers_period or self.contiguous):
@@ -124,7 +123,7 @@ class OverPositions:
 
 
 def over_positions(result: Result) -> OverPositions:
-    """How a result's positions lie in its period.
+    """Arrangement of the positions of a result in its period.
 
     Parameters
     ----------
@@ -147,7 +146,7 @@ def over_positions(result: Result) -> OverPositions:
     gaps = np.diff(inside[index], append=inside[index[0]] + period)
     widest = WIDEST * pitch * (1.0 + SAME)
     span, covered = np.ptp(position), bool(gaps.max() <= widest)
-    # single positions here and there are no period, however many turns they are apart
+    # single isolated positions are no period, however many turns they are apart
     covers = result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME))
     contiguous = not covers and span < period and bool(np.max(gaps[:-1], initial=0.0) <= widest)
     return OverPositions(

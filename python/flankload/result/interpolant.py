@@ -1,11 +1,11 @@
-"""A quantity between the positions at which it is known: piecewise cubics that respect kinks.
+"""Interpolation between positions: piecewise cubic polynomials that respect kinks.
 
-Where a flank pair begins or ends to carry, a curve over the positions has a kink; between kinks it
-is smooth. So no polynomial reaches over a change of the loaded pairs: in an interval in which they
-change, the curves from both sides go on until they meet.
+A curve over the positions has a kink where a flank pair begins or ceases to carry load, and is
+smooth between kinks. So no polynomial crosses a change of the loaded pairs: in an interval with
+such a change, the curves from both sides are extended until they intersect.
 
-Every piece brings a doubt along: its difference to the polynomial of one degree less through the
-nearest of the same points. That is the error of the lower degree, so it is on the safe side.
+Every piece has an error estimate: its difference to the polynomial of one degree less through the
+nearest of the same points. That is the error of the lower degree, hence conservative.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ if TYPE_CHECKING:
 
 #: Highest degree of a piece.
 DEGREE = 3
-#: Nodes of the quadrature on a piece: a cubic times a wave is exact to rounding as long as the
+#: Quadrature nodes on a piece: the product of a cubic and a harmonic is exact to roundoff if the
 #: piece is no longer than one and a half waves.
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(16)
-#: Halvings on the way to where the curves from both sides meet: to rounding.
+#: Number of bisections for the intersection of the curves from both sides: exact to roundoff.
 MEETING_STEPS = 54
 
 
 @dataclass(frozen=True)
 class PositionCurve:
-    """K polynomials that follow each other over N intervals between positions.
+    """K consecutive polynomials over N intervals between positions.
 
     Attributes
     ----------
     low, high : (K,) arrays
         Ends of the pieces, rad.
     interval : (K,) array
-        Interval that a piece lies in; two pieces that meet at a kink lie in one.
+        Interval of a piece; two pieces that meet at a kink are in the same interval.
     nodes, coefficients : (K, 4) arrays
         Newton's form c0 + (x - n0) (c1 + (x - n1) (c2 + (x - n2) c3)).
     doubts : (K, 4) array
-        The same of the difference to the lower degree.
+        Coefficients of the difference to the lower degree.
     n_intervals : int
     """
 
@@ -65,7 +65,7 @@ class PositionCurve:
 
     @property
     def length(self) -> float:
-        """From the first to the last end, rad."""
+        """Length from the first to the last end, rad."""
         return self.ends[1] - self.ends[0]
 
     def values(self, position_rad: Floats) -> Floats:
@@ -75,12 +75,12 @@ class PositionCurve:
         return _newton(self.nodes[k], self.coefficients[k], x[:, None])[:, 0]
 
     def mean(self) -> float:
-        """Integral over length."""
+        """Integral divided by length."""
         x, weight = self._quadrature()
         return float((weight * _newton(self.nodes, self.coefficients, x)).sum() / self.length)
 
     def amplitudes(self, orders: Sequence[int]) -> Floats:
-        """Amplitudes of the waves that pass so many times between both ends (exact integrals)."""
+        """Amplitudes of harmonics with this number of waves between both ends (exact integrals)."""
         x, weight = self._quadrature()
         values = weight * _newton(self.nodes, self.coefficients, x)
         turn = -2j * np.pi * x / self.length
@@ -88,16 +88,16 @@ class PositionCurve:
         return np.asarray(2.0 / self.length * np.abs(waves))
 
     def doubt_integrals(self) -> Floats:
-        """(N,) Integral of the size of the doubt over each interval.
+        """(N,) Integral of the absolute error estimate over each interval.
 
-        Twice their sum over the length bounds the error of every amplitude by the doubt's.
+        Twice their sum divided by the length bounds the error of every amplitude by this estimate.
         """
         x, weight = self._quadrature()
         size = (weight * np.abs(_newton(self.nodes, self.doubts, x))).sum(axis=1)
         return np.asarray(np.bincount(self.interval, size, self.n_intervals), dtype=float)
 
     def bounds(self) -> tuple[Floats, Floats]:
-        """Two (N,) arrays: the least and the greatest value on each interval, with the doubt."""
+        """Two (N,) arrays: bounds of the values on each interval, including the estimate."""
         x = np.column_stack([self.low, self._quadrature()[0], self.high])
         values = _newton(self.nodes, self.coefficients, x)
         size = np.abs(_newton(self.nodes, self.doubts, x))
@@ -107,14 +107,14 @@ class PositionCurve:
         return least, greatest
 
     def kinks(self) -> Floats:
-        """(N,) Where both sides meet, rad; NaN in an interval without a kink."""
+        """(N,) Positions where both sides intersect, rad; NaN in an interval without a kink."""
         place = np.full(self.n_intervals, np.nan)
         second = np.flatnonzero(np.diff(self.interval) == 0) + 1
         place[self.interval[second]] = self.low[second]
         return place
 
     def _quadrature(self) -> tuple[Floats, Floats]:
-        """Places and weights (K, nodes)."""
+        """Quadrature points and weights (K, nodes)."""
         half = 0.5 * (self.high - self.low)[:, None]
         return 0.5 * (self.high + self.low)[:, None] + half * GAUSS_X, half * GAUSS_W
 
@@ -129,15 +129,16 @@ def curve_through(
     position_rad, values : (n,) arrays
         Positions ascending; n >= 2, or 1 with a period.
     changes : (n,) array of bool
-        Whether the loaded pairs change between a position and the next; the last entry is for the
-        first position one period later, and without meaning where there is no period.
+        Whether the loaded pairs change between a position and the next; the last entry refers to
+        the first position one period later, and is ignored without a period.
     period_rad : float, optional
-        The curve goes from the first position to the same a period later. Absent: to the last one.
+        The curve extends from the first position to the same one a period later; by default to the
+        last one.
 
     Returns
     -------
     PositionCurve
-        Of n intervals; n - 1 without a period.
+        With n intervals; n - 1 without a period.
     """
     n = len(position_rad)
     x, y, broken = position_rad, values, changes[:-1]
@@ -148,7 +149,7 @@ def curve_through(
         x = position_rad[index % n] + period_rad * (index // n)
         y, broken = values[index % n], changes[index % n][:-1]
         first, n_intervals = DEGREE, n
-    # the first and the last point of the smooth stretch that a point lies on
+    # first and last point of the smooth part that contains each point
     stretch = np.concatenate([[0], np.cumsum(broken)])
     start = np.searchsorted(stretch, stretch, side="left")
     end = np.searchsorted(stretch, stretch, side="right") - 1
@@ -187,7 +188,7 @@ def loaded_pair_changes(
     whole_circle: bool = False,
     periods: Integers | None = None,
 ) -> Flags:
-    """Where the loaded pairs change between positions.
+    """Changes of the loaded pairs between positions.
 
     Parameters
     ----------
@@ -196,16 +197,17 @@ def loaded_pair_changes(
     sites : (S,) array
         Pair numbers.
     pitches : int
-        Pitches in a period: a period on, pair j - pitches stands where pair j stood.
+        Pitches in a period: after a period, pair j - pitches takes the place of pair j.
     whole_circle : bool
-        The sites are all flanks, so that counting starts again after the last (of a cam, the one).
+        Whether the sites are all flanks, so that counting restarts after the last (for a cam, the
+        only one).
     periods : (n,) array, optional
-        Periods by which each position has been moved back.
+        Number of periods by which each position has been moved back.
 
     Returns
     -------
     (n,) array of bool
-        As `curve_through` takes it.
+        As an argument of `curve_through`.
     """
     around = len(sites) if whole_circle else 0
 
@@ -233,10 +235,10 @@ class _Polynomials:
     def near(
         cls, x: Floats, y: Floats, at: Integers, start: Integers, end: Integers, reference: Floats
     ) -> _Polynomials:
-        """Through up to four points around the interval behind each point `at`, of one stretch.
+        """Through up to four points of the same smooth part around the interval after each `at`.
 
-        Points count from the one nearest to the reference, so that what the last one adds is the
-        difference to the degree below.
+        Points are ordered from the one nearest to the reference, so the term of the last one is the
+        difference to the polynomial of one degree less.
         """
         degree = np.minimum(DEGREE, end[at] - start[at])
         lowest = np.clip(at - 1, start[at], end[at] - degree)
@@ -246,7 +248,7 @@ class _Polynomials:
         distance = np.where(there, np.abs(x[index] - reference[:, None]), np.inf)
         order = np.argsort(distance, axis=1, kind="stable")
         index = np.take_along_axis(index, order, axis=1)
-        # what is not there gets a place of its own; its coefficient is taken out below
+        # missing points get distinct places; their coefficients are set to zero below
         nodes = np.where(there, x[index], x[-1] + 1.0 + step)
         table = y[index].astype(float)
         for d in range(1, DEGREE + 1):
@@ -256,13 +258,13 @@ class _Polynomials:
         return cls(nodes, coefficients, np.where(highest, table, 0.0), degree)
 
     def of(self, which: Flags) -> _Polynomials:
-        """Some of them."""
+        """Selected polynomials."""
         return _Polynomials(
             self.nodes[which], self.coefficients[which], self.doubts[which], self.degree[which]
         )
 
     def values(self, x: Floats) -> Floats:
-        """One value of each."""
+        """One value of each polynomial."""
         return _newton(self.nodes, self.coefficients, x[:, None])[:, 0]
 
 
@@ -277,9 +279,9 @@ def _newton(nodes: Floats, coefficients: Floats, x: Floats) -> Floats:
 def _meeting(
     before: _Polynomials, after: _Polynomials, low: Floats, high: Floats
 ) -> tuple[Floats, Flags]:
-    """Where the curves from both sides meet inside an interval, and whether they do.
+    """Intersection of the curves from both sides inside an interval, and whether it exists.
 
-    A single point between two kinks says nothing of the curve through it: that does not count.
+    A single point between two kinks does not determine a curve and is excluded.
     """
     at_low = before.values(low) - after.values(low)
     at_high = before.values(high) - after.values(high)
@@ -294,7 +296,7 @@ def _meeting(
 def _chords(
     before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Integers
 ) -> _Polynomials:
-    """Straight lines over intervals; in doubt by what the curves from both sides miss the ends."""
+    """Lines over intervals, with an error estimate from the misfit of both curves at the ends."""
     nodes, coefficients, doubts = np.zeros((3, at.size, DEGREE + 1))
     nodes[:, 0], nodes[:, 1] = x[at], x[at + 1]
     coefficients[:, 0] = y[at]

@@ -1,4 +1,4 @@
-"""Contact pairs of a position, and what a picture of the bodies needs."""
+"""Contact pairs of a position, and the data for drawing the bodies."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class PairTable:
     arc_length_1_mm, arc_length_2_mm : (n,) arrays
         Places on both flank curves.
     x_mm, y_mm : (n,) arrays
-        Place on flank 1 before it yields, world frame (axis of body 1 at the origin, axis of body 2
-        on the positive x axis).
+        Place on undeformed flank 1, world frame (axis of body 1 at the origin, axis of body 2 on
+        the positive x axis).
     normal_x, normal_y : (n,) arrays
         Unit normal out of body 1, world frame.
     force_N, pressure_MPa : (n,) arrays
@@ -39,13 +39,14 @@ class PairTable:
     cell_mm : (n,) array
         Length of the pair's cell on the flank.
     half_width_mm : (n,) array or None
-        Half-width of the contact, where a pair is all of a lumped contact; its cell is then π/2
-        times as long and its pressure the largest of a Hertz contact.
+        Half-width of the contact if a pair represents a whole lumped contact; its cell is then π/2
+        times as long and its pressure is the peak value of a Hertz contact.
     sliding_mm_per_rad : (n,) array or None
-        Speed of flank 2 on flank 1, towards growing arc length of flank 1, per rad of the position;
-        None without friction.
+        Speed of flank 2 relative to flank 1, in the direction of increasing arc length of flank 1,
+        per rad of the position; None without friction.
     friction_force_N : (n,) array or None
-        Friction force on body 1, towards growing arc length of its flank; None without friction.
+        Friction force on body 1 in the direction of increasing arc length of its flank; None
+        without friction.
     """
 
     site: NDArray[np.int64]
@@ -68,20 +69,20 @@ class PairTable:
         return len(self.site)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns by name, but for those that are None."""
+        """Columns by name, except those that are None."""
         every = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: column for name, column in every.items() if column is not None}
 
 
 class PairTables(Sequence[PairTable]):
-    """The pair tables of all positions, each made when it is asked for.
+    """The pair tables of all positions, each created on first use.
 
     Parameters
     ----------
     count : int
         Number of positions.
     table_of : callable
-        Makes the table of a position, counted from 0.
+        Creates the table of a position, counted from 0.
     """
 
     def __init__(self, count: int, table_of: Callable[[int], PairTable]) -> None:
@@ -106,7 +107,7 @@ class PairTables(Sequence[PairTable]):
 
 @dataclass(frozen=True, eq=False)
 class PairDrawing:
-    """What a picture of the loaded pair needs beside the pair tables.
+    """Data for a drawing of the loaded pair in addition to the pair tables.
 
     Attributes
     ----------
@@ -115,15 +116,15 @@ class PairDrawing:
     teeth_1, teeth_2 : int
     center_distance_mm : float
     angle_1, angle_2 : (P,) arrays
-        Turn of both body frames at each position, rad.
+        Rotation of both body frames at each position, rad.
     bore_radius_1_mm, bore_radius_2_mm : float or None
-        Where the bodies are held.
+        Radius at which each body is fixed.
     profiles : two ProfileDeviation or None
-        Of the bodies' flanks, where an involute is known.
+        Profiles of the bodies' flanks, if an involute is known.
     active_roll_mm : two (float, float) or None
-        Roll lengths between which the flanks meet, by geometry without load, mm.
+        Roll lengths between which the flanks meet, from geometry without load, mm.
     cam_turns_clockwise : bool or None
-        Of a cam; None of other bodies.
+        For a cam; None for other bodies.
     """
 
     outline_1: Floats
@@ -141,6 +142,6 @@ class PairDrawing:
 
     @property
     def is_around(self) -> bool:
-        """Whether body 2 stands around body 1: it is held outside its teeth."""
+        """Whether body 2 surrounds body 1: it is fixed outside its teeth."""
         radius = self.bore_radius_2_mm
         return radius is not None and bool(radius > np.hypot(*self.outline_2.T).max())

@@ -1,4 +1,4 @@
-"""The result of one torque at all positions, and what follows from its numbers."""
+"""Result of one torque at all positions, and derived quantities."""
 
 from __future__ import annotations
 
@@ -43,57 +43,59 @@ class Result(ContactQuantities):
     torque_Nm : float
         Torque on body 1.
     sites : (S,) array
-        Pair numbers: pair 0 is at the pitch point at position 0, greater numbers lie further into
+        Pair numbers: pair 0 is at the pitch point at position 0, greater numbers are further into
         recess.
     position_rad, rotation_rad : (P,) arrays
-        Angle of body 1 (with a cam: of the cam) from position zero, and how much further body 1
-        has turned under load.
+        Angle of body 1 (with a cam: of the cam) from position zero, and the additional rotation of
+        body 1 under load.
     reference_radius_mm, face_width_mm : float
-        Radius that turns rotation into transmission error; width.
+        Radius that converts rotation into transmission error; face width.
     pitch_rad, period_rad : float
-        One tooth pitch of body 1 (a turn of the cam); the turn of body 1 after which all repeats.
+        One tooth pitch of body 1 (a turn of the cam); rotation of body 1 after which everything
+        repeats.
     closed : bool
-        Whether the positions, ascending, cover the period once from the first on: what follows the
-        last is the first again, a period later.
+        Whether the ascending positions cover the period once from the first on: the last position
+        is followed by the first, a period later.
     whole_circle : bool
-        Whether the sites are all teeth of the bodies (splines), also those that carry nothing.
+        Whether the sites are all teeth of the bodies (splines), including unloaded ones.
     follower_angle_rad : (P,) array or None
-        Of a follower on its cam: where it stands without load, counter-clockwise from the line
-        between both axes to the line through its axis and its roller's centre (along its flat).
-        None of other pairs.
+        Angle of a follower on its cam without load, counter-clockwise from the line between both
+        axes to the line through its axis and its roller's centre (along its flat). None for other
+        pairs.
     site_force_N, peak_pressure_MPa : (P, S) arrays
-        Force and largest pressure of each flank pair; 0 where open.
+        Force and largest pressure of each flank pair; 0 if open.
     stiffness_tangent_Nm_per_rad : (P,) array
     status : (P,) array
         0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
     pair_tables : sequence of PairTable, one per position
     corner_contact : (P, S) array of bool
-        The pair works on a sharp corner, where the peak pressure means nothing.
+        Contact on a sharp corner, where the peak pressure is meaningless.
     estimate : dict or None
         Estimated relative errors.
     cost : dict
         Seconds by stage and counters.
     unloaded_rotation_rad : (P,) array or None
-        Rotation without torque: what deviations, offset, growth and preload do by themselves. None
-        where there is no such state, and of chains and belts.
+        Rotation without torque, caused by deviations, offset, expansion and preload. None if no
+        such state exists, and for chains and belts.
     accuracy : dict or None
-        What a tolerance that the scene names has bought: which knob stands where and for what.
+        Report on a tolerance named by the scene: values of the discretization and their reasons.
     warnings : tuple of str
     outside_limits : tuple of str
-        Premises of the model that the scene breaks, with `effects.beyond_limits = true`; the error
-        estimate, which lists them too, knows nothing of what follows from that.
+        Premises of the model that the scene violates, with `effects.beyond_limits = true`; the
+        error estimate, which also lists them, does not include the consequences.
     drawing : PairDrawing
     friction : FrictionResult or None
         Friction forces, losses, torque on body 2; None without friction.
     geometry : PairGeometry or None
-        How the bodies stand and move; without it nothing is known of sliding and coast flanks.
+        Positions and motion of the bodies; without it sliding and coast flanks are unknown.
     drive : ChainDrive, BeltDrive or None
         Tensions, places and margins of a chain or a belt; its sites are rollers, or teeth of the
-        belt, whose forces are those along the turn; pressures are 0.
+        belt, with circumferential forces; pressures are 0.
     root_readings : two RootReading or None
-        What turns forces into stress in the tooth roots, where it is asked for.
+        Conversion of forces into stress in the tooth roots, if requested.
     coast : CoastContact or None
-        Contact on the coast flanks, where they can carry; all else is said of working flanks.
+        Contact on the coast flanks, if they can carry load; everything else refers to working
+        flanks.
     """
 
     name: str
@@ -129,12 +131,12 @@ class Result(ContactQuantities):
 
     @property
     def coast_force_N(self) -> Floats | None:
-        """(P, S) Force of each coast flank, 0 where open; None where they cannot carry."""
+        """(P, S) Force of each coast flank, 0 if open; None if they cannot carry load."""
         return None if self.coast is None else self.coast.force_N
 
     @property
     def coast_peak_pressure_MPa(self) -> Floats | None:
-        """(P, S) Largest pressure of each coast flank; None where they cannot carry."""
+        """(P, S) Largest pressure of each coast flank; None if they cannot carry load."""
         return None if self.coast is None else self.coast.peak_pressure_MPa
 
     @property
@@ -144,24 +146,24 @@ class Result(ContactQuantities):
 
     @cached_property
     def transmission_error_um(self) -> Floats:
-        """(P,) Rotation times reference radius, um; positive where body 1 has turned further."""
+        """(P,) Rotation times reference radius, um; positive if body 1 has turned further."""
         return frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
 
     @property
     def unloaded_transmission_error_um(self) -> Floats | None:
-        """(P,) Transmission error without torque, um; None where there is no such state."""
+        """(P,) Transmission error without torque, um; None if no such state exists."""
         unloaded = self.unloaded_rotation_rad
         return None if unloaded is None else 1000.0 * unloaded * self.reference_radius_mm
 
     @property
     def turned_by_load_rad(self) -> Floats:
-        """(P,) Rotation beyond that without torque; where that is not known, all of it."""
+        """(P,) Rotation minus that without torque; if the latter is unknown, the whole rotation."""
         unloaded = self.unloaded_rotation_rad
         return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
 
     @cached_property
     def load_share(self) -> Floats:
-        """(P, S) Force over the sum of forces, of working flanks; 0 where nothing carries."""
+        """(P, S) Force divided by the sum of forces, for working flanks; 0 if unloaded."""
         total = self.site_force_N.sum(axis=1, keepdims=True)
         share = np.zeros_like(self.site_force_N)
         np.divide(self.site_force_N, total, out=share, where=total > 0)
@@ -169,23 +171,23 @@ class Result(ContactQuantities):
 
     @property
     def period_pitches(self) -> int:
-        """Tooth pitches of body 1 in a period."""
+        """Number of tooth pitches of body 1 in a period."""
         return round(self.period_rad / self.pitch_rad)
 
     @cached_property
     def loaded_pairs(self) -> NDArray[np.int64]:
-        """(P,) Number of pairs (on splines: teeth) that carry."""
+        """(P,) Number of pairs (on splines: teeth) that carry load."""
         return frozen((self.site_force_N > 0).sum(axis=1))
 
     @property
     def stands_alike(self) -> bool:
-        """Whether the bodies stand the same at all positions: splines on common axes."""
+        """Whether the bodies have the same state at all positions: splines on common axes."""
         concentric = self.geometry is not None and self.geometry.center_distance_mm == 0.0
         return self.whole_circle and concentric
 
     @cached_property
     def root_stress(self) -> tuple[RootStress | None, RootStress | None]:
-        """Stress in the tooth roots of both bodies; None where it is not asked for, or rigid."""
+        """Stress in the tooth roots of both bodies; None if not requested, or for rigid bodies."""
         one, two = (
             None if reading is None else root_stress(reading, self.pair_tables, self.sites, z)
             for z, reading in enumerate(self.root_readings)
@@ -194,9 +196,9 @@ class Result(ContactQuantities):
 
     @cached_property
     def stiffness_secant_Nm_per_rad(self) -> Floats:
-        """(P,) Torque over the rotation beyond that without torque; NaN unless both are above 0.
+        """(P,) Torque divided by the rotation beyond that without torque; NaN unless both > 0.
 
-        What deviations, an offset, growth and preload turn body 1 by themselves is no deflection.
+        The rotation caused by deviations, an offset, expansion and preload is no deflection.
         """
         turned = self.turned_by_load_rad
         stiffness = np.full_like(turned, np.nan)
@@ -205,7 +207,7 @@ class Result(ContactQuantities):
 
     @property
     def stiffness_secant_N_per_um(self) -> Floats:
-        """(P,) Secant stiffness along the line of action (force there over deflection there)."""
+        """(P,) Secant stiffness along the line of action (force divided by deflection there)."""
         return self._along_line_of_action(self.stiffness_secant_Nm_per_rad)
 
     @property
@@ -223,24 +225,23 @@ class Result(ContactQuantities):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What a report quotes.
+        """Summary of a report.
 
-        `transmission_error_mean_um` (over the period; weighted by the turn that each position
-        stands for where they are uneven), `transmission_error_by_load_mean_um` (the same beyond the
-        state without torque), `transmission_error_peak_to_peak_um` (of the positions);
+        `transmission_error_mean_um` (over the period; for uneven positions the integral of the
+        curve through them), `transmission_error_by_load_mean_um` (the same minus the state without
+        torque), `transmission_error_peak_to_peak_um` (of the positions);
         `transmission_error_harmonics_um` (amplitudes of the first five of the period),
         `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
-        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None
-        where the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
-        `peak_pressure_MPa`
-        with `peak_pressure_position_rad`, `peak_pressure_pair`, `peak_pressure_at_corner`; and
-        the same of `peak_pressure_off_corners`, the largest that means something. Beside them
-        `contact_ratio_geometric` (path of contact over base pitch; None where no path is known),
-        `contact_ratio_usable` (the same between form circles and tip roundings or chamfers),
-        the means of both stiffnesses over the period, `peak_line_load_N_per_mm` with its position
-        and pair, `largest_sliding_mm_per_rad` (magnitude) and `coast_flank_gap_min_um`; where
-        asked for, `root_stress_1` and `root_stress_2` with largest `tension` and `compression`,
-        and what `coast_summary` says of the coast flanks.
+        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
+        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
+        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
+        `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
+        meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
+        pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
+        roundings or chamfers), the means of both stiffnesses over the period,
+        `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
+        (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
+        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
         """
         error = self.transmission_error_um
         loaded = self.loaded_pairs
@@ -278,7 +279,7 @@ class Result(ContactQuantities):
         }
 
     def _largest(self, key: str, pressure: Floats) -> dict[str, Any]:
-        """Largest pressure, and the position and pair where it is; None where there is none."""
+        """Largest pressure with its position and pair; None if there is none."""
         p, s = np.unravel_index(np.argmax(pressure), pressure.shape)
         found = float(pressure[p, s])
         return {
@@ -288,7 +289,7 @@ class Result(ContactQuantities):
         }
 
     def pairs(self, p: int) -> PairTable:
-        """Contact pairs of position p: radius, force, pressure, gap and where they stand."""
+        """Contact pairs of position p: radius, force, pressure, gap and place."""
         return self.pair_tables[p]
 
     def stiffness_table(self) -> StiffnessTable:
@@ -296,7 +297,7 @@ class Result(ContactQuantities):
         return stiffness_table((self,))
 
     def to_json(self, path: str | Path | None = None) -> str:
-        """Return the result as strict JSON (null for what is not a number); write it to `path`."""
+        """Return the result as strict JSON (null for NaN and infinity); write it to `path`."""
         return results_to_json(self, path)
 
     def to_csv(self, path: str | Path | None = None) -> str:
@@ -308,11 +309,11 @@ class Result(ContactQuantities):
         return to_xarray(self)
 
     def table(self) -> str:
-        """Return the result as text: a row per position, then what a report quotes."""
+        """Return the result as text: a row per position, then the summary."""
         return text_of(self)
 
     def cost_table(self) -> str:
-        """Return what the run took as text, stage by stage, beside what was predicted."""
+        """Return the cost of the run as text, stage by stage, beside the prediction."""
         return cost_table(self.cost)
 
 
@@ -344,12 +345,13 @@ def make_result(
     follower_angle_rad: Floats | None = None,
     unloaded_rotation_rad: Floats | None = None,
 ) -> Result:
-    """Put a result together; arrays are copied and frozen.
+    """Make a result; arrays are copied and made read-only.
 
     Parameters
     ----------
     name, torque_Nm, …
-        The attributes of `Result`, of P positions and S sites; without a pitch the period is one.
+        The attributes of `Result`, with P positions and S sites; without a pitch it equals the
+        period.
 
     Returns
     -------

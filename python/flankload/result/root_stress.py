@@ -1,12 +1,12 @@
-"""Stress in the tooth roots at all positions: pressures on the flanks times what a mode does there.
+"""Stress in the tooth roots at all positions, by superposition of pressure modes.
 
-The pressure on a flank is expanded in the modes that were solved for,
+The pressure on a flank is expanded in the modes of the elastic solution,
 
     p(s) = sum_a c_a P_a(s),   c_a = 1/D_a int p P_a ds = 1/D_a sum_i P_a(s_i) F_i/width,
 
-with the forces F_i of its contact pairs (D_a = int P_a² ds). Stress in the root is linear in c,
-over all teeth in mesh. What few modes leave out is local to the contact and fades towards the root.
-Friction along the flanks is expanded in the same way.
+with the forces F_i of its contact pairs (D_a = int P_a² ds). Root stress is linear in c, summed
+over all teeth in mesh. The part of the pressure that few modes omit is local to the contact and
+decays towards the root. Friction along the flanks is expanded in the same way.
 """
 
 from __future__ import annotations
@@ -32,28 +32,28 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-#: Stresses that differ by less, relative to the largest, are one.
+#: Stresses that differ by less, relative to the largest, are equal.
 SAME = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class RootReading:
-    """What turns the forces on one body's flanks into stress in its roots.
+    """Conversion of the forces on one body's flanks into stress in its roots.
 
     Attributes
     ----------
     points : RootPoints
-        The q places of a tooth.
+        The q evaluation points of a tooth.
     n_modes : int
     response : (S, S, q, p) array
-        Stress in the root of the tooth at the first site, under the modes on the second; p is
-        n_modes, or twice as many where friction loads the flanks along, too.
+        Root stress of the tooth at the first site, under the modes on the second; p is n_modes, or
+        twice as many if friction also loads the flanks tangentially.
     mode_range_mm : (float, float)
     tip : Tip or None
         Where modes of a tip end; n_modes counts them.
     face_width_mm : float
     nodes : (n_modes,) array, optional
-        Arc lengths of nodes that carry unit forces in place of modes, mm.
+        Arc lengths of nodes that carry unit forces instead of modes, mm.
     """
 
     points: RootPoints
@@ -73,11 +73,11 @@ class Extremes(KeepsReadOnly):
     ----------
     stress_MPa : (P, S) array
     arc_length_mm, radius_mm : (P, S) arrays
-        Where: along the profile from the root circle, and from the axis.
+        Place: along the profile from the root circle, and from the axis.
     slant_deg : (P, S) array
         Angle of the fillet's tangent to the tooth's centre line there.
     working : (P, S) array of bool
-        Whether it is on the side of the working flank.
+        Whether the place is on the side of the working flank.
     """
 
     stress_MPa: Floats
@@ -89,16 +89,16 @@ class Extremes(KeepsReadOnly):
 
 @dataclass(frozen=True, eq=False)
 class RootStress(KeepsReadOnly):
-    """Stress along the root fillets of the teeth of one body; P positions, S sites, q places.
+    """Stress along the root fillets of the teeth of one body; P positions, S sites, q points.
 
     Attributes
     ----------
     points : RootPoints
-        The places, those of the working side first.
+        The points, those of the working side first.
     stress_MPa : (P, S, q) array
         Stress along the fillet, positive in tension.
     tension, compression : Extremes
-        Largest and least stress between the places, by the parabola through the three next to it.
+        Largest and least stress between the points, from a parabola through the nearest three.
     """
 
     points: RootPoints
@@ -120,7 +120,7 @@ def root_reading(
     ----------
     pair : BodyPair
     compliance : BodyCompliance
-        Of body z + 1.
+        Compliance of body z + 1.
     z : int
         0 or 1.
     sites : (S,) array
@@ -130,7 +130,7 @@ def root_reading(
     Returns
     -------
     RootReading or None
-        None where the compliance holds no stress.
+        None if the compliance contains no stress.
     """
     if compliance.root is None:
         return None
@@ -159,7 +159,7 @@ def root_stress(
     tables : sequence of PairTable
         One per position.
     sites : (S,) array
-        Their numbers.
+        Pair numbers.
     z : int
         0 or 1: which body.
 
@@ -168,7 +168,7 @@ def root_stress(
     RootStress
     """
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
-    # a 0 has no sign
+    # normalise the sign of zero
     stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
     stress.setflags(write=False)
     points = reading.points
@@ -221,7 +221,7 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
             np.interp(place.ravel(), points.arc_length_mm[side], values[side]) for side in sides
         )
         along[key] = np.where(working.ravel(), one, two).reshape(place.shape)
-    # a 0 has no sign
+    # normalise the sign of zero
     arrays = (
         sign * found + 0.0,
         place,
@@ -235,7 +235,7 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
 
 
 def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Largest value along the last axis and where it is, by the parabola around the largest one."""
+    """Maximum along the last axis and its place, from the parabola around the largest value."""
     at = values.argmax(axis=-1)
     middle = np.clip(at, 1, s.size - 2)
     s_0, s_1, s_2 = (s[middle + k] for k in (-1, 0, 1))
@@ -244,7 +244,7 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     )
     left, right = (v_1 - v_0) / (s_1 - s_0), (v_2 - v_1) / (s_2 - s_1)
     bend = (right - left) / (s_2 - s_0)
-    # the slope at s_1 by the parabola; its vertex lies between the neighbours of a largest value
+    # slope of the parabola at s_1; its vertex lies between the neighbours of the largest value
     slope = left + bend * (s_1 - s_0)
     inside = (at == middle) & (bend < 0)
     shift = np.zeros_like(slope)
@@ -261,7 +261,7 @@ def root_summary(
     sites: NDArray[np.int64],
     site_force_N: Floats,
 ) -> dict[str, Any]:
-    """Largest tension and compression over the positions, and where they are.
+    """Largest tension and compression over the positions, with their places.
 
     Parameters
     ----------
@@ -269,14 +269,14 @@ def root_summary(
     position_rad : (P,) array
     sites : (S,) array
     site_force_N : (P, S) array
-        Of sites that name the same tooth, one that carries is quoted.
+        Of sites with the same tooth, a loaded one is reported.
 
     Returns
     -------
     dict
         `tension` and `compression`, each with `stress_MPa`, `position_rad`, `pair`,
-        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), and
-        `range_MPa`: the widest span of stress that one place sees over all positions and pairs.
+        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), and `range_MPa`:
+        the largest stress range at one point over all positions and pairs.
     """
     found: dict[str, Any] = {}
     for name, extremes, sign in (
@@ -301,7 +301,7 @@ def root_summary(
 
 
 def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:
-    """Arrays (P, S) of body z + 1 by the name and with the unit that files give them."""
+    """Arrays (P, S) of body z + 1 by their names and with their units in files."""
     found: dict[str, tuple[Floats, str]] = {}
     for name, extremes in (("tension", stress.tension), ("compression", stress.compression)):
         key = f"root_{name}_{z + 1}"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from flankload.result.result import Result
 
-#: What the table holds for each torque.
+#: Quantities of the table for each torque.
 QUANTITIES = (
     "transmission_error_um",
     "stiffness_tangent_Nm_per_rad",
@@ -39,14 +39,14 @@ class StiffnessTable:
     name : str
         Name of the scene.
     angle_rad : (N,) array
-        Angle of body 1 from position zero, ascending; of a closed table the last one is the first
+        Angle of body 1 from position zero, ascending; in a closed table the last one is the first
         one a period later.
     torques_Nm : (T,) array
     reference_radius_mm, period_rad : float
     closed : bool
-        The angles cover a period, after which all repeats.
+        Whether the angles cover a period, after which everything repeats.
     values : dict of (N, T) arrays
-        By the names in `QUANTITIES`; NaN where there is none (at torque 0).
+        By the names in `QUANTITIES`; NaN if undefined (at torque 0).
     """
 
     name: str
@@ -60,9 +60,9 @@ class StiffnessTable:
     def to_csv(self, path: str | Path | None = None) -> str:
         """Return the table as CSV; write it to `path`.
 
-        Lines that begin with # say what it is; then one line of names and one per angle. Columns
-        are `angle_rad`, `angle_deg` and, torque by torque, the quantities with the torque in N m
-        after an @. An empty cell is not a number.
+        Lines that begin with # describe the table; then follow one line of names and one per angle.
+        Columns are `angle_rad`, `angle_deg` and, torque by torque, the quantities with the torque
+        in N m after an @. An empty cell is not a number.
 
         Parameters
         ----------
@@ -101,7 +101,7 @@ def stiffness_table(results: Sequence[Result]) -> StiffnessTable:
     Parameters
     ----------
     results : sequence of Result
-        Of one scene, at the same positions.
+        Results of one scene, at the same positions.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def stiffness_table(results: Sequence[Result]) -> StiffnessTable:
     Raises
     ------
     ValueError
-        If the results stand at different positions.
+        If the results have different positions.
     """
     first = results[0]
     if any(not np.array_equal(first.position_rad, other.position_rad) for other in results):

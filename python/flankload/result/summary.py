@@ -1,4 +1,4 @@
-"""What a report quotes beyond transmission error, load sharing and pressure."""
+"""Summary beyond transmission error, load sharing and pressure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STIFFNESS_MEANS = {
 
 
 def stiffness_means(result: Result) -> dict[str, float | None]:
-    """Means over the period; None where positions leave part of one open."""
+    """Means over the period; None if the positions do not cover it."""
     means: dict[str, float | None] = {}
     over = over_positions(result)
     for key, name in STIFFNESS_MEANS.items():
@@ -32,7 +32,7 @@ def stiffness_means(result: Result) -> dict[str, float | None]:
 
 
 def summary_of_contacts(result: Result) -> dict[str, Any]:
-    """Largest line load and where it is, largest sliding, least distance of the coast flanks."""
+    """Largest line load and its place, largest sliding, least distance of the coast flanks."""
     load = result.line_load_N_per_mm
     p, s = np.unravel_index(np.argmax(load), load.shape)
     loaded = float(load[p, s]) > 0
@@ -48,5 +48,5 @@ def summary_of_contacts(result: Result) -> dict[str, Any]:
 
 
 def _finite(choose: Any, values: Any) -> float | None:
-    """The least or largest of what is a number."""
+    """The least or largest finite value."""
     return float(choose(values)) if np.isfinite(values).any() else None

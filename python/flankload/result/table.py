@@ -22,20 +22,19 @@ if TYPE_CHECKING:
 HEAD = ("position", "transm. error", "tangent stiffness", "secant stiffness")
 UNITS = ("deg", "um", "N/um", "N/um")
 
-#: Pairs that have a column each; of more a row shows those that carry.
+#: Largest number of pairs with a column each; with more pairs a row lists the loaded ones.
 MOST_COLUMNS = 8
-#: Parts of a quantity below are rounding, and printed as none.
+#: Parts of a quantity below this limit are roundoff, and printed as zero.
 ROUNDING = 1e-9
-#: Sources of the estimate that have a line of their own: they tell of harmonics, which others do
-#: not.
+#: Sources of the estimate with a separate line: they apply to harmonics, which others do not.
 SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
-#: What such a line leaves out of its names.
+#: Words that such a line omits from its names.
 OF_ROTATION = "transmission_error_"
-#: Part of the mean transmission error that the state without load is told from.
+#: Least part of the mean transmission error at which the state without load is reported separately.
 LEAST_UNLOADED = 1e-3
-#: A single position has none: what follows from several.
+#: Quantities that need several positions.
 OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
-#: What the contact solver certifies of a position, beyond "solved" (0).
+#: Result of the contact solver's check at a position, other than "solved" (0).
 STATUS_WORDS = {
     1: "solved; how neighbouring pairs share their force is uncertain, sums are right",
     2: "solved; a pair has neither force nor gap",
@@ -53,18 +52,18 @@ def text_of(result: Result) -> str:
     Returns
     -------
     str
-        Lines without a line break at the end.
+        Lines without a final line break.
     """
     return _text([_title(result), "", *_warnings((result,)), *_body(result)])
 
 
 def texts_of(results: Sequence[Result]) -> str:
-    """Return the same of several torques: warnings once for all of them, then each table.
+    """Return the text of several torques: common warnings first, then each table.
 
     Parameters
     ----------
     results : sequence of Result
-        Of one scene.
+        Results of one scene.
 
     Returns
     -------
@@ -90,7 +89,7 @@ def _warnings(results: Sequence[Result]) -> Iterator[str]:
 
 
 def _body(result: Result) -> list[str]:
-    """Rows and what stands below them."""
+    """Rows and the text below them."""
     if result.drive is not None:
         rows = [*result.drive.rows(result)]
     elif result.has_cam:
@@ -132,7 +131,7 @@ def _rows(result: Result) -> list[str]:
 
 
 def _rows_of_cam(result: Result) -> list[str]:
-    """A row per position: where the follower stands, then what its one contact carries."""
+    """A row per position: angle of the follower, then the values of its one contact."""
     assert result.follower_angle_rad is not None
     follower = np.degrees(result.follower_angle_rad)
     return text_table(
@@ -148,7 +147,7 @@ def _rows_of_cam(result: Result) -> list[str]:
 
 
 def _rows_of_loaded(result: Result) -> list[str]:
-    """A row per position with the pairs that carry there, of many."""
+    """A row per position with the pairs that carry load there, out of many."""
     most = int(result.loaded_pairs.max())
     rows: list[tuple[str, ...]] = [
         (*HEAD, *("pair that", "carries", "") * most),
@@ -170,7 +169,7 @@ def _rows_of_loaded(result: Result) -> list[str]:
 
 
 def _rows_of_circle(result: Result) -> list[str]:
-    """A row per position, then one per tooth where a tooth carries most."""
+    """A row per position, then one per tooth at the position of the largest force."""
     rows: list[tuple[str, ...]] = [
         (*HEAD, "teeth loaded", "most on one", "at tooth"),
         (*UNITS, "", "share %", ""),
@@ -223,7 +222,7 @@ def _share_and_pressure(result: Result, p: int, s: int) -> tuple[str, str]:
 
 
 def _force_and_pressure(contact: Result | CoastContact, p: int, s: int) -> tuple[str, str]:
-    """Force in kN and pressure in MPa, marked on a sharp corner; none where nothing carries."""
+    """Force in kN and pressure in MPa, marked on a sharp corner; empty if unloaded."""
     force = contact.force_N if isinstance(contact, CoastContact) else contact.site_force_N
     if force[p, s] <= 0:
         return NONE, NONE
@@ -319,7 +318,7 @@ def _root_stress(found: Any) -> str:
 
 
 def _contact_lines(result: Result) -> Iterator[str]:
-    """Stiffness, line load, sliding, coast flanks: what there is of them."""
+    """Available lines on stiffness, line load, sliding and coast flanks."""
     summary = result.summary
     tangent, secant = (summary[f"stiffness_{kind}_mean_N_per_um"] for kind in ("tangent", "secant"))
     if tangent is not None and secant is not None:
@@ -394,7 +393,7 @@ def _friction(friction: FrictionResult) -> str:
 
 
 def _estimate(estimate: Any) -> str:
-    """Each quantity's error, and the source that adds most to it."""
+    """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
         f"{quantity.replace('_', ' ')} {100 * error if error > ROUNDING else 0:.2g} %"

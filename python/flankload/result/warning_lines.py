@@ -1,4 +1,4 @@
-"""Warnings of several torques, each once."""
+"""Warnings of several torques without repetition."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from flankload.result.result import Result
 
-#: Numbers by themselves, not those in a name such as body_1.
+#: Separate numbers, not those in a name such as body_1.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
@@ -25,8 +25,8 @@ def warning_lines(results: Sequence[Result]) -> list[str]:
     Returns
     -------
     list of str
-        Warnings that differ in their numbers alone are one, in the words of the largest torque;
-        what is not said of all torques alike says of which.
+        Warnings that differ only in their numbers are merged, in the words of the largest torque; a
+        warning that does not apply to all torques names its torques.
     """
     groups: dict[str, dict[float, str]] = {}
     for result in results:

@@ -1,1 +1,1 @@
-"""Many runs: plans, tolerance control, accuracy studies and verification."""
+"""Studies with many runs: plans, tolerance control, accuracy studies and verification."""

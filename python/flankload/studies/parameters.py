@@ -1,6 +1,6 @@
-"""Discretization parameters of a scene: which there are, how errors fall with them, which stay.
+"""Discretization parameters of a scene, with their orders of convergence and fixed values.
 
-Each kind of drive supplies one `Parameters`; the control of the tolerance knows no kind.
+Each kind of drive supplies one `Parameters`; the tolerance control is independent of the kind.
 """
 
 from __future__ import annotations
@@ -24,37 +24,38 @@ if TYPE_CHECKING:
     Powers = Mapping[str, float]
 
 ELEMENTS, MODES, STRIPS = "flank_element_mm", "modes", "strips_per_half_width"
-#: Those that compliances depend on.
+#: Parameters on which compliances depend.
 OF_ELEMENTS = (ELEMENTS, MODES)
-#: Parameters by the names of `Discretization`, and the source of errors that each answers for.
+#: Parameters by the names of `Discretization`, and the error source that each controls.
 SOURCES = {ELEMENTS: "elements", MODES: "modes", STRIPS: "strips", "positions": "positions"}
-#: Pressure modes that a scene may name.
+#: Range of the number of pressure modes that a scene can name.
 LEAST_MODES, MOST_MODES = 3, 12
-#: Steps to half the length of elements, and the shortest ones over the default: half the length
-#: takes four times the work, so that the last halving is left to tolerances below FINE.
+#: Refinement steps to half the element length, and the shortest length relative to the default:
+#: half the length takes four times the work, so the last halving is reserved for tolerances below
+#: FINE.
 STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
 STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
-#: Elements of the default length on a flank of usual height, two modules of a gear.
+#: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
-#: As many modes are better than fewer on any elements.
+#: From this number of modes on, more modes are not better on any elements.
 ANYWHERE = 4
-#: Errors by powers of the parameters. Elements: second order in displacements; polynomials of
+#: Orders of the errors in the parameters. Elements: second order in displacements; polynomials of
 #: degree n change within 1/n² of the ends of a flank. Modes: energy of loads beside a tip, where
-#: the compliance grows like a logarithm. Strips: pressure is linear on each.
+#: the compliance increases logarithmically. Cells: pressure is linear on each.
 FLANK_POWERS: Mapping[str, Powers] = {
     "elements": {ELEMENTS: 2.0, MODES: 4.0},
     "modes": {MODES: -3.0},
     "strips": {STRIPS: -2.0},
 }
-#: Beside the re-entrant corners of a belt's teeth errors fall to 0.6 when lengths are halved.
+#: Near the re-entrant corners of a belt's teeth errors decrease to 0.6 when lengths are halved.
 BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
-#: Work by powers of the parameters: elements, and states.
+#: Orders of the work in the parameters: elements, and states.
 ELEMENTS_WORK: Powers = {ELEMENTS: -2.0}
 STATES_WORK: Powers = {STRIPS: 1.0}
-#: Keys of [positions] that say where a drive is looked at.
+#: Keys of [positions] that set the positions of a drive.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 FEW_MODES = "meshes and compliances from files bear no more of them"
-#: Why finer steps help little: what is added to a reason.
+#: Reason for slow convergence with finer steps, added to another reason.
 CORNERS = "; pairs work on sharp corners, beside which all converges slowly (a warning names them)"
 BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
 
@@ -66,23 +67,25 @@ class Parameters:
     Attributes
     ----------
     values : dict of str to float
-        By default or as the scene names them.
+        Default values, or those that the scene names.
     fixed : dict of str to str
-        Those that stay, and why.
+        Parameters that do not change, with the reason.
     steps : mapping of str to tuple of float
-        Finer values of the others, one after the other.
+        Finer values of the other parameters, in order.
     powers : mapping of str to mapping
-        By source of errors: the powers of the parameters that it goes with.
+        By error source: the powers of the parameters to which it is proportional.
     explicit : tuple of str
-        Those that a run names even where they are as they began: else it may take others.
+        Parameters that a run always names, even at their initial values: by default it may choose
+        others.
     flank_mm : float
-        Length of a flank, whose elements bear the modes; infinite where modes ask for nothing.
+        Length of a flank whose elements must resolve the modes; infinite if modes set no
+        requirement.
     ends : mapping of str to str
-        Why there are no finer steps, where that has a reason of its own.
+        Specific reason why no finer steps exist.
     slow : str
-        What slows convergence down: added to a reason where pairs work on sharp corners.
+        Cause of slow convergence: added to a reason if pairs touch at sharp corners.
     always_slow : bool
-        Added in any case.
+        Whether it is added in every case.
     has_pressures : bool
     """
 
@@ -99,14 +102,14 @@ class Parameters:
 
     @property
     def open_sources(self) -> set[str]:
-        """Sources of errors that can be reduced."""
+        """Error sources that can be reduced."""
         return {of for name, of in SOURCES.items() if name in self.steps or self._adapts(name)}
 
     def _adapts(self, name: str) -> bool:
         return name == "positions" and name not in self.fixed
 
     def finer(self, values: Values, source: str) -> Values | None:
-        """The next step of the parameter that answers for a source.
+        """The next step of the parameter that controls an error source.
 
         Parameters
         ----------
@@ -116,8 +119,8 @@ class Parameters:
         Returns
         -------
         dict or None
-            None at the end of its steps, and where it stays. More modes come with elements that
-            bear them.
+            None at the end of its steps, and for fixed parameters. More modes are combined with
+            elements that resolve them.
         """
         name = next((name for name, of in SOURCES.items() if of == source), "")
         towards = -1.0 if name == ELEMENTS else 1.0
@@ -128,7 +131,7 @@ class Parameters:
         return self._bearing(changed) if name == MODES else changed
 
     def _bearing(self, values: Values) -> Values | None:
-        """Elements short enough for the modes; None where they cannot be."""
+        """Element length that resolves the modes; None if it is not available."""
         if ELEMENTS not in values or values[MODES] <= ANYWHERE:
             return values
         longest = _rounded(self.flank_mm / elements_for_modes(int(values[MODES])))
@@ -139,7 +142,7 @@ class Parameters:
 
 
 def relative(powers: Powers, values: Values, others: Values) -> float:
-    """What goes with powers of the parameters: at some values over that at other ones."""
+    """Ratio of a product of powers of the parameters at some values to that at other values."""
     found = 1.0
     for name, power in powers.items():
         if name in values:
@@ -148,7 +151,7 @@ def relative(powers: Powers, values: Values, others: Values) -> float:
 
 
 def parameters_of(scene: Scene) -> Parameters:
-    """Discretization parameters of a scene; bodies are built only where their files decide.
+    """Discretization parameters of a scene; bodies are built only if their files determine these.
 
     Parameters
     ----------
@@ -206,7 +209,7 @@ def _of_flanks(scene: Scene) -> Parameters:
     while named_mm is not None and MODES not in fixed and modes > ANYWHERE:
         if elements_for_modes(modes) * named_mm <= flank_mm:
             break
-        modes -= 1  # named elements bear no more
+        modes -= 1  # named elements resolve no more
     values: Values = {
         MODES: min(most, modes),
         STRIPS: accuracy.strips_per_half_width or DEFAULT.grid.strips_per_half_width,
@@ -229,7 +232,7 @@ def _of_flanks(scene: Scene) -> Parameters:
     )
 
 
-#: By kind of body 2; pairs of flanks else.
+#: By kind of body 2; flank pairs otherwise.
 KINDS = {"chain": _of_chain, "belt": _of_belt}
 
 
@@ -247,7 +250,7 @@ def _named(scene: Scene) -> dict[str, str]:
 
 
 def _lengths(scene: Scene, default_mm: float) -> tuple[float, ...]:
-    """Lengths of elements, each four of them half as long."""
+    """Element lengths, each half of the fourth one before it."""
     least = FINEST_PART if scene.accuracy.tolerance < FINE else LEAST_PART
     parts = [2.0 ** (-step / STEPS) for step in range(1, 4 * STEPS)]
     return tuple(_rounded(part * default_mm) for part in parts if part >= least)
@@ -258,7 +261,7 @@ def _rounded(length_mm: float) -> float:
 
 
 def _elements(scene: Scene) -> tuple[float | None, int]:
-    """Length of elements by default, mm, and the most modes."""
+    """Default length of elements, mm, and the largest number of modes."""
     lengths, modes = [], [MOST_MODES]
     for z, spec in enumerate((scene.body_1, scene.body_2)):
         if spec.rigid:
@@ -274,13 +277,13 @@ def _elements(scene: Scene) -> tuple[float | None, int]:
 
 
 def default_length(spec: BodySpec, body: Body | None = None) -> float:
-    """Length of elements along the flank by default, mm.
+    """Default length of elements along the flank, mm.
 
     Parameters
     ----------
     spec : table of a body
     body : Body, optional
-        The same, built; needed where the table names no module.
+        The same body, built; required if the table names no module.
 
     Returns
     -------
@@ -297,13 +300,13 @@ def default_length(spec: BodySpec, body: Body | None = None) -> float:
 
 
 def most_modes(spec: BodySpec, body: Body | None) -> int:
-    """Modes that a body's file allows: as many as it holds, or as its elements bear.
+    """Largest number of modes of an imported body, from its file or its elements.
 
     Parameters
     ----------
     spec : table of a body
     body : Body or None
-        The same, built; needed where it comes from a file.
+        The same body, built; required if it is imported from a file.
 
     Returns
     -------

@@ -1,9 +1,9 @@
-"""Tolerance control: a scene that names `accuracy.tolerance` is discretized so that it is met.
+"""Tolerance control: choice of the discretization of a scene with `accuracy.tolerance`.
 
-The first run is one at the default. Its error estimate says what each source leaves of each
-quantity; where that exceeds the tolerance the parameters are refined by the known orders of
-convergence (`parameters`) and the scene is run again. The verdict is that of the last run's own
-estimate.
+The first run uses the default discretization. Its error estimate contains the error of each
+quantity from each source; if it exceeds the tolerance the parameters are refined according to the
+known orders of convergence (`parameters`) and the scene is run again. The verdict is based on the
+last run's own estimate.
 """
 
 from __future__ import annotations
@@ -37,33 +37,34 @@ if TYPE_CHECKING:
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
-#: Runs at the most.
+#: Largest number of runs.
 MOST_RUNS = 3
-#: Part of the tolerance that a refinement aims at: orders of convergence are asymptotic.
+#: Target of a refinement, as part of the tolerance: orders of convergence are asymptotic.
 AIM = 0.9
-#: A source that leaves so little of what is aimed at is not refined.
+#: Sources whose error is below this part of the target are not refined.
 SMALL_PART = 0.4
-#: What cannot be met is refined to so many times the work of all else; a run for that alone must
-#: leave no more than so much of what parameters answer for.
+#: A quantity that cannot meet the tolerance is refined up to this multiple of the work for all
+#: others; a run for that alone must reduce the error from parameters to this part.
 PATIENCE, MUCH_NEARER = 4.0, 0.7
-#: Adaptive positions begin with so many on a pitch. They may leave DOUBT tolerances in doubt of
-#: harmonics and peak to peak, as parts of these, since the tolerance binds parts of the whole;
-#: within limits. Refined ones are aimed at POSITIONS_AIM tolerances: the rest costs more.
+#: Number of adaptive positions per pitch in the first round. Their uncertainty of harmonics and
+#: peak to peak, as parts of these, may be DOUBT tolerances, since the tolerance applies to parts of
+#: the whole; within limits. Refined ones have a target of POSITIONS_AIM tolerances: a smaller one
+#: costs more.
 POSITIONS, DOUBT, LEAST_DOUBT, MOST_DOUBT = 16, 3.0, 3e-4, 0.03
 POSITIONS_AIM, FINEST_DOUBT = 0.4, 1e-5
 
 
 class Run(Protocol):
-    """A run of a scene, `run_once`."""
+    """A run of a scene with the signature of `run_once`."""
 
     def __call__(
         self, scene: Scene, kept: Kept, progress: Progress | None
     ) -> Result | tuple[Result, ...]:
-        """Results of a scene; compliances that it has solved are put into kept."""
+        """Results of a scene; newly solved compliances are stored in `kept`."""
 
 
 def first_choice(scene: Scene, parameters: Parameters) -> Choice:
-    """What a scene begins with: the default, and adaptive positions where none are named."""
+    """Initial choice for a scene: the default, and adaptive positions if none are named."""
     positions = NamedDiscretization()
     if "positions" not in parameters.fixed:
         doubt = float(np.clip(DOUBT * scene.accuracy.tolerance, LEAST_DOUBT, MOST_DOUBT))
@@ -72,7 +73,7 @@ def first_choice(scene: Scene, parameters: Parameters) -> Choice:
 
 
 def first_discretization(scene: Scene) -> NamedDiscretization:
-    """What a tolerance begins with, open parameters that are at their default included.
+    """Initial discretization for a tolerance, including open parameters at their default.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
     Returns
     -------
     NamedDiscretization
-        Nothing where the scene names no tolerance.
+        Empty if the scene names no tolerance.
     """
     if not scene.steers:
         return NamedDiscretization()
@@ -93,7 +94,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
 
 
 def first_scene(scene: Scene) -> Scene:
-    """A scene as its tolerance begins with it; itself where it names none.
+    """Scene with the initial discretization of its tolerance; unchanged if it names no tolerance.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def first_scene(scene: Scene) -> Scene:
 
 
 def _at(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with its discretization named: its tolerance decides on nothing any more."""
+    """The scene with an explicit discretization, which its tolerance no longer changes."""
     scene = with_discretization(scene, discretization)
     return replace(scene, named_knobs=scene.named_knobs - {"accuracy.tolerance"})
 
@@ -118,16 +119,16 @@ def _at(scene: Scene, discretization: NamedDiscretization) -> Scene:
 def solve_to_tolerance(
     scene: Scene, run: Run, progress: Progress | None = None
 ) -> Result | tuple[Result, ...]:
-    """Results of a scene whose discretization meets its tolerance, as far as it can be met.
+    """Results of a scene whose discretization meets its tolerance as far as possible.
 
     Parameters
     ----------
     scene : Scene
-        That names a tolerance.
+        It names a tolerance.
     run : callable
         Solves a scene.
     progress : callable, optional
-        As of `solve`.
+        As in `solve`.
 
     Returns
     -------
@@ -163,7 +164,7 @@ def solve_to_tolerance(
 def choose_discretization(
     parameters: Parameters, attempts: Sequence[Attempt], tolerance: float
 ) -> Choice | None:
-    """What is likely to meet the tolerance, by what the last run says of itself.
+    """Discretization that will probably meet the tolerance, from the estimate of the last run.
 
     Parameters
     ----------
@@ -175,7 +176,7 @@ def choose_discretization(
     Returns
     -------
     Choice or None
-        None where the tolerance is met, and where no further run is worth it.
+        None if the tolerance is met, or if no further run is worth its cost.
     """
     last = attempts[-1]
     missed = [quantity for quantity, error in last.errors.items() if error > tolerance]
@@ -201,13 +202,13 @@ def choose_discretization(
 
 
 def _norm(table: Table, quantity: str, only_open: Parameters | None = None) -> float:
-    """Errors of a quantity by all sources, or by those whose parameters are open, together."""
+    """Combined errors of a quantity from all sources, or from those with open parameters."""
     among = table if only_open is None else only_open.open_sources
     return float(np.linalg.norm([table[source][quantity] for source in table if source in among]))
 
 
 class _Refining:
-    """Refinement of the parameters from a run, each source by its order of convergence."""
+    """Refinement of the parameters from a run, each source with its order of convergence."""
 
     def __init__(
         self, parameters: Parameters, done: Attempt, by_source: Table, wanted: float
@@ -219,7 +220,7 @@ class _Refining:
         self._states_s = sum(stages.get(name, 0.0) for name in ("sweep", "tangent", "estimate"))
 
     def left(self, values: Values) -> Table:
-        """What each source is likely to leave of each quantity."""
+        """Predicted error of each quantity from each source."""
         powers = self._parameters.powers
         found: Table = {}
         for source, errors in self._by_source.items():
@@ -228,7 +229,7 @@ class _Refining:
         return found
 
     def foreseen(self, values: Values) -> Errors:
-        """The same of all sources: doubts are independent."""
+        """Predicted error of each quantity from all sources: they are independent."""
         left = self.left(values)
         return {quantity: _norm(left, quantity) for quantity in BOUND}
 
@@ -238,7 +239,7 @@ class _Refining:
         return elements + self._states_s * relative(STATES_WORK, values, self._start)
 
     def values(self) -> Values:
-        """Parameters that meet what can be met and come near to the rest while that is cheap."""
+        """Parameters that meet the attainable limits and approach the others if cheap."""
         finest = self._refined(self._start, set(BOUND), np.inf)
         can = {q for q, error in self.foreseen(finest).items() if error <= self._wanted}
         values = self._refined(self._start, can, np.inf)
@@ -246,7 +247,7 @@ class _Refining:
         return self._refined(values, set(BOUND) - can, most)
 
     def _refined(self, values: Values, quantities: set[str], most_work: float) -> Values:
-        """Step by step what adds most to the largest error."""
+        """Refine step by step the largest contribution to the largest error."""
         left = set(quantities)
         while left:
             errors = self.foreseen(values)
@@ -269,7 +270,7 @@ class _Refining:
 
 
 def _add_spent(spent: Account, results: Sequence[Result], *, without: set[int]) -> None:
-    """Count what a run has spent that the next one does not take over from these bodies."""
+    """Count the cost of a run that the next one cannot reuse."""
     kept = {f"compliance body {z + 1}" for z in without}
     for name, stage in results[0].cost["stages"].items():
         if name not in kept:
@@ -279,7 +280,7 @@ def _add_spent(spent: Account, results: Sequence[Result], *, without: set[int]) 
 
 
 def _with_extra(cost: Mapping[str, Any], extra: Mapping[str, Account]) -> dict[str, Any]:
-    """The cost of a run with what was spent beside it."""
+    """Cost of a run including the additional cost."""
     stages = {name: account.as_dict() | {"predicted": {}} for name, account in extra.items()}
     more = {
         name: cost.get(name, 0) + sum(account.counters.get(name, 0) for account in extra.values())
@@ -290,14 +291,14 @@ def _with_extra(cost: Mapping[str, Any], extra: Mapping[str, Account]) -> dict[s
 
 
 class _Parts:
-    """Progress of several runs as that of one: the later ones may not come."""
+    """Progress of several runs as that of one: later runs are not certain."""
 
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self._total = 1
 
     def part(self, number: int) -> Progress | None:
-        """Progress of a run; each may take half of what the ones before have left."""
+        """Progress of a run; each may take half of what the previous ones have left."""
         if self._progress is None:
             return None
 
@@ -311,6 +312,6 @@ class _Parts:
         return tell
 
     def finish(self) -> None:
-        """All are done."""
+        """Report that all runs are complete."""
         if self._progress is not None:
             self._progress("done", MOST_RUNS * self._total, MOST_RUNS * self._total)

@@ -1,4 +1,4 @@
-"""What a tolerance binds, what the estimates of its runs say of that, and the report."""
+"""Quantities limited by a tolerance, their estimated errors in the runs, and the report."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
-#: It is bound as part of the largest transmission error, not of itself: a curve that hardly varies
-#: need not be known to a part of nothing.
+#: Quantity limited relative to the largest transmission error, not to itself: the relative error of
+#: an almost constant curve's variation is irrelevant.
 OF_LARGEST = "transmission_error_peak_to_peak"
-#: Quantities that a tolerance binds.
+#: Quantities that a tolerance limits.
 BOUND = (
     "transmission_error",
     "transmission_error_mean",
@@ -33,7 +33,7 @@ BOUND = (
     "peak_pressure",
     "stiffness_secant",
 )
-#: Sources that no parameter answers for, and what does.
+#: Sources that no parameter controls, with what controls them instead.
 LEFT_BY = {
     "tip": "forces on tips turn from the normal of the flank, along which its modes push",
     "lumped": "effects.contact = 'lumped' leaves it",
@@ -44,16 +44,17 @@ LEFT_BY = {
 
 @dataclass(frozen=True)
 class Choice:
-    """What a run is made with.
+    """Discretization and positions of a run.
 
     Attributes
     ----------
     values : dict of str to float
-        Of all parameters.
+        Values of all parameters.
     positions : NamedDiscretization
-        With the keys of the positions alone.
+        With the keys of the positions only.
     foreseen : dict of str to float
-        Errors of bound quantities by the orders of convergence; empty for the first run.
+        Predicted errors of limited quantities from the orders of convergence; empty for the first
+        run.
     """
 
     values: Values
@@ -61,7 +62,7 @@ class Choice:
     foreseen: Errors = field(default_factory=dict)
 
     def discretization(self, parameters: Parameters) -> NamedDiscretization:
-        """The keys that make a run of it."""
+        """The keys for the run."""
         named: dict[str, Any] = {
             name: x
             for name, x in self.values.items()
@@ -70,13 +71,13 @@ class Choice:
         return replace(self.positions, **named)
 
     def has_elements_of(self, other: Choice) -> bool:
-        """Whether compliances of the other one hold."""
+        """Whether compliances of the other choice can be reused."""
         return all(self.values.get(name) == other.values.get(name) for name in OF_ELEMENTS)
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run, and what its estimate says of the bound quantities."""
+    """A run, and the estimated errors of the limited quantities."""
 
     choice: Choice
     results: tuple[Result, ...]
@@ -85,22 +86,22 @@ class Attempt:
 
     @classmethod
     def of(cls, choice: Choice, results: tuple[Result, ...]) -> Attempt:
-        """From its results."""
+        """Attempt from the results of a run."""
         return cls(choice, results, estimated_errors(results), errors_by_source(results))
 
 
 def estimated_errors(results: Sequence[Result]) -> Errors:
-    """Errors of the bound quantities, the largest over the torques.
+    """Errors of the limited quantities, the largest over the torques.
 
     Parameters
     ----------
     results : sequence of Result
-        Of one scene.
+        Results of one scene.
 
     Returns
     -------
     dict of str to float
-        Those that are estimated.
+        Errors that are estimated.
     """
     found: Errors = {}
     for result in results:
@@ -110,10 +111,10 @@ def estimated_errors(results: Sequence[Result]) -> Errors:
 
 
 def errors_by_source(results: Sequence[Result]) -> Table:
-    """The same by source: what each alone would leave.
+    """Estimated errors by source: the error that each alone would cause.
 
-    Sources may cancel: they do not add up to `estimated_errors`. Elements of several bodies have
-    one parameter, so they are one source.
+    Errors from different sources may cancel: they do not add up to `estimated_errors`. Elements of
+    several bodies have one parameter, so they are one source.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def errors_by_source(results: Sequence[Result]) -> Table:
 
 
 def _bound(errors: Any, result: Result) -> Errors:
-    """Bound quantities of a table of the estimate."""
+    """Limited quantities of a table of the estimate."""
     found = {quantity: float(errors[quantity]) for quantity in BOUND if quantity in errors}
     if OF_LARGEST in found:
         curve = result.transmission_error_um
@@ -151,15 +152,15 @@ def _bound(errors: Any, result: Result) -> Errors:
 def tolerance_report(
     scene: Scene, parameters: Parameters, attempts: Sequence[Attempt]
 ) -> dict[str, Any]:
-    """What was chosen for which error, and what is missed, as `result.accuracy` has it.
+    """Choices with their reasons, and missed limits, in the form of `result.accuracy`.
 
     Parameters
     ----------
     scene : Scene
-        As it was given.
+        Scene as given by the user.
     parameters : Parameters
     attempts : sequence of Attempt
-        What was run, one after the other.
+        The runs, in order.
 
     Returns
     -------
@@ -238,7 +239,7 @@ def _why(
     parameters: Parameters,
     attempts: Sequence[Attempt],
 ) -> str:
-    """Why a source is as large as it is."""
+    """Reason for the size of an error source."""
     last = attempts[-1]
     name = next((name for name, of in SOURCES.items() if of == source), None)
     if name is None:

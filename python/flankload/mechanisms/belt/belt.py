@@ -1,10 +1,10 @@
 """The kinds "pulley" and "belt": teeth of a timing belt, grooves of its pulley.
 
-Everything about a tooth is said in its own frame: the origin on its centre line, in line with the
-ends of both lands beside it, x outwards (away from the pulley), y along the turn, from the tight
-strand to the slack one. The working flank of the belt is that at negative y: the pulley pushes it
-towards the slack strand. The pitch line, on which the cord lies, runs on a circle of radius
-teeth*pitch/(2 pi), the land on one that is smaller by `land_distance_mm`.
+Everything about a tooth is given in its own frame: the origin on its centre line, level with the
+ends of both lands beside it, x outwards (away from the pulley), y in the direction of rotation,
+from the tight strand to the slack one. The working flank of the belt is the one at negative y: the
+pulley pushes it towards the slack strand. The pitch line, on which the cord lies, is a circle of
+radius teeth*pitch/(2 pi); the land circle is smaller by `land_distance_mm`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Where the side of a round tooth ends and its tip begins, from along the turn.
+#: Angle at which the side of a round tooth ends and its tip begins, from the circumferential
+#: direction.
 SIDE_ANGLE = 0.25 * pi
 
 
@@ -36,10 +37,10 @@ class Trapezoid:
     Attributes
     ----------
     width_mm : float
-        At the land.
+        Width at the land.
     height_mm : float
     angle_rad : float
-        Of the sides against the centre line.
+        Angle of the sides to the centre line.
     """
 
     width_mm: float
@@ -48,11 +49,11 @@ class Trapezoid:
 
     @property
     def tip_width_mm(self) -> float:
-        """Between the sides at the tip."""
+        """Width between the sides at the tip."""
         return self.width_mm - 2 * self.height_mm * tan(self.angle_rad)
 
     def side(self, parts: Floats) -> tuple[Floats, Floats]:
-        """Working side at parts of its length, from the land to the tip.
+        """Points of the working side at fractions of its length, from the land to the tip.
 
         Parameters
         ----------
@@ -64,7 +65,7 @@ class Trapezoid:
         places : (n, 2) array
             mm.
         normals : (n, 2) array
-            Out of the tooth.
+            Pointing out of the tooth.
         """
         depth = self.height_mm * parts
         places = np.column_stack([-depth, -0.5 * self.width_mm + depth * tan(self.angle_rad)])
@@ -72,12 +73,12 @@ class Trapezoid:
         return places, np.tile(normal, (parts.size, 1))
 
     def tip(self, parts: Floats) -> Floats:
-        """(n, 2) Tip at parts of its length, from the working side to the other one."""
+        """(n, 2) Points of the tip at fractions of its length, from the working side on."""
         across = 0.5 * self.tip_width_mm * (2 * parts - 1)
         return np.column_stack([np.full(parts.size, -self.height_mm), across])
 
     def distance(self, places: Floats) -> Floats:
-        """(n,) How far inside the working side places are, negative outside, mm."""
+        """(n,) Distance of points from the working side, mm: positive inside, negative outside."""
         foot = np.array([0.0, -0.5 * self.width_mm])
         normal = np.array([-sin(self.angle_rad), -cos(self.angle_rad)])
         return -(places - foot) @ normal
@@ -90,10 +91,9 @@ class Round:
     Attributes
     ----------
     radius_mm : float
-        Of the arc.
+        Radius of the arc.
     height_mm : float
-        Where it is larger than the radius, the sides are straight from the land to the arc's
-        centre.
+        If it exceeds the radius, the sides are straight from the land to the centre of the arc.
     """
 
     radius_mm: float
@@ -101,18 +101,18 @@ class Round:
 
     @property
     def width_mm(self) -> float:
-        """At the land."""
+        """Width at the land."""
         rest = self.radius_mm - self.height_mm
         return 2 * (sqrt(self.radius_mm**2 - rest**2) if rest > 0 else self.radius_mm)
 
     @property
     def center(self) -> Floats:
-        """Of the arc, mm."""
+        """Centre of the arc, mm."""
         return np.array([self.radius_mm - self.height_mm, 0.0])
 
     @property
     def _first_angle(self) -> float:
-        """Of the arc's end at the land, from along the turn towards the tip."""
+        """Angle of the arc's end at the land, from the circumferential direction to the tip."""
         rest = (self.radius_mm - self.height_mm) / self.radius_mm
         return 0.5 * pi - acos(rest) if rest > 0 else 0.0
 
@@ -139,7 +139,7 @@ class Round:
     def distance(self, places: Floats) -> Floats:
         """As `Trapezoid.distance`."""
         away = places - self.center
-        # beside the straight part only what is along the turn counts
+        # beside the straight part only the circumferential distance matters
         away[:, 0] = np.where(
             self.height_mm > self.radius_mm, np.minimum(away[:, 0], 0.0), away[:, 0]
         )
@@ -154,28 +154,29 @@ class Strip:
     ----------
     pulley_teeth : int
     pitch_mm : float
-        Of the pulley, on which the belt lies.
+        Pitch of the pulley, on which the belt lies.
     wrapped_teeth : int
     width_mm : float
     tooth : Trapezoid, Round or None
         None for a belt without teeth.
     groove : Trapezoid, Round or None
-        None where the groove is the tooth.
+        None if the groove has the shape of the tooth.
     land_distance_mm : float
-        From the land to the pitch line.
+        Distance from the land to the pitch line.
     back_mm : float
         Thickness from the land to the back.
     cord_N_per_mm : float
-        Tension of the cord over its strain, per mm of width.
+        Tension of the cord divided by its strain, per mm of width.
     material : Material
     clearance_rad : float
-        By which the pulley turns before any flank is met, beside the gaps to the groove.
+        Angle by which the pulley rotates before the first contact, in addition to the gaps to the
+        groove.
     pitch_difference_mm : float
         Pitch of the belt minus that of the pulley.
     prestress_N_per_mm : float
-        Mean tension that holds the cord straight, per mm of width.
+        Mean tension that keeps the cord straight, per mm of width.
     rows : (int, int) or None
-        Rows of elements from the land to the cord, and from the cord to the back; None: by the
+        Rows of elements from the land to the cord, and from the cord to the back; None: from the
         length of the elements.
     """
 
@@ -196,29 +197,29 @@ class Strip:
 
     @property
     def pitch_radius_mm(self) -> float:
-        """Of the circle on which the cord lies."""
+        """Radius of the circle on which the cord lies."""
         return self.pulley_teeth * self.pitch_mm / (2 * pi)
 
     @property
     def strand_N_per_mm(self) -> float:
-        """Tension of a free strand over its strain, per mm of width; its teeth bear nothing."""
+        """Tension of a free strand divided by its strain, per mm of width, without tooth loads."""
         material = self.material
         plane = material.young_modulus_MPa / (1 - material.poisson_ratio**2)
         return self.cord_N_per_mm + plane * self.back_mm
 
     @property
     def land_radius_mm(self) -> float:
-        """Of the pulley's outer circle."""
+        """Radius of the pulley's outer circle."""
         return self.pitch_radius_mm - self.land_distance_mm
 
     @property
     def pitch_rad(self) -> float:
-        """Angle from tooth to tooth."""
+        """Angle between adjacent teeth."""
         return 2 * pi / self.pulley_teeth
 
     @property
     def foot_radius_mm(self) -> float:
-        """Where the frames of the teeth have their origins."""
+        """Radius of the origins of the tooth frames."""
         half_width = 0.5 * self.tooth.width_mm if self.tooth is not None else 0.0
         return sqrt(self.land_radius_mm**2 - half_width**2)
 
@@ -228,26 +229,26 @@ class Strip:
         return np.asarray(self.pitch_rad * (np.arange(self.wrapped_teeth) + 0.5), dtype=np.float64)
 
     def placed(self, places: Floats, tooth_angle_rad: float) -> Floats:
-        """Places (…, 2) in the frame of a tooth as places about the axis."""
+        """Transform places (…, 2) from the frame of a tooth to axes at the centre of rotation."""
         cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
         out = places + np.array([self.foot_radius_mm, 0.0])
         return np.asarray(out @ np.array([[cosine, sine], [-sine, cosine]]))
 
     def in_tooth(self, places: Floats, tooth_angle_rad: float) -> Floats:
-        """Places (…, 2) about the axis in the frame of a tooth."""
+        """Transform places (…, 2) from axes at the centre of rotation to the frame of a tooth."""
         cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
         turned = places @ np.array([[cosine, -sine], [sine, cosine]])
         return np.asarray(turned - np.array([self.foot_radius_mm, 0.0]))
 
     def gaps(self, places: Floats) -> Floats:
-        """(n,) From places on the working flank, in the frame of its tooth, to the groove, mm."""
+        """(n,) Gaps between places on the working flank, in its tooth frame, and the groove, mm."""
         if self.groove is None:
             return np.zeros(len(places))
         return self.groove.distance(places)
 
 
 def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
-    """Belt and pulley from their keys, which the scene has checked.
+    """Make belt and pulley from their validated keys.
 
     Parameters
     ----------
@@ -267,11 +268,12 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
         angle = radians(belt.flank_angle_deg)
         tooth = Trapezoid(belt.tooth_width_mm, belt.tooth_height_mm, angle)
         given = pulley.groove_angle_deg
-        # flanks meet at the land: what a groove is wider lets the pulley turn that far
+        # flanks meet at the land: the extra width of a groove is rotation of the pulley before
+        # contact
         groove = replace(tooth, angle_rad=radians(given) if given is not None else angle)
     else:
         tooth = Round(0.5 * belt.tooth_width_mm, belt.tooth_height_mm)
-        # about the same centre: what a groove is wider is the gap all along the flank
+        # concentric arcs: the extra width of a groove is a gap along the whole flank
         groove = Round(tooth.radius_mm + wider, tooth.height_mm + wider)
     strip = Strip(
         pulley_teeth=pulley.teeth,

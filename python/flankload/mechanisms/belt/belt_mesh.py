@@ -1,10 +1,10 @@
-"""Quadratic quadrilaterals of a timing belt around its pulley, and where it is touched and held.
+"""Mesh of quadratic quadrilaterals of a timing belt around its pulley, with contact boundaries.
 
-Where the belt lies is said by the angle that its pitch line has gone around the pulley; tooth 0 is
-the first one from the tight strand, and at angle 0 the middle of the land before it. The belt lies
-on the pulley between two such angles and goes on straight beyond. A piece of it reaches from one
-place to another; these are counted in half pitches: 2k is the middle of tooth k, 2k - 1 that of the
-land before it.
+A position on the belt is given by the angle of its pitch line around the pulley; tooth 0 is the
+first one from the tight strand, and angle 0 is the middle of the land before it. The belt lies on
+the pulley between two such angles and is straight beyond them. A piece of belt extends from one
+place to another; places are counted in half pitches: 2k is the middle of tooth k, 2k - 1 is the
+middle of the land before it.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Elements on the flank of a tooth; along the strip they are as long.
+#: Elements on the flank of a tooth; along the strip they have the same length.
 FLANK_ELEMENTS = 6
-#: Rows of elements from the land to the cord, and from the cord to the back, at least.
+#: Least number of element rows from the land to the cord, and from the cord to the back.
 LEAST_ROWS = 2
-#: Of round tips, which nothing touches, as much as this of the bow over half a tooth is meshed.
+#: Round tips touch nothing; this part of the arc over half a tooth is meshed.
 TIP_BULGE = 0.6
-#: Angles that differ by less are the same, rad.
+#: Angles that differ by less are equal, rad.
 SAME = 1e-10
-#: How far strands go on, in half pitches from the first and the last tooth: to the middle of the
-#: land behind the next tooth.
+#: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
+#: of the land behind the next tooth.
 STRAND = 3
 
 
@@ -46,24 +46,24 @@ class BeltMesh:
     Attributes
     ----------
     nodes : (N, 2) array
-        About the axis of the pulley, the tight end of the wrap on the x axis, mm.
+        Relative to the axis of the pulley, with the tight end of the wrap on the x axis, mm.
     turns_rad : (N,) array
-        Angle of the pitch line's outward normal at each node.
+        Angle of the outward normal of the pitch line at each node.
     cells : ((kind, (E, 9) array),)
     cord : array
-        From the tight end to the slack one.
+        Nodes from the tight end to the slack one.
     flanks : dict of int to array
         Working flanks by the number of their teeth, from the land to the tip.
     lands : dict of int to array
-        What of each land lies on the pulley, by the number of the tooth behind it; those of a belt
-        without teeth are one.
+        Part of each land that lies on the pulley, by the number of the tooth behind it; a belt
+        without teeth has one land.
     left, right : arrays
-        Nodes of the faces at the ends of the piece, from the back on; in the middles of teeth, to
-        their tips.
+        Nodes of the faces at the ends of the piece, beginning at the back; in the middle of a tooth
+        they extend to its tip.
     bars : array
-        Of the cord's elements, those on the pulley.
+        Number of cord elements that lie on the pulley.
     tight, slack : (1,) or (0,) arrays
-        Nodes of the cord where the strands begin; none where they are not in the piece.
+        Nodes of the cord where the strands begin; empty if these are outside the piece.
     """
 
     nodes: Floats
@@ -80,7 +80,7 @@ class BeltMesh:
 
 
 def half_land(strip: Strip, flank_elements: int) -> Floats:
-    """Ends of the elements of half a land, rad, from its middle on.
+    """Element boundaries on half a land, rad, beginning at its middle.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def half_land(strip: Strip, flank_elements: int) -> Floats:
 
 
 def cord_rows(strip: Strip, flank_elements: int) -> int:
-    """Rows of nodes from the land over the cord to the back.
+    """Node rows from the land over the cord to the back.
 
     Parameters
     ----------
@@ -115,8 +115,8 @@ def cord_rows(strip: Strip, flank_elements: int) -> int:
 def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     """The strip with half as many rows, or fewer, and half as many elements on a flank.
 
-    A row is never less than one: of elements that are long already flanks alone would be coarser,
-    which tells little of what elements miss.
+    At least one row remains. With elements that are already long, only the flanks would become
+    coarser, which shows little of the discretization error.
 
     Parameters
     ----------
@@ -148,9 +148,9 @@ def mesh_strip(
     strip : Strip
     flank_elements : int
     ends_rad : (float, float)
-        Where the belt leaves the pulley, from the middles of the first and the last land.
+        Angles at which the belt leaves the pulley, from the middles of the first and the last land.
     places : (int, int), optional
-        Ends of the piece, in half pitches; if absent, all that `STRAND` says.
+        Ends of the piece, in half pitches; by default the whole belt with the strands of `STRAND`.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def mesh_strip(
 
 
 def _tooth_size(strip: Strip) -> tuple[float, float]:
-    """Height and width of a tooth; where there are none, what stands for them in a mesh."""
+    """Height and width of a tooth; substitutes for the mesh of a belt without teeth."""
     tooth = strip.tooth
     if tooth is None:
         return 0.25 * strip.pitch_mm, 0.5 * strip.pitch_mm
@@ -171,7 +171,7 @@ def _tooth_size(strip: Strip) -> tuple[float, float]:
 
 
 class _Maker:
-    """Half pitches put together; nodes as radius and angle, as if all of it lay on the pulley."""
+    """Assembly of half pitches; nodes are radius and angle, as if all lay on the pulley."""
 
     def __init__(self, strip: Strip, flank_elements: int, ends_rad: tuple[float, float]) -> None:
         self._strip = strip
@@ -199,7 +199,7 @@ class _Maker:
         self._faces: list[Numbers] = []
 
     def add(self, place: int) -> None:
-        """Add what reaches from a place to the next one."""
+        """Add the part from a place to the next one."""
         start, end = self._strip.pitch_rad * 0.5 * np.array([place + 1, place + 2])
         if place % 2:
             self._add_land((place + 1) // 2, start + self._half_land)
@@ -209,7 +209,7 @@ class _Maker:
             self._add_land(place // 2 + 1, end - self._half_land[::-1])
 
     def mesh(self) -> BeltMesh:
-        """All that was added."""
+        """The complete mesh."""
         nodes, turns = self._straightened(np.concatenate(self._blocks.places))
         cord, angles = _joined(self._cord), _joined(self._cord_angles)
         middles = angles[1::2]
@@ -229,7 +229,7 @@ class _Maker:
         )
 
     def _add_land(self, number: int, breaks: Floats) -> None:
-        """Add half a land; where a strand begins, an element ends."""
+        """Add half a land; an element boundary lies where a strand begins."""
         inside = [a for a in self._ends if breaks[0] + SAME < a < breaks[-1] - SAME]
         parts = [breaks]
         for end in inside:
@@ -239,7 +239,7 @@ class _Maker:
             self._hold(number, 0.5 * (part[0] + part[-1]), self._add_ring(part))
 
     def _add_foot(self, number: int, middle: float, side: int) -> None:
-        """Add half a tooth and what is above it: -1 that with the working flank, 1 the other."""
+        """Add half a tooth and the belt above: -1 for the half with the working flank, else 1."""
         angles = middle + (self._foot if side > 0 else -self._foot[::-1])
         under = self._add_ring(angles)
         if self._half_tooth is None:
@@ -255,14 +255,14 @@ class _Maker:
         self._middle = numbers[:, 0 if side < 0 else -1]
         if side < 0 and 0 <= number < self._strip.wrapped_teeth:
             self._flanks[number] = numbers[:, -1]
-        # a face in the middle of a tooth goes on to its tip
+        # a face in the middle of a tooth extends to its tip
         at = len(self._faces) - (1 if side < 0 else 2)
         self._faces[at] = np.concatenate([self._faces[at], self._middle[1:]])
 
     def _add_ring(self, breaks: Floats) -> Numbers:
-        """Add a part of the strip above land or tooth; nodes of its lower edge along the turn."""
+        """Add a part of the strip above a land or tooth from the nodes of its lower edge."""
         angles = with_middles(breaks)
-        # columns run against the turn, so that a block is right-handed with its rows outwards
+        # columns run against the rotation, so that a block with outward rows is right-handed
         grid = np.stack(np.meshgrid(self._rows, angles[::-1], indexing="ij"), axis=-1)
         numbers = self._blocks.add(grid, self._known)[:, ::-1]
         self._known = {"right": numbers[:, -1]}
@@ -274,13 +274,13 @@ class _Maker:
         return np.asarray(numbers[0])
 
     def _hold(self, number: int, middle: float, nodes: Numbers) -> None:
-        """Nodes of a land, if it lies on the pulley."""
+        """Add nodes of a land, if it lies on the pulley."""
         if self._ends[0] < middle < self._ends[1]:
             at = number if self._strip.tooth is not None else 0
             self._lands.setdefault(at, []).append(nodes)
 
     def _straightened(self, polar: Floats) -> tuple[Floats, Floats]:
-        """Places of nodes, and the angles of their frames: strands are straight."""
+        """Places of nodes and angles of their frames, with straight strands."""
         radius, angle = polar.T
         turn = np.clip(angle, *self._ends)
         along = self._strip.pitch_radius_mm * (angle - turn)
@@ -296,20 +296,20 @@ def _half_tooth(strip: Strip, angles: Floats, count: int) -> Floats:
     ----------
     strip : Strip
     angles : (m,) array
-        Of the nodes of its foot against the middle.
+        Angles of the nodes of its foot from the middle.
     count : int
-        Of nodes from the land to the tip.
+        Number of nodes from the land to the tip.
 
     Returns
     -------
     (count, m, 2) array
-        Radius, and angle against the middle.
+        Radius, and angle from the middle.
     """
     tooth = strip.tooth
     assert tooth is not None
     parts, across = np.linspace(0.0, 1.0, count), angles / angles[-1]
     flank, tip = tooth.side(parts)[0], tooth.tip(0.5 * (1.0 - across))
-    # where round tips go on as flanks end, elements would have a corner of 180 degrees
+    # if a round tip continues the flank smoothly, elements would have a corner of 180 degrees
     chord = tip[-1] + (1.0 - across)[:, None] * (tip[0] - tip[-1])
     tip = chord + TIP_BULGE * (tip - chord) if isinstance(tooth, Round) else tip
     foot = strip.land_radius_mm * np.column_stack([np.cos(angles), -np.sin(angles)])
@@ -323,12 +323,12 @@ def _half_tooth(strip: Strip, angles: Floats, count: int) -> Floats:
 
 
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """Lines that follow one another, their common nodes once."""
+    """Concatenate consecutive lines; common nodes appear once."""
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
 def _radii(strip: Strip, size: float) -> Floats:
-    """Rows of nodes from the land over the cord to the back."""
+    """Node rows from the land over the cord to the back."""
     inner, middle = strip.land_radius_mm, strip.pitch_radius_mm
     if strip.rows is None:
         below = even_breaks(inner, middle, size, LEAST_ROWS)

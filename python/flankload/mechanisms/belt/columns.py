@@ -1,7 +1,7 @@
-"""Columns of nodal forces on a timing belt: linear hats on its flanks and its lands.
+"""Columns of nodal forces on a timing belt: linear shape functions on its flanks and lands.
 
-A hat is 1 at an end of an element's edge and falls to 0 at its neighbours. Forces are spread over
-the elements by it, and displacements are read by the same.
+A shape function is 1 at an end of an element's edge and decreases to 0 at its neighbours. It
+distributes forces over the elements, and displacements are averaged with the same function.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Of the edges.
+#: Gauss points of the edges.
 GAUSS_POINTS = 4
-#: Moments below this part of a hat's own are rounding.
+#: Moments below this part of a shape function's own moment are roundoff.
 NO_MOMENT = 1e-12
 
 
@@ -37,15 +37,15 @@ class Flanks:
     Attributes
     ----------
     tooth : (n,) array
-        On which each stands, from the tight end.
+        Tooth of each pair, counted from the tight end.
     places, normals : (n, 2) arrays
-        About the axis of the pulley, mm; normals out of the belt.
+        Relative to the axis of the pulley, mm; normals point out of the belt.
     levers_mm : (n,) array
         Moment about the axis of a unit force of the pulley on the belt.
     gaps_mm : (n,) array
-        To the groove, along the normals.
+        Gaps to the groove, along the normals.
     lengths_mm : (n,) array
-        Of flank that each stands for.
+        Flank length represented by each pair.
     """
 
     tooth: Numbers
@@ -64,7 +64,7 @@ class FlankLine:
     ----------
     tooth : int
     places : (2 c - 1, 2) array
-        Of its nodes, from the land to the tip, mm; its c hats are pairs.
+        Places of its nodes, from the land to the tip, mm; its c shape functions are pairs.
     """
 
     tooth: int
@@ -86,7 +86,7 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine
         n pairs.
     lines : tuple of FlankLine
     columns : (2N, n) csc_array
-        Nodal loads in x and y of a unit force of the pulley on each.
+        Nodal loads in x and y of a unit force of the pulley on each pair.
     """
     parts: list[tuple[Floats, ...]] = [(np.zeros(0, dtype=np.int64), *_no_pairs())]
     lines, columns = [], [csc_array((2 * len(mesh.nodes), 0))]
@@ -117,20 +117,20 @@ def _no_pairs() -> tuple[Floats, ...]:
 
 @dataclass(frozen=True)
 class Lands:
-    """Hats on all lands; h of them, N nodes. Components outwards and along the turn.
+    """Shape functions on all lands: h functions, N nodes; radial and circumferential components.
 
     Attributes
     ----------
     number : (h,) array
-        Land of each hat.
+        Land of each shape function.
     angle_rad : (h,) array
-        Where each has its end.
+        Angle of the end node of each shape function.
     degrees : (h,) array
-        Of freedom, of which `basis` makes the ways of the hats.
+        Degrees of freedom that `basis` replaces by the displacements of the shape functions.
     basis : (2N, 2N) csc_array
-        Displacements of the nodes by the other degrees of freedom and these ways.
+        Displacements of the nodes by the other degrees of freedom and by these displacements.
     forces : (2N, h) csc_array
-        Nodal loads of a unit force along the turn on each.
+        Nodal loads of a unit circumferential force on each shape function.
     """
 
     number: Numbers
@@ -141,12 +141,13 @@ class Lands:
 
 
 def land_columns(mesh: BeltMesh) -> Lands:
-    """Hats on all lands, and the ways of lands by them.
+    """Shape functions on all lands, and the radial displacements of lands in terms of them.
 
-    The way outwards of a land is the linear function whose moments with all hats are those of the
-    displacements u there, ∫ hat u = ∫ hat way. A land that is held so is held by what its hats can
-    push, and no node of it more than that. Of the quadratic functions of an edge those of its ends
-    have no moment but with their own hats, so that ways take the places of displacements there.
+    The radial displacement of a land is the linear function whose moments with all shape functions
+    equal those of the displacements u there, ∫ hat u = ∫ hat way. A land fixed in this sense is
+    held by pressures that its shape functions can represent, and no single node is held further.
+    The quadratic functions at the ends of an edge have a moment with their own shape function only,
+    so the land displacements replace the displacements there.
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ def land_columns(mesh: BeltMesh) -> Lands:
 
 
 def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
-    """Columns (2N, k) that are 0 but for these degrees of freedom."""
+    """Columns (2N, k) with these values at these degrees of freedom, and zeros elsewhere."""
     rows = np.repeat(degrees, values.shape[1])
     columns = np.tile(np.arange(values.shape[1]), degrees.size)
     shape = (2 * len(mesh.nodes), values.shape[1])
@@ -194,20 +195,20 @@ def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
 
 
 def _hats(places: Floats) -> tuple[Floats, Floats, Floats]:
-    """Linear hats on the ends of quadratic edges, and the edges' own functions.
+    """Linear shape functions on the ends of quadratic edges, and the edges' quadratic functions.
 
     Parameters
     ----------
     places : (m, 2) array
-        Of nodes in order, every second one a middle.
+        Nodes in order, every second one a mid-side node.
 
     Returns
     -------
     shapes : (g, m) array
-        Of the nodes at the Gauss points of all edges.
+        Quadratic functions of the nodes at the Gauss points of all edges.
     hats : (g, (m + 1)/2) array
     along : (g, 2) array
-        Tangents there, times the weight of the point and the length of the edge, mm.
+        Tangents at the points, times the weight of the point and the length of the edge, mm.
     """
     points, weights = leggauss(GAUSS_POINTS)
     local = np.column_stack([points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2])

@@ -1,14 +1,15 @@
-"""A timing belt on its pulley: one contact problem, and the row of springs that stands for it.
+"""Contact problem of a timing belt on its pulley, and an equivalent row of springs.
 
     g = K F + g0 - B phi >= 0,  F >= 0,  g F = 0,  R·F = Q
 
 All forces are per mm of width. The slack tension T2 and the pitch difference are in g0; without
-friction R = B and Q is the torque. Lands that are held push back with N = P F + p T2.
+friction R = B and Q is the torque. Fixed lands react with N = P F + p T2.
 
-Lands that rub carry t = mu N along the turn: N = (1 - mu P_t)^-1 (P F + p T2) put into K, g0 and
-the balance of the torque. Lands that may give way by w >= 0 push with N = P F + p T2 + S w >= 0,
-and N w = 0: the same problem with more unknowns, whose matrix [[K, -Pᵀ], [P, S]] is not symmetric
-but positive definite, and no worse conditioned than that of held lands.
+Sliding lands carry a circumferential friction force t = mu N: N = (1 - mu P_t)^-1 (P F + p T2) is
+substituted into K, g0 and the balance of torque. Lands that can lift by w >= 0 react with
+N = P F + p T2 + S w >= 0, and N w = 0: the same problem with more unknowns, whose matrix
+[[K, -Pᵀ], [P, S]] is not symmetric but positive definite, and no worse conditioned than that of
+fixed lands.
 """
 
 from __future__ import annotations
@@ -32,26 +33,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BeltState:
-    """What is found under a torque; w teeth, n pairs, forces per mm of width.
+    """State of a belt under a torque: w teeth, n pairs, forces per mm of width.
 
     Attributes
     ----------
     rotation_rad : float
-        Of the pulley, the tight end of the strip standing still.
+        Rotation of the pulley while the tight end of the strip is fixed.
     compliance_rad_per_N : float
-        Its growth with the torque per mm of width.
+        Derivative of the rotation with respect to the torque per mm of width.
     pair_N_per_mm : (n,) array
     pair_gap_mm : (n,) array
     tooth_N_per_mm : (w,) array
         Circumferential force of each tooth on the pitch circle.
     land_N_per_mm : (w + 1,) array
-        With which each land pushes; negative where it would have to pull.
+        Contact force of each land; negative if a fixed land would have to pull.
     land_rub_N_per_mm : (w + 1,) array
-        Along the turn on the belt, on the pitch circle.
+        Circumferential friction force on the belt, on the pitch circle.
     land_lift_mm : (w + 1,) array
-        Largest way of each land outwards.
+        Largest lift of each land.
     tight_N_per_mm : float
-        From what holds the tight end.
+        Reaction at the tight end.
     contact : ContactState
     """
 
@@ -69,20 +70,20 @@ class BeltState:
 
 @dataclass(frozen=True)
 class SpringRow:
-    """Cord and teeth as springs, from the response of the elements; w teeth, per mm of width.
+    """Cord and teeth as springs, from the finite-element response; w teeth, per mm of width.
 
     Attributes
     ----------
     slack_mm2_per_N : (w,) array
-        L, way of each tooth under the slack tension.
+        L, displacement of each tooth under the slack tension.
     tooth_N_per_mm2 : float
-        k_t, of a tooth.
+        k_t, stiffness of a tooth.
     cord_N_per_mm : float
-        EA_eff, tension over strain from tooth to tooth: the cord, and the land that gives way under
-        it and shortens its path, in series.
+        EA_eff, tension divided by strain from tooth to tooth: the cord in series with the
+        compliance of the land below it, which shortens its path.
     coupling_mm2_per_N : (w - 1,) array
-        By how much a pulley that yields lets teeth go that stand 1, 2, … pitches from a loaded one;
-        empty where it is rigid.
+        Displacement of the teeth 1, 2, … pitches from a loaded one because of an elastic pulley;
+        empty for a rigid pulley.
     """
 
     slack_mm2_per_N: Floats
@@ -92,7 +93,7 @@ class SpringRow:
 
     @property
     def compliance(self) -> Floats:
-        """(w, w) K = L of the tooth that is nearer to the tight end, and 1/k_t of its own."""
+        """(w, w) K = L of the tooth that is nearer to the tight end, plus 1/k_t on the diagonal."""
         own = np.eye(self.slack_mm2_per_N.size) / self.tooth_N_per_mm2
         order = np.arange(self.slack_mm2_per_N.size)
         if self.coupling_mm2_per_N.size:
@@ -103,19 +104,19 @@ class SpringRow:
     def solve(
         self, force_N_per_mm: float, slack_N_per_mm: float, pitch_difference_mm: float
     ) -> ContactState:
-        """Forces of the teeth and the way of the pulley on the pitch circle.
+        """Forces of the teeth and displacement of the pulley on the pitch circle.
 
         Parameters
         ----------
         force_N_per_mm : float
-            Of all teeth, along the turn.
+            Sum over all teeth, circumferential.
         slack_N_per_mm : float
         pitch_difference_mm : float
 
         Returns
         -------
         ContactState
-            Whose rotation is the way, mm.
+            Its rotation is the displacement, mm.
         """
         teeth = self.slack_mm2_per_N.size
         gaps = slack_N_per_mm * self.slack_mm2_per_N + pitch_difference_mm * np.arange(teeth)
@@ -125,12 +126,12 @@ class SpringRow:
 
 
 def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
-    """The row of springs that the elements stand for.
+    """Row of springs equivalent to the finite elements.
 
-    Every flank moves as a whole (along its levers), its pairs all in contact:
-    A = (Gᵀ K^-1 G)^-1 with the levers over the pitch radius in G; L = A Gᵀ K^-1 by_slack. From
-    these 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and where the
-    pulley yields, A_kl - L_k as medians over all that stand equally far apart.
+    Every flank moves as a whole (along its levers), with all its pairs in contact:
+    A = (Gᵀ K^-1 G)^-1 with the levers divided by the pitch radius in G; L = A Gᵀ K^-1 by_slack.
+    These give 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and for an
+    elastic pulley A_kl - L_k as medians over all pairs of teeth at the same distance.
 
     Parameters
     ----------
@@ -175,15 +176,16 @@ def solve_belt(
     ----------
     strip : Strip
     response : StripResponse
-        With what lands do that rub or lift, where that is asked for.
+        With the columns of sliding and lifting lands, if requested.
     force_N_per_mm : float
-        Torque over pitch radius, per mm of width.
+        Torque divided by pitch radius, per mm of width.
     slack_N_per_mm : float
         Tension of the slack strand.
     land_friction : float
-        Coefficient on the lands; positive where it helps the teeth, negative where it opposes them.
+        Coefficient on the lands; positive if friction acts with the teeth, negative if against
+        them.
     land_lift : bool
-        Lands may give way.
+        Whether lands can lift.
 
     Returns
     -------
@@ -192,7 +194,7 @@ def solve_belt(
     Raises
     ------
     ContactError
-        If there is no state.
+        If no state exists.
     """
     asked = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
@@ -203,7 +205,7 @@ def solve_belt(
         asked.levers,
         asked.torque,
         load_rows=asked.rows,
-        # strands that bend at edges of lands push on these, which do nothing to strands
+        # strands that bend at edges of lands press on these, but the reverse effect is zero
         positive_definite=True
         if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
         else None,
@@ -240,7 +242,7 @@ def solve_belt(
 
 @dataclass(frozen=True)
 class _Problem:
-    """A contact problem, and what the lands push with: `push` times the forces, and `push_0`."""
+    """A contact problem with land forces `push` times the forces plus `push_0`."""
 
     matrix: Floats
     gaps: Floats
@@ -254,7 +256,7 @@ class _Problem:
 def _problem(
     strip: Strip, response: StripResponse, force: float, slack: float, friction: float
 ) -> _Problem:
-    """The problem with lands that are held, and rub."""
+    """The problem with fixed and sliding lands."""
     flanks, radius = response.flanks, strip.pitch_radius_mm
     pitches = flanks.tooth + response.first_tooth + response.phase
     turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
@@ -289,7 +291,7 @@ def _problem(
 
 
 def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
-    """The same with ways of the lands as further unknowns, whose gaps are the lands' forces."""
+    """The same problem with lifts of lands as further unknowns, whose gaps are the land forces."""
     assert response.lifting is not None
     none = np.zeros(response.land.size)
     return replace(
@@ -304,5 +306,5 @@ def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
 
 
 def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
-    """Sums of values by number."""
+    """Sums of values by index."""
     return np.asarray(np.bincount(number, values, minlength=count), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""A timing belt on its pulley: assembly, elements and states."""
+"""Assembly, finite elements and states of a timing belt on its pulley."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     BeltCompliances = tuple[BeltRow, PulleyResponse | None]
 
-#: Fewer elements on a flank are too few for a pressure that changes along it.
+#: Least number of elements on a flank for a pressure that varies along it.
 LEAST_ELEMENTS = 2
 
 
 @dataclass(frozen=True)
 class BeltAssembly:
-    """A belt on its pulley, before elements are solved.
+    """A belt on its pulley, before finite elements are solved.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class BeltAssembly:
     position_rad : (P,) array
         Angles of the pulley.
     pitches : int or None
-        Pitches that the positions run over; None for single angles.
+        Pitches covered by the positions; None for single angles.
     """
 
     strip: Strip
@@ -65,7 +65,7 @@ class BeltAssembly:
 
 @dataclass(frozen=True)
 class Standing:
-    """How a belt stands on its pulley at a position.
+    """Arrangement of a belt on its pulley at a position.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Standing:
 
     @classmethod
     def of(cls, response: StripResponse) -> Standing:
-        """Of a response, whose matrices are not needed any more."""
+        """Extract the arrangement from a response, whose matrices can then be released."""
         return cls(
             response.first_tooth,
             response.first_land,
@@ -97,11 +97,11 @@ class BeltStates:
     Attributes
     ----------
     found : tuple of list of BeltState
-        One entry per torque, of each position.
+        For each torque, the state at each position.
     standings : list of Standing
         One entry per position.
     springs : SpringRow
-        Row of springs that the belt is equivalent to.
+        Row of springs equivalent to the belt.
     """
 
     found: tuple[list[BeltState], ...]
@@ -125,7 +125,7 @@ def assemble(scene: Scene) -> BeltAssembly:
 
 
 def compliances_of(scene: Scene, strip: Strip, clock: StageClock) -> BeltCompliances:
-    """Solve the elements of the belt, and of a pulley that is elastic.
+    """Solve the finite elements of the belt, and of an elastic pulley.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def compliances_of(scene: Scene, strip: Strip, clock: StageClock) -> BeltComplia
     -------
     row : BeltRow
     pulley : PulleyResponse or None
-        None where the pulley is rigid.
+        None for a rigid pulley.
     """
     pulley = None
     if not scene.body_1.rigid:
@@ -190,7 +190,7 @@ def states_of(
 
 
 def positions_of(scene: Scene, strip: Strip) -> tuple[Floats, int | None]:
-    """Angles of the pulley, and the pitches over which they run evenly; None for single angles.
+    """Angles of the pulley, and the number of pitches they cover; None for single angles.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def strip_of(scene: Scene) -> Strip:
 
 
 def flank_elements(scene: Scene, strip: Strip) -> int:
-    """Elements on the flank of a tooth.
+    """Number of elements on the flank of a tooth.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
 
 
 def default_element_mm(scene: Scene) -> float | None:
-    """Length of the elements on the flank of a tooth by default; None where flanks are bare.
+    """Default length of the elements on the flank of a tooth; None without teeth.
 
     Parameters
     ----------
@@ -261,13 +261,13 @@ def default_element_mm(scene: Scene) -> float | None:
 
 
 def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
-    """Elements of a pulley that yields.
+    """Mesh of an elastic pulley.
 
     Parameters
     ----------
     scene : Scene
     elements : int, optional
-        On what a belt's tooth touches; as many as on the tooth if absent.
+        On the part that a belt's tooth touches; by default as many as on the tooth.
 
     Returns
     -------
@@ -301,7 +301,7 @@ def _rows_of_pulley(scene: Scene) -> list[tuple[str, str]]:
 
 
 def describe_belt(scene: Scene) -> dict[str, list[tuple[str, str]]]:
-    """What `flankload check` says of a pulley and its belt.
+    """Rows of `flankload check` for a pulley and its belt.
 
     Parameters
     ----------
@@ -357,21 +357,21 @@ def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow
 
 
 def asked_of(scene: Scene) -> Asked:
-    """What lands are asked for by a scene; a pulley that yields lets them give way."""
+    """Land columns that a scene needs; an elastic pulley needs those of lifting lands."""
     return Asked(
         scene.effects.land_friction != 0.0, scene.effects.land_lift or not scene.body_1.rigid
     )
 
 
 def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
-    """What a pulley that yields does under forces on its grooves and lands."""
+    """Response of an elastic pulley to forces on its grooves and lands."""
     return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
 
 
 def response_at(
     strip: Strip, row: BeltRow, known: PulleyResponse | None, angle_rad: float
 ) -> StripResponse:
-    """What the belt answers at a position, on a rigid pulley or on one of which this is known."""
+    """Response of the belt at a position, on a rigid pulley or on an elastic one."""
     held = row.at(angle_rad / strip.pitch_rad)
     return held if known is None else rest_on(held, strip, known)
 
@@ -383,7 +383,7 @@ def error_estimates(
     found: tuple[list[BeltState], ...],
     account: Account,
 ) -> list[dict[str, object] | None]:
-    """Errors by elements twice as long at up to two positions, and by the positions themselves.
+    """Errors from elements twice as long at up to two positions, and from the spacing of positions.
 
     Parameters
     ----------
@@ -391,14 +391,14 @@ def error_estimates(
     assembly : BeltAssembly
     compliances : (BeltRow, PulleyResponse or None)
     found : tuple of list of BeltState
-        One entry per torque.
+        For each torque, the state at each position.
     account : Account
-        Where the work is counted.
+        Account in which the work is counted.
 
     Returns
     -------
     list of dict or None
-        One entry per torque, as the result shows them; None without torque.
+        One entry per torque, as the result shows it; None without torque.
     """
     if not any(scene.torques_Nm):
         return [None] * len(found)
@@ -432,7 +432,7 @@ def error_estimates(
 
 
 def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str, dict[str, int]]:
-    """Count what a run will do; exact.
+    """Count the work of a run exactly.
 
     Parameters
     ----------
@@ -469,7 +469,7 @@ def predicted_work(scene: Scene, strip: Strip, position_rad: Floats) -> dict[str
 
 
 def tried_positions(strip: Strip, position_rad: Floats) -> list[int]:
-    """Positions at which errors of elements are estimated: before a tooth comes, and after.
+    """Positions at which element errors are estimated: before and after a tooth engages.
 
     Parameters
     ----------

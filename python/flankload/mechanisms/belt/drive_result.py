@@ -1,4 +1,4 @@
-"""From the states of a belt to its result: tensions, lands, warnings, a drawing."""
+"""Conversion of the states of a belt to its result: tensions, lands, warnings, a drawing."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def result_of_belt(
     number: int,
     estimate: Mapping[str, object] | None,
 ) -> Result:
-    """All positions under one torque as a result.
+    """Result of all positions under one torque.
 
     Parameters
     ----------
@@ -45,14 +45,14 @@ def result_of_belt(
     assembly : BeltAssembly
     found : BeltStates
     number : int
-        Of the torque.
+        Index of the torque.
     estimate : mapping or None
         Error estimates, as the result shows them.
 
     Returns
     -------
     Result
-        Its `cost` holds what is the torque's own.
+        Its `cost` contains the part of this torque.
     """
     strip, position_rad, pitches = assembly.strip, assembly.position_rad, assembly.pitches
     standings, states = found.standings, found.found[number]
@@ -93,7 +93,7 @@ def result_of_belt(
 
 
 def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:
-    """(P,) Tangent stiffness, N m/rad; NaN where nothing turns.
+    """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _cost(states: Sequence[BeltState], degrees_of_freedom: int) -> dict[str, obj
 def _over_sites(
     sites: Numbers, standings: Sequence[Standing], values: Sequence[Floats], *, nothing: float
 ) -> Floats:
-    """(P, S) Values of the teeth, or of the lands before them, of each position."""
+    """(P, S) Values of the teeth, or of the lands before them, at each position."""
     found = np.full((len(standings), sites.size), nothing)
     for row, standing, own in zip(found, standings, values, strict=True):
         first = standing.first_tooth - sites[0]
@@ -153,12 +153,12 @@ def _drive(
     lands = [width * state.land_N_per_mm for state in states]
     lifts = [UM_PER_MM * state.land_lift_mm for state in states]
     rubs = [width * state.land_rub_N_per_mm for state in states]
-    # what teeth and lands further on take off the cord; a land stands before its tooth
+    # load that later teeth and lands take from the cord; a land precedes its tooth
     behind = [
         slack + np.cumsum((width * state.tooth_N_per_mm + rub[1:])[::-1])[::-1]
         for state, rub in zip(states, rubs, strict=True)
     ]
-    # where it is not the one before a site
+    # if it does not precede a site
     last = np.array(
         [
             standing.first_land + land.size - 1
@@ -185,7 +185,7 @@ def _drive(
 
 
 def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]:
-    """Lands that are held and would lift."""
+    """Warn about fixed lands that would lift."""
     if scene.effects.land_lift or not drive.lifting.any():
         return ()
     at = np.flatnonzero(drive.lifting.any(axis=1))
@@ -202,7 +202,7 @@ def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]
 def _pairs(
     standings: Sequence[Standing], states: Sequence[BeltState], width: float, p: int
 ) -> PairTable:
-    """Parts of the flanks that carry at a position."""
+    """Contact pairs of the flanks that carry load at a position."""
     flanks, state = standings[p].flanks, states[p]
     at = np.flatnonzero(state.pair_N_per_mm > 0.0)
     places, unknown = flanks.places[at], np.full(at.size, np.nan)
@@ -223,7 +223,7 @@ def _pairs(
 
 
 def _drawing(strip: Strip, sites: Numbers, position_rad: Floats) -> PairDrawing:
-    """One groove of the pulley and one pitch of the belt, a groove's middle on the x axis."""
+    """One groove of the pulley and one pitch of the belt, with a groove's middle on the x axis."""
     assert strip.tooth is not None
     parts = np.linspace(0.0, 1.0, 13)
     mirror = np.array([1.0, -1.0])

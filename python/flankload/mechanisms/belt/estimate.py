@@ -1,18 +1,21 @@
-"""Error estimates of a timing belt: what elements twice as long change, what positions miss.
+"""Error estimates of a timing belt: element size and sampling of positions.
 
 elements
-    Beside the sharp corners of teeth and lands errors fall to 0.6 of themselves when elements
-    become half as long, to 0.7 on round teeth, so that twice what longer ones change is left. (On
-    ten belts with trapezoids and arcs, 6 and 12 elements on a flank, the limit of 24 and 40 was 0.5
-    to 1.03 of that away in the rotation, once 0.1; in shares 0.02 to 0.8 of it, once 1.7.) Bodies
-    are independent sources, whose squares add up. Positions differ little in that: two are looked
-    at, those on both sides of the place where a tooth comes, between which the rotation falls most.
+    Near the sharp corners of teeth and lands the error decreases to 0.6 of its value when the
+    element length is halved, to 0.7 on round teeth. The remaining error is therefore estimated as
+    twice the change between elements of double length and those of the run. (On ten belts with
+    trapezoids and arcs, with 6 and 12 elements on a flank, the distance to the limit from 24 and 40
+    elements was 0.5 to 1.03 of that estimate in the rotation, once 0.1; in shares 0.02 to 0.8, once
+    1.7.) Both bodies are independent sources, whose squares are added. The error varies little with
+    position, so two positions are examined: those on both sides of the place where a tooth engages,
+    between which the rotation decreases most.
 positions
-    Over a pitch the rotation is a saw: the tight strand stretches until a tooth comes. Between two
-    such places it goes on as the positions show, on both sides up to the place where it breaks;
-    what samples lack of the mean and of the peak to peak of that is their error, with its sign. In
-    doubt is what the curve bends between them. Single angles, and one position, claim nothing of
-    what lies beside them; one position has no peak to peak.
+    Over a pitch the rotation is a sawtooth: the tight strand stretches until a tooth engages.
+    Between two such places the curve is smooth and is extrapolated from the positions up to the
+    discontinuity on both sides. The difference of the samples from the mean and from the peak to
+    peak of that curve is their error, with its sign. The uncertainty is the bend of the curve
+    between positions. Single angles, or one position, give no estimate for the region beside them;
+    one position has no peak to peak.
 """
 
 from __future__ import annotations
@@ -32,33 +35,33 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.row import StripResponse
 
     Floats = NDArray[np.float64]
-    #: Source, and what is compared: an answer with elements twice as long, with another one or, if
-    #: None, with the state as found.
+    #: Source, and the quantity compared: a response with elements twice as long, with another
+    #: response or, if None, with the state found.
     Coarser = tuple[str, StripResponse | None, StripResponse]
 
-#: What elements leave, over what elements twice as long change.
+#: Remaining element error, relative to the change between elements of double length and those of
+#: the run.
 LEFT = 2.0
-#: What the share of the tooth that carries most may be off, in parts of itself, over what the
-#: rotation is: teeth and cord that both give way too little share the load alike, and the change of
-#: shares may vanish.
+#: Relative error of the largest load share, divided by that of the rotation: if teeth and cord are
+#: both too stiff, the load sharing hardly changes, and the change of shares may vanish.
 SHARES = 0.25
-#: Positions closer than this part of a pitch are the same one.
+#: Positions closer than this part of a pitch are equal.
 SAME = 1e-9
-#: In doubt of what is added on straight lines, beside the bends; all of it where there are but two
-#: positions.
+#: Uncertainty of a linear extrapolation, relative to its amount, in addition to the bends; the
+#: whole amount if there are only two positions.
 DOUBT = 0.25
 
 
 @dataclass(frozen=True)
 class Change:
-    """What longer elements change at a position, relative to what was found there or to the load.
+    """Change by longer elements at a position, relative to the value found there or to the load.
 
     Attributes
     ----------
     rotation_rad : float
     compliance, share : float
     largest_share : float
-        That there is.
+        Largest share at the position.
     """
 
     rotation_rad: float
@@ -68,7 +71,7 @@ class Change:
 
     @classmethod
     def between(cls, one: BeltState, two: BeltState) -> Change:
-        """From a state to another one."""
+        """Change from one state to another one."""
         whole = one.tooth_N_per_mm.sum()
         return cls(
             two.rotation_rad - one.rotation_rad,
@@ -89,20 +92,20 @@ def estimate_belt(
     Parameters
     ----------
     tried : sequence of (BeltState, sequence of Coarser)
-        States at some positions, and what is compared there, the same at each. Of all with the same
-        source the largest change counts.
+        States at some positions, and the comparisons there, the same at each. The largest change
+        with the same source counts.
     states : sequence of BeltState
-        At all positions.
+        States at all positions.
     phases : (P,) array or None
-        Where the middle of the first land stands at each position, beyond the tangent point, from
-        -1/2 to 1/2 pitch; None where they are single angles.
+        Phase of the middle of the first land at each position, beyond the tangent point, from -1/2
+        to 1/2 pitch; None for single angles.
     solve : callable
-        From an answer to its state.
+        Computes the state from a response.
 
     Returns
     -------
     dict
-        Errors of rotation, shares and stiffness, and all by source.
+        Errors of rotation, shares and stiffness, and all contributions by source.
     """
     changes: dict[tuple[int, str], list[Change]] = {}
     for state, coarser in tried:
@@ -133,10 +136,10 @@ def estimate_belt(
 
 
 def _of_elements(row: Sequence[Change], rotation: Floats) -> dict[str, float]:
-    """What longer elements change in each quantity."""
+    """Change by longer elements in each quantity."""
     turned = np.array([change.rotation_rad for change in row])
     mean = _over(abs(float(turned.mean())), abs(float(rotation.mean())))
-    # a torque that grows lets bodies give way as the whole one does, on other parts of flanks
+    # an increasing torque deforms the bodies as the whole torque does, on other parts of flanks
     others = abs(float(np.mean([change.compliance for change in row])))
     largest = _over(float(np.abs(turned).max()), float(np.abs(rotation).max()))
     return {
@@ -152,20 +155,20 @@ def _of_elements(row: Sequence[Change], rotation: Floats) -> dict[str, float]:
 
 
 def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[str, float]:
-    """What positions over a pitch miss of what follows from all of it.
+    """Sampling errors of positions that cover a pitch.
 
     Parameters
     ----------
     phases : (P,) array
-        From -1/2 to 1/2 pitch, where a tooth comes and the curves break; those of further pitches
-        are the same again.
+        From -1/2 to 1/2 pitch; a tooth engages at the ends, where the curves are discontinuous;
+        further pitches repeat these.
     rotation, tangent : (P,) arrays
-        The rotation, and its growth with the torque.
+        The rotation, and its derivative with respect to the torque.
 
     Returns
     -------
     dict of str to float
-        By quantity; without those that nothing is known of.
+        By quantity; unknown ones are omitted.
     """
     order = np.argsort(phases, kind="stable")
     once = order[np.diff(phases[order], prepend=-np.inf) > SAME]
@@ -201,7 +204,7 @@ def _doubt(values: Floats, missed: float, bend: float) -> float:
 
 
 def _to_the_breaks(places: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """The curve on straight lines, from one place where it breaks to the next."""
+    """Piecewise linear curve from one discontinuity to the next."""
     steps = np.diff(values) / np.diff(places)
     first = values[0] + steps[0] * (-0.5 - places[0])
     last = values[-1] + steps[-1] * (0.5 - places[-1])
@@ -209,7 +212,7 @@ def _to_the_breaks(places: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def _bend(places: Floats, values: Floats) -> float:
-    """The most that the curve leaves a straight line through two neighbours until the next one."""
+    """Largest deviation of the curve from a line through two neighbours, up to the next one."""
     steps = np.diff(values) / np.diff(places)
     return float((np.abs(np.diff(steps)) * np.diff(places)[1:]).max(initial=0.0))
 

@@ -44,15 +44,15 @@ class TimingBelt:
     def build(
         self, scene: Scene, discretization: Discretization | None, account: Account
     ) -> BeltAssembly:
-        """Assemble belt and pulley; elements follow the keys of the scene."""
+        """Assemble belt and pulley; the element size follows from the scene."""
         return assemble(scene)
 
     def work(self, scene: Scene, assembly: BeltAssembly) -> Counted:
-        """Counters of a run by stage; exact."""
+        """Counters of a run by stage, exact."""
         return predicted_work(scene, assembly.strip, assembly.position_rad)
 
     def sweeps(self, scene: Scene) -> int:
-        """Sweep, and the few positions of the estimate."""
+        """Number of sweeps: all positions, and the few positions of the estimate."""
         return 1
 
     def compliances(
@@ -72,13 +72,13 @@ class TimingBelt:
         return assembly, states_of(scene, assembly, compliances, clock)
 
     def broken_by_geometry(self, assembly: BeltAssembly) -> Iterator[Broken]:
-        """None: the geometry of a belt breaks no premise."""
+        """None: the geometry of a belt violates no premise."""
         yield from ()
 
     def broken_by_load(
         self, scene: Scene, assembly: BeltAssembly, states: BeltStates, number: int
     ) -> Iterator[Broken]:
-        """Premises that a torque breaks."""
+        """Premises that a torque violates."""
         strip = assembly.strip
         stiffness = tangent_stiffness(states.found[number], strip)
         torque_Nm = scene.torques_Nm[number]
@@ -117,7 +117,7 @@ class TimingBelt:
         return Description(describe_belt(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
-        """Mesh of an elastic pulley, as its first tooth stands; else a SceneError."""
+        """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""
         if scene.body_1.rigid:
             require_flanks(scene)
         sector = pulley_mesh(scene).sector
@@ -125,11 +125,11 @@ class TimingBelt:
         yield MeshFile("body_2", None, "a strip around the pulley, which has no file")
 
     def duration(self, scene: Scene, assembly: BeltAssembly) -> Duration:
-        """Predict the seconds of a run from counted work."""
+        """Predict the duration of a run from counted work."""
         return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.belt.screening import BeltScreening
 
         return BeltScreening(scene, levels=levels)

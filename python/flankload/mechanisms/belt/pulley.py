@@ -1,7 +1,7 @@
-"""The kind "pulley" where it yields: a ring of equal sectors, each with one of its own teeth.
+"""Elastic pulley of the kind "pulley": a ring of equal sectors, each with one of its own teeth.
 
-A sector reaches from the middle of one groove to the middle of the next. Its frame has the land
-between them about the x axis, and the flank that drives the belt at positive polar angles.
+A sector extends from the middle of one groove to the middle of the next. In its frame the land
+between them is centred on the x axis, and the flank that drives the belt has positive polar angles.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ElasticPulley:
-    """A pulley that yields, held at its bore.
+    """An elastic pulley, fixed at its bore.
 
     Attributes
     ----------
     teeth : int
         Number of equal sectors.
     land_radius_mm : float
-        Of the outer circle.
+        Radius of the outer circle.
     groove : Trapezoid, Round or None
-        As wide as it is cut; None for a plain ring.
+        Groove with its cut width; None for a plain ring.
     touched_mm : float
-        Height of the belt's tooth: what of a straight side it touches.
+        Height of the belt's tooth, which is the part of a straight side in contact.
     depth_mm : float
-        Of the groove, from between the ends of both lands beside it.
+        Depth of the groove, from the line between the ends of both lands beside it.
     bore_radius_mm : float
-        Of the bore, which is held.
+        Radius of the bore, which is fixed.
     material : Material
     plane : {"strain", "stress"}
     """
@@ -57,7 +57,7 @@ class ElasticPulley:
 
     @property
     def half_pitch_rad(self) -> float:
-        """Half the angle from tooth to tooth."""
+        """Half the angle between adjacent teeth."""
         return pi / self.teeth
 
     @property
@@ -68,14 +68,14 @@ class ElasticPulley:
         return self.half_pitch_rad - asin(0.5 * self.groove.width_mm / self.land_radius_mm)
 
     def flank(self, parts: Floats) -> Floats:
-        """(n, 2) Places of the working flank at parts of what a tooth touches, from the land."""
+        """(n, 2) Places of the working flank at fractions of its contact part, from the land."""
         assert self.groove is not None
         straight = isinstance(self.groove, Trapezoid)
         reach = self.touched_mm / self.groove.height_mm if straight else 1.0
         return self._placed(self.groove.side(reach * parts)[0])
 
     def below(self, parts: Floats) -> Floats:
-        """(n, 2) Places of the flank below what a tooth touches, from there to its end."""
+        """(n, 2) Places of the flank below its contact part, from there to its end."""
         assert self.groove is not None
         reach = self.touched_mm / self.groove.height_mm
         return self._placed(self.groove.side(reach + (1.0 - reach) * parts)[0])
@@ -85,7 +85,7 @@ class ElasticPulley:
         assert self.groove is not None
         places = self.groove.tip(0.5 * parts)
         start = self.groove.tip(np.zeros(1))[0, 0]
-        # a round groove that is cut deeper is drawn out below its sides
+        # a deeper round groove is extended below its sides
         drawn = (self.depth_mm + start) / max(self.groove.height_mm + start, 1e-300)
         if isinstance(self.groove, Round):
             places[:, 0] = start + (places[:, 0] - start) * drawn
@@ -93,11 +93,11 @@ class ElasticPulley:
 
     @property
     def flank_goes_on(self) -> bool:
-        """Whether there is more of the flank than what a tooth touches."""
+        """Whether the flank extends beyond its contact part."""
         return isinstance(self.groove, Trapezoid) and self.depth_mm > self.touched_mm
 
     def _placed(self, places: Floats) -> Floats:
-        """Places in the frame of the groove as places in that of the sector."""
+        """Transform places from the frame of the groove to that of the sector."""
         assert self.groove is not None
         cosine, sine = cos(self.half_pitch_rad), sin(self.half_pitch_rad)
         foot = sqrt(self.land_radius_mm**2 - (0.5 * self.groove.width_mm) ** 2)
@@ -106,7 +106,7 @@ class ElasticPulley:
 
 
 def build_pulley(keys: PulleyKeys, strip: Strip, plane: str) -> ElasticPulley:
-    """A pulley that yields from its keys, which the scene has checked.
+    """Make an elastic pulley from its validated keys.
 
     Parameters
     ----------

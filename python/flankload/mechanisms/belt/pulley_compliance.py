@@ -1,17 +1,19 @@
-"""A timing belt on a pulley that yields: what the pulley does, and the strip that rests on it.
+"""Compliance of an elastic pulley, and the response of a timing belt on it.
 
 One sector of the pulley is solved under unit forces at the nodes that a belt can touch, and the
-ring of all sectors closed by Fourier. Any hats on flanks and lands follow from these, wherever the
-belt lies on the pulley.
+ring of all sectors is closed by a Fourier sum. The response of any shape functions on flanks and
+lands follows from these, wherever the belt lies on the pulley.
 
-On flanks the hats of the belt carry forces and read displacements on both bodies. On lands N are
-the forces that go with the ways of the hats: on both bodies they stand for a pressure M^-1 N in
-hats, M = ∫ hat hat ds, and the way is M^-1 ∫ hat u ds, the linear function whose moments are those
-of the displacements. So a pulley that moves as hats do, moves the belt by just that.
+On flanks the shape functions of the belt carry forces and average displacements on both bodies. On
+lands N are the forces conjugate to the displacements of the shape functions: on both bodies they
+represent the pressure M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is
+M^-1 ∫ hat u ds, the linear function with the same moments as the displacements u. A pulley whose
+surface moves as a linear function therefore moves the belt by exactly that function.
 
-The lands of the belt follow the pulley, w = v - C_ll N - C_lf F - C_lt t, with v ≥ 0 where they may
-lift. Put into N = P F + p T2 + P_t t + S w this leaves N, and with it all that a strip answers,
-linear in F, T2, t and v as before: the contact problem is the same with other numbers.
+The lands of the belt follow the pulley, w = v - C_ll N - C_lf F - C_lt t, with v ≥ 0 where they can
+lift. Substituted into N = P F + p T2 + P_t t + S w, this gives N, and with it every response of a
+strip, as a linear function of F, T2, t and v as before: the contact problem has the same form with
+other coefficients.
 """
 
 from __future__ import annotations
@@ -39,13 +41,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PulleyResponse:
-    """A pulley by `unit_forces` on its sectors, per mm of width.
+    """Response of a pulley to `unit_forces` on its sectors, per mm of width.
 
     Attributes
     ----------
     mesh : PulleyMesh
     response : (z, r, r) array
-        [t]: what `unit_forces` see on sector t of those on sector 0, each in its own frame, mm²/N.
+        [t]: response of `unit_forces` on sector t to those on sector 0, each in its own frame,
+        mm²/N.
     degrees_of_freedom : int
     """
 
@@ -60,13 +63,13 @@ def solve_pulley(
     rubbing: bool = False,
     account: Account | None = None,
 ) -> PulleyResponse:
-    """Solve the elements of one sector and close the ring.
+    """Solve the finite elements of one sector and close the ring.
 
     Parameters
     ----------
     mesh : PulleyMesh
     rubbing : bool
-        Also under forces along the lands.
+        Whether forces along the lands are included.
     account : Account, optional
 
     Returns
@@ -87,14 +90,14 @@ def solve_pulley(
 
 
 def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -> Floats:
-    """What hats on a pulley see of each other.
+    """Compliance of the pulley between shape functions.
 
     Parameters
     ----------
     known : PulleyResponse
     touches : list of Touch
     count : int
-        Of all hats.
+        Number of shape functions.
 
     Returns
     -------
@@ -111,19 +114,19 @@ def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -
 
 
 def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> StripResponse:
-    """What a strip answers whose pulley yields.
+    """Response of a strip on an elastic pulley.
 
     Parameters
     ----------
     response : StripResponse
-        On a rigid pulley, with what lands do that give way, and that rub where that is asked for.
+        On a rigid pulley, with the columns of lifting lands, and of sliding lands if requested.
     strip : Strip
     known : PulleyResponse
 
     Returns
     -------
     StripResponse
-        Ways of the lands are now those off the pulley.
+        Its land displacements are relative to the pulley.
     """
     lifting, rubbing = response.lifting, response.rubbing
     assert lifting is not None
@@ -131,8 +134,8 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     whole = pulley_compliance(known, touches, count)
     n, h = response.flanks.tooth.size, response.land.size
     by_flank, by_land = whole[:, :n], whole[:, n : n + h]
-    # under forces on flanks, of the slack strand, under ways of lands off the pulley, along lands:
-    # `given` is what the pulley lets go, `push` what the lands push with
+    # for forces on flanks, the slack strand, lifts of lands from the pulley, and friction on lands:
+    # `given` is the displacement of the pulley, `push` the contact forces of the lands
     held = np.eye(h) + lifting.reaction @ by_land[n : n + h]
     loads = [response.reaction, response.reaction_by_slack[:, None], lifting.reaction]
     own = [response.compliance, response.by_slack[:, None], lifting.recession]
@@ -152,7 +155,7 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     parts = [slice(0, n), slice(n, n + 1), slice(n + 1, n + 1 + h), slice(n + 1 + h, None)]
     pairs, slack, lifts, rubs = (LandColumns(seen[:, p], push[:, p], strand[p]) for p in parts)
     compliance, reaction = pairs.recession, lifts.reaction
-    if not response.phase:  # else strands bend at edges of lands
+    if not response.phase:  # otherwise strands bend at edges of lands
         compliance, reaction = 0.5 * (compliance + compliance.T), 0.5 * (reaction + reaction.T)
     return replace(
         response,

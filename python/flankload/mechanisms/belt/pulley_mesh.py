@@ -1,7 +1,7 @@
-"""Quadratic quadrilaterals of one sector of a pulley, and where a belt touches it.
+"""Mesh of quadratic quadrilaterals of one sector of a pulley, with contact boundaries.
 
 Its tooth is a block between both flanks; below it a middle block and, under the bottoms of both
-half grooves, two side blocks go down to the bore in common rows. Both halves are mirror images.
+half grooves, two side blocks extend to the bore in common rows. Both halves are mirror images.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
 
 MIRROR = np.array([1.0, -1.0])
-#: Elements between land and bore of a ring without grooves, and on a half land, at least.
+#: Least number of elements between land and bore of a ring without grooves, and on a half land.
 LEAST_ROWS, LEAST_LAND = 2, 2
-#: Rows are at most this part of their radius high: the twist of a thick ring goes by 1/r², and with
-#: rows of 0.35 is off by 2e-4.
+#: Largest height of a row relative to its radius: the twist of a thick ring is proportional to
+#: 1/r², and rows of 0.35 give an error of 2e-4.
 ROW_PART = 0.2
 
 
 @dataclass(frozen=True)
 class PulleyMesh:
-    """The mesh of a sector; lines are nodes in order, every second one a middle.
+    """The mesh of a sector; lines are nodes in order, every second one a mid-side node.
 
     Attributes
     ----------
     pulley : ElasticPulley
     sector : SectorMesh
-        The land about the x axis.
+        Sector with its land centred on the x axis.
     flank : array
-        Of what a belt's tooth touches, from the land on.
+        Nodes of the part that a belt's tooth touches, from the land on.
     land : array
-        By ascending polar angle.
+        Nodes by ascending polar angle.
     """
 
     pulley: ElasticPulley
@@ -63,7 +63,7 @@ def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> 
     ----------
     pulley : ElasticPulley
     flank_elements : int
-        On what a belt's tooth touches: as many as on the tooth.
+        On the part that a belt's tooth touches: as many as on the tooth.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> 
 
 
 def _plain(pulley: ElasticPulley, land: Floats, size: float) -> PulleyMesh:
-    """A sector without a groove; `land` runs against the turn."""
+    """A sector without a groove; `land` is ordered against the direction of rotation."""
     mesh = BlockMesh()
     depth = pulley.land_radius_mm - pulley.bore_radius_mm
     rows = with_middles(_rows(pulley, depth, size))[::-1]
@@ -103,7 +103,7 @@ def _plain(pulley: ElasticPulley, land: Floats, size: float) -> PulleyMesh:
 
 
 def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: float) -> PulleyMesh:
-    """A sector with a tooth between two half grooves; `land` runs against the turn."""
+    """A sector with a tooth between two half grooves; `land` is ordered against the rotation."""
     mesh = BlockMesh()
     columns = np.linspace(0.0, 1.0, len(land))
     flank, touched = _flank(pulley, flank_elements, size)
@@ -129,7 +129,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
 
 
 def _flank(pulley: ElasticPulley, flank_elements: int, size: float) -> tuple[Floats, int]:
-    """Places of the working flank from the land on, and how many of them a tooth touches."""
+    """Places of the working flank from the land on, and the number that a tooth touches."""
     parts = with_middles(np.linspace(0.0, 1.0, flank_elements + 1))
     flank = pulley.flank(parts)
     if not pulley.flank_goes_on:
@@ -153,7 +153,7 @@ def _side_grid(pulley: ElasticPulley, shaft: Floats, rows: Floats, size: float) 
 
 
 def _rows(pulley: ElasticPulley, depth: float, size: float) -> Floats:
-    """Parts of the way from the foot of the tooth down to the bore."""
+    """Fractions of the distance from the foot of the tooth to the bore."""
     below = np.linspace(0.0, depth, 50)
     caps = np.stack([below, ROW_PART * (pulley.bore_radius_mm + depth - below)])
     rows = growing_breaks(depth, FIRST_ROW * size, GROWTH, caps)
@@ -168,7 +168,7 @@ def _sector(
     right: Numbers,
     flank: Numbers,
 ) -> SectorMesh:
-    """The mesh as other rooms know sectors; its flank from the groove to the land."""
+    """The mesh as a general sector, with its flank from the groove to the land."""
     nodes = np.concatenate(mesh.places)
     along = np.full(len(nodes), np.nan)
     steps = np.hypot(*np.diff(nodes[flank], axis=0).T)

@@ -1,7 +1,8 @@
-"""A timing belt as a row: equal cells from tooth to tooth, and the two ends where strands leave.
+"""Timing belt as a row of equal cells from tooth to tooth, with two ends at the strands.
 
-The cells are the same wherever the belt stands on its pulley: one is condensed once. The ends
-differ by how far teeth have gone on. All is put together by the stiffness of the faces between.
+The cells are the same at every position of the belt on its pulley: one is condensed once. The ends
+depend on how far the teeth have advanced. All parts are assembled through the stiffness of the
+faces between them.
 """
 
 from __future__ import annotations
@@ -30,22 +31,23 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
 
 
-#: Parts of a land that are shorter than this part of an element are none.
+#: Parts of a land that are shorter than this part of an element are omitted.
 SLIVER = 0.3
 
 
 @dataclass(frozen=True)
 class LandColumns:
-    """What the h hats of the lands do when they rub, or when they give way.
+    """Response to the h shape functions of the lands under friction, or under lift.
 
     Attributes
     ----------
     recession : (n, h) array
-        Of the flanks under a force along the turn, or per way outwards.
+        Normal displacements of the flanks under a circumferential force, or per radial
+        displacement.
     reaction : (h, h) array
-        Of the lands.
+        Reactions of the lands.
     tight : (h,) array
-        Of the tight strand.
+        Tension of the tight strand.
     """
 
     recession: Floats
@@ -55,38 +57,38 @@ class LandColumns:
 
 @dataclass(frozen=True)
 class StripResponse:
-    """A belt on its pulley by its forces per mm of width; n pairs, h hats on the lands.
+    """Response of a belt on its pulley, per mm of width; n pairs, h shape functions on the lands.
 
     Attributes
     ----------
     phase : float
-        By which teeth have gone on, in pitches, since the strands met the belt in mid-land.
+        Advance of the teeth, in pitches, since the strands met the belt in mid-land.
     first_tooth, teeth : int
-        Number of the first tooth that has pairs, and how many have.
+        Number of the first tooth with contact pairs, and the number of such teeth.
     first_land, lands : int
-        The same of lands on the pulley; a land has the number of the tooth behind it.
+        The same for lands on the pulley; a land has the number of the tooth behind it.
     flanks : Flanks
         Teeth counted from the first one.
     lines : tuple of FlankLine, one per tooth
     compliance : (n, n) array
-        K, by which flanks recede under forces on flanks, mm²/N.
+        K, normal displacements of flanks under forces on flanks, mm²/N.
     by_slack : (n,) array
-        L, the same under the tension of the slack strand.
+        L, normal displacements of flanks under the tension of the slack strand.
     land : (h,) array
-        On which land each hat stands, counted from the first one.
+        Land of each shape function, counted from the first land.
     land_angle_rad : (h,) array
-        Where it has its end.
+        Angle of the end node of each shape function.
     reaction : (h, n) array
         P, forces of the lands on the belt under forces on flanks.
     reaction_by_slack : (h,) array
     tight, tight_by_slack : (n,) array, float
-        The tension of the tight strand.
+        Tension of the tight strand.
     rubbing, lifting : LandColumns or None
-        Where they were asked for.
+        If requested.
     degrees_of_freedom : int
-        Of all pieces that were solved.
+        Sum over all pieces that were solved.
     pulley_yields : bool
-        Teeth do something to each other through the pulley, too.
+        Whether teeth also influence each other through an elastic pulley.
     """
 
     phase: float
@@ -111,18 +113,18 @@ class StripResponse:
 
 
 class BeltRow:
-    """A belt whose cell from tooth to tooth is solved once, for all positions.
+    """A belt whose cell from tooth to tooth is solved once for all positions.
 
     Parameters
     ----------
     strip : Strip
-        With teeth: in the middle of a land none could be cut.
+        Must have teeth: a belt without teeth cannot be cut in the middle of a land.
     flank_elements : int
         On the flank of a tooth.
     rubbing, lifting : bool
-        Also what lands do that rub, or that give way.
+        Whether the columns of sliding and lifting lands are included.
     account : Account, optional
-        Where the work is counted.
+        Account in which the work is counted.
     """
 
     def __init__(
@@ -139,17 +141,17 @@ class BeltRow:
         self._asked = {"rubbing": rubbing, "lifting": lifting}
         # from the middle of tooth 0 to that of tooth 1
         self._cell = self._solved((0, 2), (True, True)) if strip.wrapped_teeth > 1 else None
-        # positions at which strands begin at the edges of lands have all of it in common
+        # positions with strands that begin at the edges of lands have the same pieces
         self._known: tuple[tuple[float, float], StripResponse] | None = None
         self._ends: dict[tuple[int, float], Piece] = {}
 
     def at(self, phase: float) -> StripResponse:
-        """What the belt answers.
+        """Response of the belt.
 
         Parameters
         ----------
         phase : float
-            By which teeth have gone on, in pitches.
+            Advance of the teeth, in pitches.
 
         Returns
         -------
@@ -190,19 +192,20 @@ class BeltRow:
 
 
 def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float, float]:
-    """Where the strands begin, from the middles of the first and the last land.
+    """Places where the strands begin, from the middles of the first and the last land.
 
-    Where the tangent points of the strands stand on these lands, it is there. Over grooves nothing
-    holds the belt: a strand is straight up to the edge of the nearest land, of which a small part
-    is held at least, as long as an element by default, and no shorter with shorter elements: what
-    a point holds would give way without end.
+    If the tangent points of the strands lie on these lands, the strands begin there. Over grooves
+    the belt is free: a strand is straight up to the edge of the nearest land, of which a small part
+    is always fixed. This part has the default element length and does not decrease with shorter
+    elements, because the displacement of a belt held at a point would be unbounded.
 
     Parameters
     ----------
     strip : Strip
     flank_elements : int
     on_rad : float
-        By which the middles of both lands stand beyond the tangent points, along the turn.
+        Position of the middles of both lands beyond the tangent points, in the direction of
+        rotation.
 
     Returns
     -------
@@ -212,7 +215,7 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     edge, element = float(land[-1]), float(land[1])
 
     def near(end: float) -> float:
-        # slivers of elements are none
+        # avoid very thin elements
         for known in (-edge, 0.0, edge):
             if abs(end - known) < SLIVER * element:
                 return known
@@ -225,23 +228,23 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
 def standing(
     strip: Strip, response: StripResponse, ends: tuple[float, float], teeth: int, on_rad: float
 ) -> StripResponse:
-    """A belt at a position, from what it answers with its strands beginning where they do there.
+    """Response at a position, from the response with strands that begin at the same places.
 
-    Up to its tangent point a strand is as long as it is: what the tight one is longer, all teeth
-    follow it. It leaves as a tangent does: what it bends more than the belt on the pulley, the edge
-    of the land holds.
+    The free length of a strand ends at its tangent point: any extra length of the tight strand
+    moves all teeth. It leaves along the tangent: the edge of the land resists any bending beyond
+    that of the belt on the pulley.
 
     Parameters
     ----------
     strip : Strip
     response : StripResponse
-        As if the middle of the first land stood at angle 0.
+        Response with the middle of the first land at angle 0.
     ends : (float, float)
-        Where the strands begin, from the middles of the first and the last land, rad.
+        Places where the strands begin, from the middles of the first and the last land, rad.
     teeth : int
-        To be added to the numbers.
+        Added to the numbers.
     on_rad : float
-        Where the middle of the first land stands.
+        Angle of the middle of the first land.
 
     Returns
     -------
@@ -282,13 +285,13 @@ def standing(
 
 
 def moved_on(piece: Piece, teeth: int, angle_rad: float) -> Piece:
-    """A piece further on around the pulley.
+    """A piece at a place further around the pulley.
 
     Parameters
     ----------
     piece : Piece
     teeth : int
-        To be added to its numbers.
+        Added to its numbers.
     angle_rad : float
 
     Returns
@@ -319,18 +322,18 @@ def _turned_lines(
 
 
 def _turn(angle_rad: float) -> Floats:
-    """From the right on places as rows: counter-clockwise."""
+    """Rotation matrix for places as rows, applied from the right: counter-clockwise."""
     cosine, sine = cos(angle_rad), sin(angle_rad)
     return np.array([[cosine, sine], [-sine, cosine]])
 
 
 def strip_response(pieces: Sequence[Piece]) -> StripResponse:
-    """Pieces that follow one another, put together.
+    """Assemble consecutive pieces.
 
     Parameters
     ----------
     pieces : sequence of Piece
-        The first with the tight strand, the last with the slack one; both may be the same.
+        The first contains the tight strand, the last the slack one; both may be the same piece.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""The screening of a timing belt: few elements at few positions, with all that lands can do.
+"""Screening of a timing belt: few elements at few positions, with all land columns.
 
-The pieces of the belt are solved once; lands that rub, lands that lift and a pulley that yields are
-other contact problems of the same answers.
+The pieces of the belt are solved once; sliding lands, lifting lands and an elastic pulley are other
+contact problems with the same responses.
 """
 
 from __future__ import annotations
@@ -47,9 +47,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Elements on a flank of the screening; of the cell that tells how seconds grow with them.
+#: Elements on a flank of the screening, and of the cell that shows how the duration scales with
+#: them.
 ELEMENTS, MORE_ELEMENTS = 2, 4
-#: Positions of the screening, and one where another tooth has come: lands lift most there.
+#: Positions of the screening, and one after the next tooth has engaged: lands lift most there.
 POSITIONS = 3
 BYTES = 8
 
@@ -85,7 +86,7 @@ class BeltScreening(Screening):
             held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
 
     def _solve(self, scene: Scene, at: Floats) -> None:
-        """Pieces of belt and sector of the pulley, with all that lands can do."""
+        """Solve the pieces of belt and a sector of the pulley, with all land columns."""
         strip, self._account = self._strip, Account()
         elements = min(ELEMENTS, flank_elements(scene, strip))
         self._screened = BeltSizes.of(strip, elements, at)
@@ -129,7 +130,7 @@ class BeltScreening(Screening):
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        """CPU seconds, bytes and counters by stage for the run of a scene with other effects."""
         strip, positions, asked = self._strip, self._position_rad, asked_of(scene)
         counted = predicted_work(scene, strip, positions)
         sizes = self._sizes(strip, flank_elements(scene, strip), positions)
@@ -163,14 +164,14 @@ class BeltScreening(Screening):
         return stages
 
     def _sizes(self, strip: Strip, elements: int, at: Floats) -> BeltSizes:
-        """Arrays of the run's belt, or of that of its estimate; the same whatever lands do."""
+        """Array sizes of the run's belt or of its estimate, independent of the land columns."""
         key = elements, at.size
         if key not in self._known:
             self._known[key] = BeltSizes.of(strip, elements, at)
         return self._known[key]
 
     def _belt(self, sizes: BeltSizes) -> Account:
-        """The pieces of a belt: seconds grow evenly with their unknowns, as two cells show."""
+        """Cost of the pieces of a belt: linear in their unknowns, from two measured cells."""
         mine = self._screened
         each = self._pieces_s / len(mine.pieces)
         more = (MORE_ELEMENTS / mine.elements) ** 2
@@ -181,7 +182,7 @@ class BeltScreening(Screening):
         return Account(cpu_s=seconds, workspace_bytes=round(part * self._account.workspace_bytes))
 
     def _pulley_of(self, scene: Scene, elements: int) -> Account:
-        """The sector of a pulley, by the entries of its factor."""
+        """Cost of the sector of a pulley, proportional to the entries of its factor."""
         if elements not in self._pulleys:
             self._pulleys[elements] = pulley_mesh(scene, elements)
         mesh, asked = self._pulleys[elements], asked_of(scene)
@@ -196,14 +197,14 @@ class BeltScreening(Screening):
         )
 
     def _seconds_of_state(self, scene: Scene, sizes: BeltSizes) -> float:
-        """Seconds of a contact problem: matrices of its pairs and hats are multiplied."""
+        """Seconds of a contact problem: matrices of pairs and shape functions are multiplied."""
         mine = self._screened
         more = (sizes.pairs + sizes.hats) / (mine.pairs + mine.hats)
         return self._state_s.get(scene, self._state_s[self._scene]) * max(1.0, more)
 
 
 def _tried(strip: Strip, position_rad: Floats) -> NDArray[np.int64]:
-    """Few positions, and the first at which another tooth has come."""
+    """A few positions, and the first at which another tooth has engaged."""
     few = np.arange(position_rad.size)[:: max(1, -(-position_rad.size // POSITIONS))]
     first = round_down(position_rad / strip.pitch_rad + 0.5)
     return np.union1d(few, np.flatnonzero(np.diff(first))[:1] + 1)

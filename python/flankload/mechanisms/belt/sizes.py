@@ -25,21 +25,21 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 BYTES = 8
-#: Of a contact problem of a belt.
+#: CPU seconds of a contact problem of a belt.
 BELT_STATE_S = 1e-3
 
 
 @dataclass(frozen=True)
 class BeltSizes:
-    """How large the arrays of a belt are; of its largest position.
+    """Array sizes of a belt at its largest position.
 
     Attributes
     ----------
     teeth, elements : int
-        Of the wrap, and on a flank.
+        Number of teeth in the wrap, and of elements on a flank.
     pieces : list of PieceWork
     unknowns : list of int
-        Of the pieces.
+        Unknowns of the pieces.
     """
 
     teeth: int
@@ -49,7 +49,7 @@ class BeltSizes:
 
     @classmethod
     def of(cls, strip: Strip, elements: int, position_rad: Floats) -> BeltSizes:
-        """Of a belt with so many elements on a flank; ends as if their strands began in mid-land.
+        """Sizes for a number of elements on a flank, with strands that begin in mid-land.
 
         Parameters
         ----------
@@ -73,23 +73,23 @@ class BeltSizes:
 
     @property
     def pairs(self) -> int:
-        """Of the whole wrap."""
+        """Number of contact pairs of the whole wrap."""
         return self.teeth * (self.elements + 1)
 
     @cached_property
     def hats(self) -> int:
-        """On the lands of the whole wrap."""
+        """Number of shape functions on the lands of the whole wrap."""
         inner = max((p.hats for p in self.pieces if not p.held and not p.pulled), default=0)
         tight = max(p.hats for p in self.pieces if p.held)
         return (self.teeth - 1) * inner + tight + min(p.hats for p in self.pieces if p.pulled)
 
     @property
     def factors(self) -> float:
-        """Entries of the factors of all pieces, but for a number."""
+        """Entries of the factors of all pieces, up to a constant factor."""
         return sum(n * log(n) for n in self.unknowns)
 
     def bytes(self, asked: Asked) -> int:
-        """Of the answer at a position."""
+        """Bytes of the response at a position."""
         n, h = self.pairs, self.hats
         numbers = n * n + h * n + 2 * n + 3 * h
         numbers += (asked.rubbing + asked.lifting) * (n * h + h * h + h)
@@ -98,16 +98,16 @@ class BeltSizes:
 
     @property
     def flank_bytes(self) -> int:
-        """Of the places, normals, levers, gaps and lengths of the pairs."""
+        """Bytes of the places, normals, levers, gaps and lengths of the pairs."""
         return BYTES * 8 * self.pairs
 
     def state_bytes(self, asked: Asked) -> int:
-        """Of a state, most of whose pairs carry."""
+        """Bytes of a state, with contact at most of the pairs."""
         return BYTES * (3 * (self.pairs + asked.lifting * self.hats) + 4 * self.teeth)
 
 
 def duration_of(scene: Scene, assembly: BeltAssembly) -> Duration:
-    """How long a run of a belt will take.
+    """Predict the duration of a run of a belt.
 
     Parameters
     ----------

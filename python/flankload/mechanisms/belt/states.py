@@ -1,4 +1,4 @@
-"""The state of a belt as a scene asks for it, or why there is none."""
+"""State of a belt in a scene, or the reason why none exists."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.row import StripResponse
     from flankload.scene import Scene
 
-#: Halvings and doublings of a slack tension until it is known at which a belt jumps.
+#: Number of halvings and doublings in the search for the slack tension at which a belt jumps.
 STEPS = 20
 
 
@@ -31,10 +31,10 @@ def state_under(
     scene : Scene
     strip : Strip
     response : StripResponse
-        With what lands do that rub or lift, where the scene asks for that.
+        With the columns of sliding and lifting lands, if the scene needs them.
     torque_Nm : float
     account : Account
-        Where the work is counted.
+        Account in which the work is counted.
 
     Returns
     -------
@@ -43,8 +43,8 @@ def state_under(
     Raises
     ------
     NoContactState
-        If there is none: lands that rub turn the pulley further than the torque lets them, or the
-        belt jumps.
+        If none exists: friction on the lands turns the pulley further than the torque, or the belt
+        jumps.
     """
     slack = scene.load.slack_tension_N
     assert slack is not None
@@ -78,14 +78,14 @@ def state_under(
 
 
 def lands_in_words(sites: NDArray[np.int64], some: NDArray[np.bool_]) -> str:
-    """Some of the lands by their teeth: one before each, and one behind the last.
+    """Names of some of the lands by their teeth: one before each, and one behind the last.
 
     Parameters
     ----------
     sites : (S,) array
         Numbers of the teeth.
     some : (S + 1,) array of bool
-        Which lands, from the tight strand.
+        Selected lands, from the tight strand.
 
     Returns
     -------
@@ -110,14 +110,14 @@ def _solved(
 
 
 def _jumps(strip: Strip, state: BeltState) -> bool:
-    """Whether a land stands further out than a tooth is high."""
+    """Whether the lift of a land exceeds the height of a tooth."""
     return strip.tooth is not None and state.land_lift_mm.max() > strip.tooth.height_mm
 
 
 def _jump_tension(
     scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
 ) -> float:
-    """Slack tension (N) below which a belt jumps that does so at this one."""
+    """Slack tension (N) below which a belt jumps that jumps at the given one."""
     low, high = slack_N, 2.0 * slack_N
     for _ in range(STEPS):
         if not _jumps(strip, _solved(scene, strip, response, torque_Nm, high)):
@@ -133,7 +133,7 @@ def _jump_tension(
 
 
 def _torque_of_lands(scene: Scene, strip: Strip, response: StripResponse, slack_N: float) -> float:
-    """Torque (N m) of lands that rub under the slack tension alone."""
+    """Torque (N m) of friction on the lands under the slack tension alone."""
     friction = scene.effects.land_friction
     if friction == 0.0 or response.rubbing is None:
         return 0.0

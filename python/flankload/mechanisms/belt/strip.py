@@ -1,14 +1,15 @@
-"""Pieces of a timing belt under forces on their teeth and lands and of the strands.
+"""Response of pieces of a timing belt to forces on teeth, lands and strands.
 
-Lands are held radially by hats, the cord stands in the elements as bars; the tight strand holds the
-cord where it begins, the slack strand pulls it. What of the belt lies beyond is there to be
-material beside the last land: nothing pulls it. All columns are of unit
-forces per mm of width, spread over the elements as linear hats; the same hats read displacements.
+Lands are fixed radially by shape functions, the cord is a line of bars in the mesh; the tight
+strand fixes the cord where it begins, the slack strand pulls it. The belt beyond these points only
+serves as material beside the last land: no force acts on it. All columns belong to unit forces per
+mm of width, distributed over the elements as linear shape functions; displacements are averaged
+with the same functions.
 
-A piece is condensed to its columns and to its faces in the middles of teeth, which the pieces
-beside it share. Where displacements are held, at lands (by their ways) and by the tight strand, a
-column is what nodes are pulled by when those move: it reads what holds them, with its sign turned
-round. So all that a piece answers is one symmetric matrix.
+A piece is condensed to its columns and to its faces in the middles of teeth, which it shares with
+adjacent pieces. For prescribed displacements, at lands (by shape functions) and at the tight
+strand, a column contains the nodal forces caused by a unit displacement; as an output it gives the
+negative reaction. The whole response of a piece is therefore one symmetric matrix.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class Kind(IntEnum):
-    """What a column is."""
+    """Kind of a column."""
 
     PAIR = 0
     SLACK = 1
@@ -47,22 +48,22 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of belt by its columns, per mm of width.
+    """A piece of belt condensed to its columns, per mm of width.
 
     Attributes
     ----------
     cell : RowCell
-        Response of all columns to those of them that are loads, and what they carry to the cuts.
+        Response of all columns to those that are loads, and the coupling to the cuts.
     kinds : (r,) array
         `Kind` of each column; loads come first.
     flanks : Flanks
         n pairs, in the order of their columns.
     lines : tuple of FlankLine
-        The flanks on which these stand.
+        The flanks of these pairs.
     land : (h,) array
-        On which land each hat stands.
+        Land of each shape function.
     land_angle_rad : (h,) array
-        Where it has its end.
+        Angle of the end node of each shape function.
     degrees_of_freedom : int
     """
 
@@ -84,17 +85,17 @@ def solve_piece(
     lifting: bool = False,
     account: Account | None = None,
 ) -> Piece:
-    """Solve the elements of a piece of belt once.
+    """Solve the finite elements of a piece of belt once.
 
     Parameters
     ----------
     strip : Strip
     mesh : BeltMesh
-        Of the piece, N nodes.
+        Mesh of the piece, N nodes.
     cuts : (bool, bool)
-        Whether another piece goes on at its left and its right face.
+        Whether another piece adjoins at its left and its right face.
     rubbing, lifting : bool
-        Also what lands do that rub, or that give way.
+        Whether the columns of sliding and lifting lands are included.
     account : Account, optional
 
     Returns
@@ -164,7 +165,7 @@ def solve_piece(
 
 
 def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
-    """Of the elements and of the cord, per mm of width."""
+    """Stiffness of the elements and of the cord, per mm of width."""
     solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
     return (solid + cord_stiffness(strip, mesh)).tocsc()
 

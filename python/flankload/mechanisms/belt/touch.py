@@ -1,7 +1,8 @@
-"""Where a timing belt touches its pulley: its hats as forces at the nodes of one sector.
+"""Contact of a timing belt with its pulley: shape functions as forces at the nodes of one sector.
 
-A hat of the belt lies anywhere on a flank or a land of the pulley, whose elements have ends of
-their own. Forces are spread over these as over the belt's, and the same columns read displacements.
+A shape function of the belt lies anywhere on a flank or a land of the pulley, whose elements have
+other boundaries. Its force is distributed over these elements as over those of the belt, and the
+same columns average displacements.
 """
 
 from __future__ import annotations
@@ -26,22 +27,23 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Between the ends of hats and elements: the integrands are cubic, on round flanks nearly so.
+#: Gauss points between the ends of shape functions and elements: the integrands are cubic, on round
+#: flanks approximately.
 GAUSS_POINTS = 4
 
 
 @dataclass(frozen=True)
 class Touch:
-    """Hats on one sector of a pulley.
+    """Shape functions on one sector of a pulley.
 
     Attributes
     ----------
     sector : int
-        Counted along the turn.
+        Index in the direction of rotation.
     numbers : (c,) array
-        Of the hats among all.
+        Index of each shape function among all.
     forces : (r, c) array
-        Of a unit of each, as parts of `unit_forces`; its transpose reads displacements.
+        Unit force of each, as combination of `unit_forces`; its transpose averages displacements.
     """
 
     sector: int
@@ -57,12 +59,13 @@ def unit_forces(mesh: PulleyMesh, *, rubbing: bool) -> Floats:
     mesh : PulleyMesh
         N nodes.
     rubbing : bool
-        Also along the lands.
+        Whether forces along the lands are included.
 
     Returns
     -------
     (2N, r) array
-        In x and y at the nodes of the flank, inwards at those of the land, against the turn there.
+        In x and y at the nodes of the flank; at those of the land inwards, and against the
+        rotation.
     """
     flank, land = degrees_of(mesh.flank), 2 * mesh.land
     inwards = -mesh.sector.nodes[mesh.land]
@@ -80,13 +83,13 @@ def unit_forces(mesh: PulleyMesh, *, rubbing: bool) -> Floats:
 def touches_of(
     strip: Strip, response: StripResponse, mesh: PulleyMesh, rows: int
 ) -> tuple[list[Touch], int]:
-    """Hats of a belt on its pulley: those of the flanks, of the lands, and along the lands.
+    """Shape functions of a belt on its pulley: those of flanks, of lands, and along the lands.
 
     Parameters
     ----------
     strip : Strip
     response : StripResponse
-        At any position; it says whether lands rub.
+        At any position; it determines whether lands slide.
     mesh : PulleyMesh
     rows : int
         Number r of unit forces.
@@ -94,9 +97,9 @@ def touches_of(
     Returns
     -------
     touches : list of Touch
-        Numbers run in the order of the pairs, then that of `response.land`, then that again.
+        Ordered as the pairs, then as `response.land`, then as `response.land` again.
     count : int
-        Of all.
+        Number of shape functions.
     """
     pitch, rubbing = strip.pitch_rad, response.rubbing is not None
     touches, count = [], 0
@@ -120,15 +123,15 @@ def touches_of(
 
 
 def _narrower(strip: Strip, pulley: ElasticPulley) -> float:
-    """How wide a land of the pulley is over that of the belt, which presses on all there is."""
+    """Ratio of the land widths of pulley and belt, which presses on the whole land."""
     width = strip.tooth.width_mm if strip.tooth is not None else 0.0
     return pulley.half_land_rad / (0.5 * strip.pitch_rad - asin(0.5 * width / strip.land_radius_mm))
 
 
 def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
-    """Forces at the nodes of a pulley's flank that stand for the hats of a belt's.
+    """Forces at the nodes of a pulley's flank equivalent to the shape functions of a belt's flank.
 
-    Both flanks are laid on each other by parts of their lengths.
+    Points at equal fractions of both flank lengths coincide.
 
     Parameters
     ----------
@@ -141,7 +144,7 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
     Returns
     -------
     (r, c) array
-        Out of the belt, of a unit force that is spread as each hat is.
+        Pointing out of the belt, for a unit force distributed as each shape function.
     """
     own = _parts(mesh.sector.nodes[mesh.flank])
     parts = _parts(flank)
@@ -157,22 +160,22 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
 
 
 def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, Floats]:
-    """Forces at the nodes of a land that stand for hats at given angles.
+    """Forces at the nodes of a land equivalent to shape functions at given angles.
 
     Parameters
     ----------
     mesh : PulleyMesh
     ends_rad : (c,) array
-        Ends of the hats in the frame of the sector, ascending, on its land.
+        End nodes of the shape functions in the frame of the sector, ascending, on its land.
     rows : int
         Number r of unit forces.
 
     Returns
     -------
     held : (r, c) array
-        Inwards: of the forces that go with the ways of the hats.
+        Inwards: forces conjugate to the displacements of the shape functions.
     along : (r, c) array or (r, 0) array
-        Against the turn: of a force that is spread as each hat is; none where no land rubs.
+        Against the rotation: force distributed as each shape function; empty without sliding lands.
     """
     nodes = np.arctan2(*mesh.sector.nodes[mesh.land].T[::-1])
     first, last = 2 * mesh.flank.size, 2 * mesh.flank.size + nodes.size
@@ -191,7 +194,7 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
 
 
 def _parts(places: Floats) -> Floats:
-    """Parts of the way along a line of nodes."""
+    """Fractions of the length of a line of nodes."""
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
     return np.asarray(way / way[-1])
 
@@ -199,7 +202,7 @@ def _parts(places: Floats) -> Floats:
 def _points(ends: Floats, nodes: Floats) -> tuple[Floats, Floats]:
     """Gauss points between the first and the last of `ends`, and their weights.
 
-    Hats bend at `ends`, elements end at `nodes`.
+    Shape functions have kinks at `ends`, elements have boundaries at `nodes`.
     """
     breaks = np.union1d(ends, nodes)
     breaks = breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]
@@ -209,7 +212,7 @@ def _points(ends: Floats, nodes: Floats) -> tuple[Floats, Floats]:
 
 
 def _interpolated(at: Floats, ends: Floats) -> Floats:
-    """(g, c) Linear hats on ends at places between them."""
+    """(g, c) Linear shape functions with nodes at `ends`, at places between these."""
     before = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
     part = (at - ends[before]) / (ends[before + 1] - ends[before])
     hats = np.zeros((at.size, ends.size))
@@ -219,19 +222,19 @@ def _interpolated(at: Floats, ends: Floats) -> Floats:
 
 
 def _shapes(at: Floats, nodes: Floats) -> Floats:
-    """(g, m) Functions of quadratic elements along a line, every second node a middle."""
+    """(g, m) Functions of quadratic elements along a line; every second node is a mid-side node."""
     first, x, _ = _local(at, nodes)
     return _at_nodes(first, (x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2), nodes.size)
 
 
 def _slopes(at: Floats, nodes: Floats) -> Floats:
-    """(g, m) Their derivatives by the place along the line."""
+    """(g, m) Derivatives of these functions with respect to the place along the line."""
     first, x, half = _local(at, nodes)
     return _at_nodes(first, ((x - 0.5) / half, -2 * x / half, (x + 0.5) / half), nodes.size)
 
 
 def _local(at: Floats, nodes: Floats) -> tuple[Numbers, Floats, Floats]:
-    """First node of the element of each place, the place within it, and half its length."""
+    """First node of the element at each place, local coordinate, and half the element length."""
     ends = nodes[::2]
     element = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
     half = 0.5 * (ends[element + 1] - ends[element])
@@ -239,7 +242,7 @@ def _local(at: Floats, nodes: Floats) -> tuple[Numbers, Floats, Floats]:
 
 
 def _at_nodes(first: Numbers, values: tuple[Floats, ...], count: int) -> Floats:
-    """Values of three nodes each, from the first one on, as rows over all nodes."""
+    """Rows over all nodes from three values each, placed from the first node on."""
     rows = np.zeros((first.size, count))
     for k, value in enumerate(values):
         rows[np.arange(first.size), first + k] = value
@@ -247,6 +250,6 @@ def _at_nodes(first: Numbers, values: tuple[Floats, ...], count: int) -> Floats:
 
 
 def _turned_back(places: Floats, angle: float) -> Floats:
-    """Places (n, 2) in a frame that is turned by an angle."""
+    """Places (n, 2) in a frame that is rotated by an angle."""
     cosine, sine = cos(angle), sin(angle)
     return places @ np.array([[cosine, -sine], [sine, cosine]])

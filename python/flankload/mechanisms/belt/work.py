@@ -1,4 +1,4 @@
-"""Work of a belt that can be counted before it is done: pieces, columns, positions."""
+"""Work of a belt, counted in advance: pieces, columns, positions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """What else lands are asked for.
+    """Optional land columns.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class Asked:
 
 
 def phases(strip: Strip, position_rad: Floats) -> Floats:
-    """(P,) Where the middle of the first land stands beyond the tangent point, in pitches."""
+    """(P,) Position of the middle of the first land beyond the tangent point, in pitches."""
     at = position_rad / strip.pitch_rad
     return np.asarray(at - round_down(at + 0.5))
 
 
 def distinct_ends(strip: Strip, elements: int, position_rad: Floats) -> tuple[set[float], ...]:
-    """Places where the tight strand begins, and the slack one, on all positions.
+    """Distinct places at which the tight and the slack strand begin, over all positions.
 
     Parameters
     ----------
@@ -67,9 +67,9 @@ class PieceWork:
     Attributes
     ----------
     pairs, hats : int
-        On its flank, on its lands.
+        Number of contact pairs on its flank, and of shape functions on its lands.
     held, pulled : int
-        Whether the tight strand holds it, whether the slack one pulls it: 0 or 1.
+        Whether the tight strand fixes it, and whether the slack one pulls it: 0 or 1.
     kept : int
         Unknowns of its cuts.
     """
@@ -82,7 +82,7 @@ class PieceWork:
 
     @property
     def cut_solutions(self) -> int:
-        """Solutions for the unknowns of its cuts; of many a second factorisation is cheaper."""
+        """Solutions for the unknowns of its cuts; for many a second factorisation is cheaper."""
         return 0 if self.kept > MANY_KEPT else self.kept
 
     def columns(self, asked: Asked) -> int:
@@ -148,7 +148,7 @@ def work_of_elements(
 
 
 def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:
-    """Factorisations, columns and solutions of a pulley that yields.
+    """Factorisations, columns and solutions of an elastic pulley.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:
     Returns
     -------
     dict of str to int
-        As of `work_of_elements`.
+        As for `work_of_elements`.
     """
     kept = 2 * (mesh.sector.left_nodes.size + mesh.sector.right_nodes.size)
     many = kept > MANY_KEPT
@@ -173,10 +173,10 @@ def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:
 
 
 def _beyond(land: Floats, end: float) -> int:
-    """Elements of a land that are held beyond its middle; fewer than none: short of it."""
+    """Fixed elements of a land beyond its middle; negative if the fixed part ends before it."""
     size = float(land[1])
     if end < 0:
-        # what is held reaches from the end to the other edge
+        # the fixed part extends from the strand to the other edge
         return round_up((land[-1] + end) / size) - (land.size - 1)
     return round_up(end / size)
 
@@ -194,7 +194,7 @@ def work_of_states(strip: Strip, elements: int, states: int) -> dict[str, int]:
     Returns
     -------
     dict of str to int
-        As of `work_of_elements`.
+        As for `work_of_elements`.
     """
     pairs = strip.wrapped_teeth * (elements + 1)
     return {"states": states, "contact_passes": states, "influence_columns": states * pairs}

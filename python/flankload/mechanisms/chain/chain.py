@@ -1,4 +1,4 @@
-"""The kind "chain": rollers on links, a truss with the stiffness of its tension."""
+"""The kind "chain": rollers on links, a truss with geometric stiffness."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Chain:
-    """A chain as such.
+    """A chain without its sprocket.
 
     Attributes
     ----------
     pitch_mm : float
-        Of the new chain.
+        Pitch of the new chain.
     elongation : float
-        By which wear has lengthened every link, relative.
+        Relative increase of the length of every link by wear.
     link_stiffness_N : float
-        Force over strain of a link.
+        Force divided by strain of a link.
     contact_stiffness_N_per_mm : float
-        Of a roller against its pocket, in every direction.
+        Stiffness of the contact between roller and pocket, equal in all directions.
     span_mm : float
-        Length of the free strands, whose tension holds the outer rollers sideways.
+        Length of the free strands, whose tension stabilises the outer rollers laterally.
     """
 
     pitch_mm: float
@@ -43,28 +43,28 @@ class Chain:
         return self.pitch_mm * (1 + self.elongation)
 
     def tensions(self, place: Floats) -> Floats:
-        """(n - 1,) Tensions of the links between n rollers at their places (n, 2), N."""
+        """(n - 1,) Tensions of the links between n rollers at places (n, 2), N."""
         length = np.hypot(*np.diff(place, axis=0).T)
         return self.link_stiffness_N * (length / self.link_mm - 1.0)
 
     def truss(self, place: Floats, tension: Floats) -> tuple[Floats, Floats]:
-        """Stiffness and inner forces of the links between n rollers.
+        """Stiffness and internal forces of the links between n rollers.
 
         K = EA/l t tᵀ + T/l (1 - t tᵀ) for each link with the direction t.
 
         Parameters
         ----------
         place : (n, 2) array
-            Of the rollers, mm.
+            Places of the rollers, mm.
         tension : (n - 1,) array
-            Of the links, for the stiffness sideways, N; links that push have none.
+            Tensions for the lateral stiffness of the links, N; compressed links have none.
 
         Returns
         -------
         stiffness : (2n, 2n) array
             N/mm.
         force : (2n,) array
-            With which the links at these places pull on the rollers, N.
+            Forces of the links on the rollers at these places, N.
         """
         n = len(place)
         link = np.diff(place, axis=0)

@@ -1,14 +1,16 @@
-"""Rollers against their pockets: one linear contact problem, or passes of it until all stands.
+"""Contact of rollers with their pockets: one linear contact problem, or an iteration of these.
 
     g = K F + g0 - B phi >= 0,  F >= 0,  g F = 0,  B·F = M
 
-K holds the chain as a truss with its tight end held along the strand, and the contact of each
-roller, which yields in every direction alike. B is the lever of each normal about the axis; that of
-the middle of a seat is 0. The slack tension and the wear are loads of the truss: they shift g0.
+K contains the chain as a truss with its tight end fixed along the strand, and the contact
+compliance of each roller, which is isotropic. B contains the lever arm of each normal about the
+axis, which is 0 at the middle of a seat. The slack tension and the wear are loads of the truss:
+they shift g0.
 
-One solve: planes tangent to the seat arcs, about the rollers' places on the pitch circle, tensions
-on the sideways stiffness falling linearly from end to end. Passes: planes at the nearest points of
-the pockets, with the curvature of these and the tensions found, until no roller moves any more.
+Linear state: planes tangent to the seat arcs, about the rollers' places on the pitch circle, with
+tensions for the lateral stiffness that decrease linearly from end to end. Iteration: planes at the
+nearest points of the pockets, with their curvature and the tensions found, until no roller moves
+any more.
 """
 
 from __future__ import annotations
@@ -32,50 +34,51 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Planes of a seat in one solve: with 17 the tensions are right to 1.3 % of the tight one in the
-#: widest seat, with 9 to 4.7 %.
+#: Planes of a seat in a linear state: 17 give an error of the tensions of 1.3 % of the tight
+#: tension in the widest seat, 9 give 4.7 %.
 SEAT_PLANES = 17
-#: What planes alike have of their own beside the yielding of the contact: without it the forces on
-#: planes of the same roller would not be determined.
+#: Compliance of each plane by itself, relative to that of the contact: without it the forces on
+#: several planes of the same roller would not be unique.
 OWN_PART = 1e-4
-#: Parts of the torque by which it is changed to find how the rotation grows: of one solve, whose
-#: seats have corners, and of passes.
+#: Parts of the torque by which it is changed to find the derivative of the rotation: for a linear
+#: state, whose seats have corners, and for the iteration.
 TORQUE_STEP = {False: 0.05, True: 1e-3}
-#: A support of the sprocket's turn is weak where it would give way this much more than the rest.
+#: A support against rotation of the sprocket is weak if its compliance exceeds the remaining one by
+#: this factor.
 WEAK = 1e-5
-#: A roller may move so far in a pass, in pitches, and stands when it moves less than that.
+#: Largest motion of a roller in a pass, in pitches, and the motion below which it has converged.
 LONGEST_STEP, STANDS = 0.02, 1e-10
-#: Passes after which no state is looked for any longer.
+#: Largest number of passes.
 MOST_PASSES = 200
-#: Least and largest part of a step that is taken, and the pass from which it is the least.
+#: Least and largest part of a step, and the pass from which the least part is used.
 LEAST_PART, LARGEST_PART, STEADY_FROM = 0.25, 1.5, 60
-#: Torque over that of the slack strand below which the turn between planes is not determined: no
-#: torque is taken as this little.
+#: Least torque relative to that of the slack strand: below it the rotation between planes is not
+#: unique, so smaller torques are replaced by this one.
 LEAST_TORQUE = 1e-4
 
 
 @dataclass(frozen=True)
 class WrapState:
-    """What is found at a position; n rollers.
+    """State at a position; n rollers.
 
     Attributes
     ----------
     rotation_rad : float
-        By which the sprocket has turned against the even run of the tight strand.
+        Rotation of the sprocket relative to the uniform motion of the tight strand.
     compliance_rad_per_Nmm : float
-        Its growth with the torque.
+        Derivative of the rotation with respect to the torque.
     force_N : (n, 2) array
-        On the rollers by their pockets, along the turn and outwards of each pocket.
+        Forces of the pockets on the rollers: circumferential, and outwards, of each pocket.
     place_mm : (n, 2) array
-        Of the rollers against their places on the pitch circle, the same directions.
+        Displacements of the rollers from the pitch circle, in the same directions.
     tension_N : (n + 1,) array
-        Before each roller and behind the last: tight strand, links, slack strand.
+        In front of each roller and behind the last: tight strand, links, slack strand.
     status : int
     passes, pivots, planes : int
     backward_error, condition, margin : float
-        Of the last contact problem.
+        For the last contact problem.
     moves_mm : float
-        How far a roller moved in the last pass; 0 of one solve, and where all stand.
+        Largest motion of a roller in the last pass; 0 for a linear state and after convergence.
     """
 
     rotation_rad: float
@@ -105,7 +108,7 @@ def work_of(states: Sequence[WrapState]) -> dict[str, int]:
 
 @dataclass(frozen=True)
 class _Pass:
-    """One contact problem and what it moves."""
+    """One contact problem and the motion it causes."""
 
     move: Floats
     turn: float
@@ -133,13 +136,13 @@ def solve_wrap(
     wrap : Wrap
     chain : Chain
     torque_Nmm : float
-        On the sprocket.
+        Torque on the sprocket.
     slack_N : float
         Tension of the slack strand.
     large_displacement : bool
-        Passes until all stands; else one solve.
+        Whether to iterate until convergence; otherwise one linear state.
     growth : bool
-        Whether the growth of the rotation with the torque is wanted, which is solved for.
+        Whether to compute the derivative of the rotation with respect to the torque.
 
     Returns
     -------
@@ -148,10 +151,10 @@ def solve_wrap(
     Raises
     ------
     ContactError
-        If the contact problem has no answer.
+        If the contact problem has no solution.
     """
     found = _follow(wrap, chain, torque_Nmm, slack_N, large_displacement=large_displacement)
-    # the slack tension turns the sprocket, too: a torque of its size is the scale
+    # the slack tension turns the sprocket, too: its torque is the scale
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
     if growth:
@@ -184,7 +187,7 @@ def solve_wrap(
 
 @dataclass(frozen=True)
 class _Followed:
-    """Where passes have led."""
+    """Result of an iteration."""
 
     step: _Pass
     place: Floats
@@ -203,12 +206,12 @@ def _follow(
     large_displacement: bool,
     start: _Followed | None = None,
 ) -> _Followed:
-    """One solve, or passes until all stands; from where others have led, if that is given."""
+    """One linear state, or passes until convergence, optionally from an earlier result."""
     centers = wrap.centers
     one, two = wrap.levers_mm
     torque = max(torque, LEAST_TORQUE * slack_N * two)
     tight = (torque + slack_N * two) / one
-    # the tight strand runs evenly: a pitch of the loaded chain with each tooth
+    # the tight strand moves uniformly: a pitch of the loaded chain with each tooth
     run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
     if start is None:
         half = wrap.sprocket.seat_half_angle_rad
@@ -245,9 +248,9 @@ def _follow(
 
 
 def _part(part: float, move: Floats, last: Floats) -> float:
-    """Part of a step to take, from how the part before has changed it (Aitken).
+    """Part of a step to take, from the change caused by the previous part (Aitken).
 
-    Flanks have no curvature here, and tensions are those of the pass before.
+    Flanks have no curvature here, and tensions are those of the previous pass.
     """
     change = move - last
     size = float((change**2).sum())
@@ -280,7 +283,7 @@ def _one_pass(
         spring = strand / chain.span_mm * np.outer(across, across)
         blocks[k, :, k, :] += spring
         pull[k] -= spring @ (place[k] - wrap.centers[k])
-    # the tight end is held along its strand: one direction of roller 0 is known
+    # the tight end is fixed along its strand: one direction of roller 0 is prescribed
     known = np.zeros(2 * n)
     known[:2] = -(run + place[0] @ wrap.tight) * wrap.tight
     free = np.eye(2 * n)[:, 1:]
@@ -288,7 +291,7 @@ def _one_pass(
     parts = np.zeros((planes.gap.size, n, 2))
     parts[np.arange(planes.gap.size), planes.roller] = planes.normal
     rows = parts.reshape(-1, 2 * n)
-    # a seat that turns with the sprocket takes its curvature along
+    # a seat that rotates with the sprocket moves its curvature with it
     drag = np.einsum("nij,nj->ni", bend, _turning(place)).ravel()
     solved = free @ np.linalg.solve(
         free.T @ stiffness @ free,
@@ -320,7 +323,7 @@ def _one_pass(
         * along[:, :, None]
         * along[:, None, :],
     )
-    # what holds the tight end is its tension
+    # the reaction at the tight end is its tension
     held = (stiffness @ move - drag * turn - force - forces.ravel())[:2] @ wrap.tight
     return _Pass(
         move=move.reshape(n, 2),
@@ -335,17 +338,18 @@ def _one_pass(
 
 
 def _turning(place: Floats) -> Floats:
-    """How places move with a turn about the axis."""
+    """Displacements of places by a unit rotation about the axis."""
     return np.column_stack([-place[:, 1], place[:, 0]])
 
 
 def _solve_turning(
     matrix: Floats, gaps: Floats, levers: Floats, torque: float, support: float
 ) -> tuple[ContactState, float]:
-    """Contact with a sprocket that turns against an elastic support of its own, N mm/rad.
+    """Contact with a sprocket on an elastic support against rotation, N mm/rad.
 
-    B·F + s phi = M: a support that is not weak folds into the matrix, K + B Bᵀ/s, g0 - B M/s, and
-    the turn is no unknown any more. The loop wants a motion: a pair by itself holds it.
+    B·F + s phi = M: a support that is not weak is condensed into the matrix, K + B Bᵀ/s, g0 - B
+    M/s, and the rotation is no unknown any more. The contact loop requires a motion: a separate
+    pair fixes it.
     """
     if support * np.abs(matrix).max() <= WEAK * np.abs(levers).max() ** 2:
         state = solve_contact_general(
@@ -368,7 +372,7 @@ def _solve_turning(
 
 
 def _link_tensions(chain: Chain, place: Floats, move: Floats) -> Floats:
-    """Tensions of the links after a small move."""
+    """Tensions of the links after a small motion."""
     link = np.diff(place, axis=0)
     t = link / np.hypot(*link.T)[:, None]
     stretch = (t * np.diff(move, axis=0)).sum(axis=1)

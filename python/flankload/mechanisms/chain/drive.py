@@ -1,6 +1,6 @@
-"""A chain on its sprocket: assembly and states.
+"""Assembly and states of a chain on its sprocket.
 
-Pockets are planes and the chain is a truss, so no elements are solved.
+Pockets are planes and the chain is a truss, so no finite elements are solved.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Length of the free strands in pitches, where a scene names none.
+#: Length of the free strands in pitches if a scene does not name one.
 SPAN_PITCHES = 40.0
-#: Contact problems of a linear state: for itself, and for its stiffness.
+#: Contact problems of a linear state: for the state, and for its stiffness.
 LINEAR_PASSES = 2
-#: A link that pushes with more than this part of the tight tension does not exist.
+#: A link under compression above this part of the tight tension is not possible.
 LEAST_TENSION = -1e-6
 
 
@@ -47,7 +47,7 @@ class ChainAssembly:
     position_rad : (P,) array
         Angles of the sprocket.
     pitches : int or None
-        Pitches that the positions run over; None for single angles.
+        Pitches covered by the positions; None for single angles.
     """
 
     sprocket: Sprocket
@@ -64,7 +64,7 @@ class ChainStates:
     Attributes
     ----------
     found : tuple of list of WrapState
-        One entry per torque, of each position.
+        For each torque, the state at each position.
     """
 
     found: tuple[list[WrapState], ...]
@@ -109,7 +109,7 @@ def states_of(scene: Scene, assembly: ChainAssembly, clock: StageClock) -> Chain
     Raises
     ------
     NoContactState
-        If a position has no state; the message names the tension below which chains jump.
+        If a position has no state; the message names the tension below which the chain jumps.
     """
     progress = clock.sweep_progress("sweep")
     found: list[list[WrapState]] = []
@@ -139,8 +139,8 @@ def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
     Returns
     -------
     dict of str to dict of str to int
-        By stages, then by counters: those that are known. Of rollers that are followed it is not
-        known how often.
+        By stages, then by counters: those that are known. The number of passes of an iteration is
+        unknown.
     """
     counted = {"states": positions * len(scene.torques_Nm)}
     if not scene.effects.large_displacement:
@@ -157,9 +157,9 @@ def error_estimate(
     torque_Nm: float,
     account: Account,
 ) -> dict[str, object]:
-    """Errors of one linear solution, by following the rollers at two positions.
+    """Error of one linear state, from an iteration at two positions.
 
-    Passes stop at a part of a pitch, which is their error.
+    The iteration stops at a part of a pitch, which is its own error.
 
     Parameters
     ----------
@@ -167,10 +167,10 @@ def error_estimate(
     chain : Chain
     wraps : list of Wrap
     states : list of WrapState
-        Of each position.
+        State at each position.
     torque_Nm : float
     account : Account
-        Where the work is counted.
+        Account in which the work is counted.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain]:
 
 
 def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
-    """What `flankload check` says of a sprocket and its chain.
+    """Rows of `flankload check` for a sprocket and its chain.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From the states of a chain to its result: tensions, places, margins, warnings, a drawing."""
+"""Conversion of the states of a chain to its result: tensions, places, margins, drawing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Up to this wear one linear solution is right to about 1 % of the tight tension.
+#: Up to this wear the error of a linear state is about 1 % of the tight tension.
 LINEAR_WEAR = 0.01
 
 
@@ -39,7 +39,7 @@ def result_of_chain(
     number: int,
     estimate: Mapping[str, object] | None,
 ) -> Result:
-    """All positions under one torque as a result.
+    """Result of all positions under one torque.
 
     Parameters
     ----------
@@ -48,14 +48,14 @@ def result_of_chain(
     states : sequence of WrapState
         One entry per position.
     number : int
-        Of the torque.
+        Index of the torque.
     estimate : mapping or None
         Error estimates, as the result shows them.
 
     Returns
     -------
     Result
-        Its `cost` holds what is the torque's own.
+        Its `cost` contains the part of this torque.
     """
     chain, wraps = assembly.chain, assembly.wraps
     position_rad, pitches = assembly.position_rad, assembly.pitches
@@ -134,7 +134,7 @@ def tangent_stiffness(states: Sequence[WrapState]) -> Floats:
 
 
 def _warnings(chain: Chain, sprocket: Sprocket, drive: ChainDrive) -> tuple[str, ...]:
-    """Where one linear solution is not enough, and where the chain may jump."""
+    """Warn if one linear state is not sufficient, and if the chain may jump."""
     notes = []
     climbs = float(np.nanmax(drive.roller_height_um)) / 1000.0
     if drive.mode == "linear" and chain.elongation > LINEAR_WEAR:
@@ -157,7 +157,7 @@ def _warnings(chain: Chain, sprocket: Sprocket, drive: ChainDrive) -> tuple[str,
 
 
 def _rollers(wraps: Sequence[Wrap], states: Sequence[WrapState], p: int) -> PairTable:
-    """Rollers that carry at a position, each as one contact pair."""
+    """Rollers that carry load at a position, each as one contact pair."""
     wrap, state = wraps[p], states[p]
     force = np.hypot(*state.force_N.T)
     at = np.flatnonzero(force > 0)

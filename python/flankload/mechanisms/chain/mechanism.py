@@ -47,13 +47,13 @@ class ChainOnSprocket:
         return predicted_work(scene, assembly.position_rad.size)
 
     def sweeps(self, scene: Scene) -> int:
-        """Sweep, and two positions of the estimate."""
+        """Number of sweeps: all positions, and two positions of the estimate."""
         return 1
 
     def compliances(
         self, scene: Scene, assembly: ChainAssembly, clock: StageClock, kept: Kept
     ) -> tuple[ChainAssembly, None]:
-        """No elements: links and rollers have stiffnesses."""
+        """No finite elements: links and rollers have stiffnesses."""
         return assembly, None
 
     def states(
@@ -63,13 +63,13 @@ class ChainOnSprocket:
         return assembly, states_of(scene, assembly, clock)
 
     def broken_by_geometry(self, assembly: ChainAssembly) -> Iterator[Broken]:
-        """None: the geometry of a chain breaks no premise."""
+        """None: the geometry of a chain violates no premise."""
         yield from ()
 
     def broken_by_load(
         self, scene: Scene, assembly: ChainAssembly, states: ChainStates, number: int
     ) -> Iterator[Broken]:
-        """Premises that a torque breaks; rollers that are followed may move far."""
+        """Premises that a torque violates; with large displacements rollers may move far."""
         if scene.effects.large_displacement:
             return
         stiffness = tangent_stiffness(states.found[number])
@@ -110,21 +110,21 @@ class ChainOnSprocket:
         return Description(describe_drive(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
-        """Neither body has elements: a SceneError."""
+        """Neither body has finite elements: a SceneError."""
         require_flanks(scene)
         yield from ()
 
     def duration(self, scene: Scene, assembly: ChainAssembly) -> None:
-        """None: a chain takes next to nothing."""
+        """None: the duration for a chain is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.chain.screening import ChainScreening
 
         return ChainScreening(scene, levels=levels)
 
     def default_element_mm(self, scene: Scene) -> None:
-        """None: a truss has no elements."""
+        """None: a truss has no finite elements."""
 
 
 MECHANISM: Mechanism = ChainOnSprocket()

@@ -1,4 +1,4 @@
-"""Planes that stand for the pockets of rollers: tangent to the seats, or at the nearest points."""
+"""Planes in place of the pockets of rollers: tangent to the seats, or at the nearest points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Planes beside that of the nearest point: how many, and how far from it at least, rad.
+#: Number of planes beside that of the nearest point, and their least distance from it, rad.
 BESIDE, APART = 5, 0.05
 
 
@@ -29,7 +29,7 @@ class Planes:
 
 
 def in_pocket(vectors: Floats, angles: Floats) -> Floats:
-    """World vectors (n, 2) in frames along the turn and outwards, at polar angles -angles."""
+    """Transform global vectors (n, 2) to circumferential and outward ones at angles -angles."""
     cosine, sine = np.cos(angles), np.sin(angles)
     x = cosine * vectors[:, 0] - sine * vectors[:, 1]
     y = sine * vectors[:, 0] + cosine * vectors[:, 1]
@@ -37,7 +37,7 @@ def in_pocket(vectors: Floats, angles: Floats) -> Floats:
 
 
 def in_world(local: Floats, angles: Floats) -> Floats:
-    """The way back: vectors (…, 2) along the turn and outwards at polar angles."""
+    """Inverse transformation: vectors (…, 2) from circumferential and outward components."""
     cosine, sine = np.cos(angles), np.sin(angles)
     along, out = local[..., 0], local[..., 1]
     return np.stack([out * cosine - along * sine, out * sine + along * cosine], axis=-1)
@@ -58,10 +58,10 @@ def seat_planes(wrap: Wrap, place: Floats, turned: float, angles: Floats) -> Pla
 
 
 def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
-    """Planes at the nearest points of the pockets, with their curvature, and those beside them.
+    """Planes at the nearest points of the pockets, with their curvature, and adjacent planes.
 
-    In the seat the plane of the nearest point, and others of the arc that stop long steps; the
-    planes of both flanks always: beyond their feet nothing lies behind them.
+    In the seat, the plane of the nearest point and further planes of the arc that limit long steps;
+    the planes of both flanks always: no contact surface lies beyond their feet.
     """
     sprocket = wrap.sprocket
     polar = wrap.angles_rad + turned

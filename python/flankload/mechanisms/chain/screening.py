@@ -1,4 +1,4 @@
-"""The screening of a chain on its sprocket: two positions, rollers followed and not."""
+"""Screening of a chain on its sprocket: two positions, with and without large displacement."""
 
 from __future__ import annotations
 
@@ -99,11 +99,11 @@ class ChainScreening(Screening):
         return States.of(self._torque_Nm, np.arange(first, last), rotation, force)
 
     def price(self, scene: Scene) -> dict[str, Account]:
-        """Contact problems times what one takes."""
+        """Number of contact problems times the cost of one."""
         large, torques = scene.effects.large_displacement, len(scene.torques_Nm)
         counted = predicted_work(scene, self._positions)
         found, states = self._found[large], counted["sweep"]["states"]
-        growth = large != self._large and large  # which the screening has not solved for
+        growth = large != self._large and large  # not part of the screening
         each = LINEAR_PASSES if not large else (1 + growth) * _passes(found)
         stages = {
             "bodies": Account(cpu_s=self._bodies.cpu_s, bytes=self._bodies.bytes),
@@ -118,7 +118,7 @@ class ChainScreening(Screening):
         }
         if "estimate" in counted:
             stages["estimate"] = Account()
-            if not large:  # by following the rollers at some positions
+            if not large:  # by an iteration at some positions
                 states = torques * min(POSITIONS, self._positions)
                 followed = self._found[True]
                 seconds = states * _passes(followed) * self._pass_s[True]
@@ -129,5 +129,5 @@ class ChainScreening(Screening):
 
 
 def _passes(found: list[WrapState]) -> float:
-    """Contact problems of a state."""
+    """Number of contact problems of a state."""
     return sum(state.passes for state in found) / len(found)

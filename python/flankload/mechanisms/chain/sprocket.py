@@ -1,9 +1,9 @@
-"""The kind "sprocket": pockets of the rollers, ISO 606; rigid.
+"""The kind "sprocket": rigid pockets of the rollers after ISO 606.
 
-What a roller knows of its pocket is the curve on which its centre can lie: a concave seat arc about
-the bottom of the pocket, and beyond its ends convex arcs around the flanks of both teeth, tangent
-to it. In the frame of a pocket the origin is the roller's place on the pitch circle, with the axes
-along the turn and outwards.
+The contact geometry of a pocket is the curve on which the roller's centre can lie: a concave seat
+arc at the bottom of the pocket, and beyond its ends convex arcs around the flanks of both teeth,
+tangent to it. In the frame of a pocket the origin is the roller's place on the pitch circle; the
+axes point in the circumferential direction and outwards.
 """
 
 from __future__ import annotations
@@ -30,20 +30,21 @@ SEAT_PART, SEAT_ROOT = 0.505, 0.069
 
 @dataclass(frozen=True)
 class Sprocket:
-    """A sprocket as the rollers of a chain meet it.
+    """Contact geometry of a sprocket for the rollers of a chain.
 
     Attributes
     ----------
     teeth : int
     pitch_mm, roller_diameter_mm : float
     seat_radius_mm : float
-        Of the arc on which a roller's centre can lie in its seat: how much the roller is smaller.
+        Radius of the arc on which a roller's centre can lie in its seat: seat radius minus roller
+        radius.
     flank_radius_mm : float
-        Of the arcs on which its centre can lie beyond the seat.
+        Radius of the arcs on which the centre can lie beyond the seat.
     seat_half_angle_rad : float
         Half the angle of the seat arc.
     tip_radius_mm : float
-        Of the tip circle.
+        Radius of the tip circle.
     """
 
     teeth: int
@@ -56,20 +57,20 @@ class Sprocket:
 
     @property
     def half_pitch_rad(self) -> float:
-        """Half the angle from tooth to tooth."""
+        """Half the angle between adjacent teeth."""
         return pi / self.teeth
 
     @property
     def pitch_radius_mm(self) -> float:
-        """Radius on which the rollers stand."""
+        """Radius of the circle of roller centres."""
         return 0.5 * self.pitch_mm / sin(self.half_pitch_rad)
 
     @property
     def tension_ratio(self) -> float:
-        """Tension behind a roller over that before it, where the flank's foot carries it.
+        """Ratio of the tensions behind and in front of a roller carried by the foot of the flank.
 
-        q = sin(theta)/sin(theta + 2 beta): balance of a roller between two links, beta half a
-        pitch, theta the angle of the force line there with the link behind.
+        q = sin(theta)/sin(theta + 2 beta): balance of a roller between two links, with beta half a
+        pitch and theta the angle between the contact force there and the link behind.
         """
         theta = 0.5 * pi - self.seat_half_angle_rad - self.half_pitch_rad
         return sin(theta) / sin(theta + 2 * self.half_pitch_rad)
@@ -82,7 +83,7 @@ class Sprocket:
         tight_N : array
             Tension of the tight strand.
         wrap_angle_rad : float
-            Of n pitches.
+            Angle of n pitches.
 
         Returns
         -------
@@ -93,7 +94,7 @@ class Sprocket:
 
     @cached_property
     def flank_centers(self) -> Floats:
-        """(2, 2) Centres of the arcs of the working and of the other flank, frame of the pocket."""
+        """(2, 2) Centres of the arcs of the working and of the other flank, pocket frame."""
         a = self.seat_half_angle_rad
         reach = self.seat_radius_mm + self.flank_radius_mm
         return np.array(
@@ -102,19 +103,19 @@ class Sprocket:
 
     @property
     def tooth_top_mm(self) -> float:
-        """Radius on which both flanks of a tooth meet, or where they stop rising before that."""
+        """Radius at which both flanks of a tooth meet, or at which they stop rising before that."""
         x, y = self.flank_centers[1] + [0.0, self.pitch_radius_mm]
         radius = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
         distance, beyond = float(np.hypot(x, y)), float(np.arctan2(x, y)) - self.half_pitch_rad
         if beyond <= 0:
             return distance + radius
         aside = distance * sin(beyond)
-        # arcs that begin beyond the middle of the tooth: pockets run into each other
+        # arcs that begin beyond the middle of the tooth: pockets overlap
         return distance * cos(beyond) + sqrt(radius**2 - aside**2) if aside < radius else 0.0
 
     @property
     def highest_roller_mm(self) -> float:
-        """How far outwards a roller can move along a flank before it stands on the tip."""
+        """Largest outward motion of a roller along a flank before it reaches the tip."""
         # there the line from the flank's centre through the roller meets the tip circle
         center = self.flank_centers[0] + [0.0, self.pitch_radius_mm]
         inner = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
@@ -130,16 +131,16 @@ class Sprocket:
         Parameters
         ----------
         angles_rad : (m,) array
-            Of the normals, from outwards, positive along the turn.
+            Angles of the normals from the outward direction, positive in the direction of rotation.
         place : (n, 2) array
-            Of the rollers' centres in the frames of their pockets, mm.
+            Places of the rollers' centres in the frames of their pockets, mm.
 
         Returns
         -------
         normals : (m, 2) array
-            Out of the sprocket.
+            Pointing out of the sprocket.
         gaps : (n, m) array
-            Of each roller to each plane, mm.
+            Gap of each roller to each plane, mm.
         """
         normals = np.column_stack([np.sin(angles_rad), np.cos(angles_rad)])
         return normals, (place - [0.0, self.seat_radius_mm]) @ normals.T + self.seat_radius_mm
@@ -154,7 +155,7 @@ class Sprocket:
         Returns
         -------
         normals : (2, n, 2) array
-            Out of the sprocket, at the nearest points.
+            Pointing out of the sprocket, at the nearest points.
         gaps : (2, n) array
             mm.
         """
@@ -163,12 +164,12 @@ class Sprocket:
         return away / distance[..., None], distance - self.flank_radius_mm
 
     def outline(self, n: int = 24) -> Floats:
-        """Contour of one tooth space from tip to tip, counter-clockwise, for pictures.
+        """Contour of one tooth space from tip to tip, counter-clockwise, for drawings.
 
         Returns
         -------
         (k, 2) array
-            In the frame of the sprocket, the pocket of roller 0 on the x axis.
+            In the frame of the sprocket, with the pocket of roller 0 on the x axis.
         """
         a = self.seat_half_angle_rad
         ball = 0.5 * self.roller_diameter_mm
@@ -196,7 +197,7 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
     ----------
     spec : scene.Sprocket
     key : str
-        Of its table, for messages.
+        Key of its table, for messages.
 
     Returns
     -------
@@ -212,8 +213,8 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
     ISO 606: the roller seating radius lies between 0.505 d1 and 0.505 d1 + 0.069 d1^(1/3), the
     flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between
     140° - 90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second,
-    but for the seating angle, which is 120° - 90°/z where it is not given. The tip diameter is the
-    middle of its limits, less where both flanks of a tooth meet before it.
+    except for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of
+    its limits, or less if both flanks of a tooth meet below it.
     """
     d, z = spec.roller_diameter_mm, spec.teeth
     wide = spec.seat == "wide"

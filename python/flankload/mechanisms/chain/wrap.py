@@ -1,9 +1,9 @@
-"""How a chain lies around its sprocket at a position: rollers, strands, levers.
+"""Arrangement of a chain around its sprocket at a position: rollers, strands, lever arms.
 
 The sprocket (body 1) turns counter-clockwise, in the sense of its torque; rollers are counted from
-the tight strand to the slack one, which is the sense of the turn. Both strands keep their
-directions. At position zero roller 0 comes into line with the tight strand and its first link: it
-has just arrived and carries nothing; it leaves where it comes into line at the slack strand.
+the tight strand to the slack one, which is the sense of rotation. Both strands keep their
+directions. At position zero roller 0 is aligned with the tight strand and its first link: it has
+just arrived and carries no load; it leaves when it is aligned with the slack strand.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ class Wrap:
     first : int
         Number of the roller at the tight end.
     angles_rad : (n,) array
-        Where the pockets of the rollers stand, from the place where the tight strand leaves.
+        Angles of the roller pockets, from the place where the tight strand leaves.
     tight, slack : (2,) arrays
-        Directions in which the strands pull.
+        Directions of the strand tensions.
     advance : float
         Pitches by which the tight end has passed the place of its strand.
     """
@@ -55,7 +55,7 @@ class Wrap:
 
     @property
     def levers_mm(self) -> tuple[float, float]:
-        """Levers of both strands about the axis."""
+        """Lever arms of both strands about the axis."""
         ends = self.centers[[0, -1]]
         one, two = (
             abs(cross(end, way)) for end, way in zip(ends, (self.tight, self.slack), strict=True)
@@ -70,9 +70,9 @@ def wrap_at(sprocket: Sprocket, wrap_angle_rad: float, position_rad: float) -> W
     ----------
     sprocket : Sprocket
     wrap_angle_rad : float
-        Between the places where both strands leave.
+        Angle between the places where both strands leave.
     position_rad : float
-        By which the sprocket has turned.
+        Rotation of the sprocket.
 
     Returns
     -------
@@ -80,10 +80,10 @@ def wrap_at(sprocket: Sprocket, wrap_angle_rad: float, position_rad: float) -> W
     """
     beta = sprocket.half_pitch_rad
     pitches = position_rad / (2 * beta)
-    # rollers that arrive or leave just now are beside the sprocket
+    # rollers that arrive or leave at this position are omitted
     first = -round_down(pitches)
     last = round_up(wrap_angle_rad / (2 * beta) - pitches)
-    # roller k stands k pitches behind roller 0, which has arrived one half pitch before its strand
+    # roller k is k pitches behind roller 0, which arrived half a pitch before its strand
     angles = np.asarray(2 * beta * (np.arange(first, last + 1) + pitches) - beta, dtype=np.float64)
     end = wrap_angle_rad
     return Wrap(

@@ -1,4 +1,4 @@
-"""Both bodies of a scene, built and put together: all that is known before elements are solved."""
+"""Assembly of both bodies of a scene: all data known before finite elements are solved."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
-#: Positions times flank pairs, of which each pitch brings a new one: as many numbers as an array of
-#: the result may have.
+#: Largest product of positions and flank pairs (each pitch adds a flank pair): the number of
+#: entries that an array of the result may have.
 MOST_NUMBERS = 1e7
-#: Flanks in files that stay within this of their involute are not modified.
+#: Flanks from files that deviate from their involute by at most this amount are unmodified.
 LEAST_DEVIATION_UM = 1e-3
 
 if TYPE_CHECKING:
@@ -53,17 +53,17 @@ def bodies_of(
     *,
     alike: tuple[Body, Body] | None = None,
 ) -> tuple[Body, ...]:
-    """Bodies of a scene, each by itself.
+    """Bodies of a scene, not yet paired.
 
     Parameters
     ----------
     scene : Scene
     discretization : Discretization
     which : tuple of int
-        0 is body 1, 1 body 2.
+        0 is body 1, 1 is body 2.
     alike : two Body, optional
-        The same however finely, where they are there already: their curves tell how far apart
-        nodes that carry forces stand.
+        The same bodies at any discretization, if available: the spacing of the nodes that carry
+        forces follows from their curves.
 
     Returns
     -------
@@ -100,17 +100,17 @@ def build_bodies(
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
 ) -> BodyPair:
-    """Bodies of a scene and their pairing; no finite elements are solved.
+    """Pair the bodies of a scene; no finite elements are solved.
 
     Parameters
     ----------
     scene : Scene
     discretization : Discretization, optional
-        Knobs; those of the scene if absent.
+        By default that of the scene.
     bodies : two Body, optional
-        From `bodies_of`, where they are there already.
+        From `bodies_of`, if available.
     groups : (int, int)
-        Teeth after which the compliance of each body repeats, where that is known.
+        Number of teeth after which the compliance of each body repeats, if known.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def build_bodies(
     Raises
     ------
     SceneError
-        If a body cannot be made or the pair cannot mesh; names file, key, expected and found.
+        If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     body_1, body_2 = bodies if bodies is not None else bodies_of(scene, discretization)
@@ -150,9 +150,9 @@ def build_bodies(
         fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
     except SceneError as error:
         raise _with_file(error, scene) from None
-    # the same teeth meet at every position of concentric splines: no window leaves any out
+    # in concentric splines the same teeth meet at every position: a window omits none
     window = None if scene.is_concentric else pitches
-    # a compliance file may bring pitch errors and modified flanks along
+    # a compliance file can contain pitch errors and modified flanks
     errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
     effects = replace(
         effects,
@@ -195,14 +195,14 @@ def build_bodies(
 
 
 def _with_file(error: SceneError, scene: Scene) -> SceneError:
-    """The error, naming the scene's file where it names none."""
+    """Add the scene's file to an error that names no file."""
     if error.file is not None or scene.file is None:
         return error
     return error.with_file(scene.file)
 
 
 def _check_nodes(body: Body, key: str) -> None:
-    """A body that brings pressure modes along has no tables between nodes."""
+    """Refuse nodal forces for a body with imported pressure modes: its file has no nodal tables."""
     if isinstance(body.given, ModalCompliance):
         raise SceneError(
             key="effects.near_field",
@@ -215,7 +215,7 @@ def _check_nodes(body: Body, key: str) -> None:
 def _nodes_mm(
     scene: Scene, discretization: Discretization, alike: tuple[Body, Body] | None
 ) -> float | None:
-    """Distance of the nodes that carry forces: named, or by how wide curves make a contact."""
+    """Spacing of the nodes that carry forces: named, or from the contact width of the curves."""
     if scene.accuracy.flank_element_mm is not None:
         return scene.accuracy.flank_element_mm
     if alike is None:
@@ -227,7 +227,7 @@ def _nodes_mm(
 
 
 def _bearing(body: Body, scene: Scene, discretization: Discretization, z: int) -> Body:
-    """The body, its flank as fine as the modes that the scene names want it; the rest as it was."""
+    """The body with flank elements fine enough for the named number of modes."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
     parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
@@ -255,19 +255,19 @@ def _body(
 
 
 def without_ends(body: Body) -> Body:
-    """A body that can touch on its active flanks only, not on tips and in fillets."""
+    """A body with contact on its active flanks only, not on tips and in fillets."""
     active = {"flank", "relief"}.intersection(body.curve.labels)
     low, high = body.curve.range_of(*active) if active else (0.0, body.curve.length_mm)
     return replace(body, active_range_mm=(low, high))
 
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
-    """Root fillets of a body that yields, where their stress is asked for."""
+    """Root fillets of an elastic body, if their stress is requested."""
     return root_fillets(body, key) if effects.root_stress and not body.rigid else None
 
 
 def _is_modified_file(body: Body) -> bool:
-    """Whether the flank in a compliance file departs from its involute."""
+    """Whether the flank in a compliance file deviates from its involute."""
     profile = profile_deviation(body) if body.kind == "compliance" else None
     return profile is not None and (
         len(profile.marks) > 2 or float(np.abs(profile.deviation_um).max()) > LEAST_DEVIATION_UM
@@ -275,7 +275,7 @@ def _is_modified_file(body: Body) -> bool:
 
 
 def _pitches(wanted: Positions, period: Period) -> int | None:
-    """Tooth pitches that the positions run over; None for single angles."""
+    """Tooth pitches covered by the positions; None for single angles."""
     if wanted.angles_deg is not None:
         return None
     pitches = period.pitches if wanted.pitches == "hunting" else wanted.pitches
@@ -293,7 +293,7 @@ def _pitches(wanted: Positions, period: Period) -> int | None:
 def _positions(
     wanted: Positions, pitch_rad: float, pitches: int | None, *, closed: bool
 ) -> NDArray[np.float64]:
-    """Angles of body 1 (P,); adaptive ones reach to the end of a window that does not close."""
+    """Angles of body 1 (P,); adaptive ones include the end of a window that is not periodic."""
     if pitches is None:
         return np.radians(np.asarray(wanted.angles_deg, dtype=float))
     last = 1 if wanted.adaptive and not closed else 0
@@ -301,9 +301,10 @@ def _positions(
 
 
 def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
-    """Whether teeth that only yield differently are taken for alike: one turn of those alike.
+    """Whether teeth that differ only in compliance count as equal.
 
-    More than that are wanted for the differences.
+    This holds for positions within one period of the geometry; more positions are only needed to
+    resolve the differences.
     """
     if pitches is not None:
         return pitches == period.pitches
@@ -312,7 +313,7 @@ def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> b
 
 
 def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
-    """What positions can run over: teeth without a flank in their file never carry."""
+    """Period that positions can cover: teeth without a flank in their file never carry load."""
     one, two = (
         1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
     )
@@ -320,7 +321,7 @@ def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body])
 
 
 def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
-    """What a window leaves out."""
+    """Note on the part of the period outside the window."""
     if pitches is None or pitches % period.pitches == 0:
         return ()
     pitch = "pitch" if pitches == 1 else "pitches"
@@ -334,7 +335,7 @@ def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
 def _beyond_teeth(
     pitches: int | None, whole: Period, groups: tuple[int, int], bodies: tuple[Body, Body]
 ) -> tuple[str, ...]:
-    """What a window leaves out of teeth that yield differently."""
+    """Note on teeth of different compliance outside the window."""
     if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
         return ()
     unlike = [z for z in (0, 1) if groups[z] > 1]
@@ -357,7 +358,7 @@ def _beyond_teeth(
 def _without_copies(
     scene: Scene, position_rad: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Concentric splines stand the same at every position: of a count the first one suffices."""
+    """Positions without duplicates: concentric splines have the same state at every position."""
     if not scene.is_concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
         return position_rad, ()
     note = (

@@ -1,4 +1,4 @@
-"""Whether coast flanks, where they are not simulated, would touch under load."""
+"""Check whether coast flanks that are not simulated would touch under load."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ if TYPE_CHECKING:
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 
-#: Teeth that carry lean back by this part of the turn under load, and their coast flanks with them:
-#: on the FZG type C pair under 30 to 900 N m coast flanks that overlap by 0.14 of that turn before
-#: there is torque carry nothing, 0.19 change the transmission error by 0.5 %, 0.43 by 9 %.
+#: Loaded teeth, and their coast flanks with them, bend back by this part of the rotation under
+#: load: on the FZG type C pair under 30 to 900 N m, coast flanks that overlap by 0.14 of that
+#: rotation before there is torque carry no load; 0.19 changes the transmission error by 0.5 %, 0.43
+#: by 9 %.
 LEAN = 0.8
-#: Coast flanks that overlap by less are apart but for rounding, um.
+#: Coast flanks that overlap by less are separated except for rounding, um.
 ROUNDING_UM = 1e-3
 
 
 def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> float:
-    """By how much coast flanks overlap, body 1 turned and its teeth bent; 0 where they cannot.
+    """Overlap of coast flanks after rotation and bending of the teeth; 0 if they cannot touch.
 
     Parameters
     ----------
     pair : BodyPair
-        As its bodies have grown.
+        With the expansion of its bodies.
     geometry : PairGeometry
         At the positions of the sweep.
     found : Sweep
@@ -48,7 +49,7 @@ def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> fl
 
 
 def key_of_backlash(scene: Scene) -> str:
-    """The key that most likely takes up the backlash.
+    """The key that most probably removes the backlash.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def key_of_backlash(scene: Scene) -> str:
 
 
 def _may_close(pair: BodyPair) -> bool:
-    """Whether anything takes up more than the backlash; modified flanks take up none of it."""
+    """Whether anything can remove more than the backlash; modified flanks never reduce it."""
     if pair.effects.coast_flanks:
         return False
     bodies, mesh, fit = (pair.body_1, pair.body_2), pair.pairing.mesh, pair.pairing.fit

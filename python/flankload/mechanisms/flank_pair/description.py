@@ -45,7 +45,7 @@ def describe(scene: Scene) -> Description:
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):
         if body.given is not None:
-            compliance_of(body, scene)  # finds errors in its file at next to no cost
+            compliance_of(body, scene)  # detects errors in its file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
@@ -72,7 +72,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
 
 
 def mesh_files(scene: Scene) -> Iterator[MeshFile]:
-    """Meshes of both bodies as they stand at position zero.
+    """Meshes of both bodies at position zero.
 
     Parameters
     ----------

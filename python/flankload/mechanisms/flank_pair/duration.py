@@ -13,24 +13,26 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
-#: Of a state for each contact pair, where single places touch.
+#: CPU seconds of a state for each contact pair, for contact at single places.
 PAIR_S = 2.4e-6
-#: Where flanks conform most pairs carry: for each two of them; and so many passes where teeth do
-#: not all touch at once. Where the numbers are those of finite forces: for each two pairs.
+#: For conforming flanks most pairs carry load: CPU seconds for each two of them, and the number of
+#: passes if the teeth do not all touch at once. With finite influence coefficients: CPU seconds for
+#: each two pairs.
 CONFORMING_S, PASSES, FINITE_S = 5e-8, 3.0, 2e-6
-#: Flanks that touch at once, where geometry does not say; pairs of a lumped contact, in seconds;
-#: cells of the estimate over those of the run; positions that adaptive ones become.
+#: Number of flanks that touch at once, if geometry does not give it; CPU time of a lumped contact,
+#: in contact pairs; cells of the estimate relative to those of the run; final number of adaptive
+#: positions relative to the first.
 TOUCHING, LUMPED_PAIRS, FEWER, ADAPTIVE_PART = 2.0, 40.0, 0.5, 3.0
 
 
 def duration_of(scene: Scene, pair: BodyPair) -> Duration:
-    """How long a run of two bodies with flanks will take.
+    """Predict the duration of a run of two bodies with flanks.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
-        Its bodies.
+        Bodies of the scene.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def duration_of(scene: Scene, pair: BodyPair) -> Duration:
 
 
 def _states_s(scene: Scene, pair: BodyPair) -> float:
-    """Sweep, tangents and estimate."""
+    """Seconds of sweep, tangents and estimate."""
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
     pairs = _pairs(pair)
     seconds = len(scene.torques_Nm) * _state_s(pair, pairs)
@@ -67,7 +69,7 @@ def _states_s(scene: Scene, pair: BodyPair) -> float:
 
 
 def _pairs(pair: BodyPair) -> float:
-    """Contact pairs of a state."""
+    """Number of contact pairs of a state."""
     if pair.effects.lumped_contact:
         return LUMPED_PAIRS
     grid, pairing = pair.discretization.grid, pair.pairing
@@ -93,6 +95,6 @@ def _state_s(pair: BodyPair, pairs: float) -> float:
 
 
 def _threads() -> int:
-    """Threads that positions are shared by."""
+    """Number of threads that share the positions."""
     asked = os.environ.get("OMP_NUM_THREADS", "")
     return max(1, int(asked)) if asked.isdigit() else os.cpu_count() or 1

@@ -43,7 +43,7 @@ def error_estimates(
     Returns
     -------
     list of mapping or None
-        One entry per torque, as the result shows them; None without torque, where nothing is
+        One entry per torque, as the result shows it; None without torque, for which nothing is
         approximated.
     """
     found = states.found
@@ -91,7 +91,7 @@ def error_estimates(
 def unseen_notes(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> tuple[str, ...]:
-    """Bodies of whose elements the error estimate knows nothing.
+    """Notes on bodies whose discretization error the estimate does not include.
 
     Parameters
     ----------

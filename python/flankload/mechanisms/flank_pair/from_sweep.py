@@ -1,4 +1,4 @@
-"""From what the core found to a result: units of the trade, a drawing."""
+"""Conversion of the core's states to a result in common units and directions."""
 
 from __future__ import annotations
 
@@ -46,23 +46,23 @@ def result_of(
     geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
 ) -> Result:
-    """Make the result of one torque; its `cost` holds what is the torque's own.
+    """Make the result of one torque; its `cost` contains the part of this torque.
 
     Parameters
     ----------
     found : Sweep
-        What the core found.
+        States from the core.
     pair : BodyPair
     compliances : two BodyCompliance
     name : str
-        Of the scene.
+        Name of the scene.
     face_width_mm : float
     estimate : mapping or None
         Error estimates, as the result shows them.
     geometry : PairGeometry, optional
-        Of the pair; results of several torques share it.
+        Geometry of the pair, shared by the results of several torques.
     notes : tuple of str
-        More that a user must know.
+        Further warnings.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def result_of(
 
 
 def _cost(found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]) -> dict[str, object]:
-    """Work of the states of one torque, without those of tangent and estimate."""
+    """Work of the states of one torque, without tangents and estimate."""
     counters = found.counters.sum(axis=0, dtype=np.int64).tolist()
     return {
         "positions": found.status.size,
@@ -150,7 +150,7 @@ def _coast(
 
 
 def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Torque over rotation; NaN where a torque next to nothing turns body 1 by nothing."""
+    """Torque divided by rotation; NaN if a very small torque causes no rotation of body 1."""
     stiffness = np.full_like(tangent_rad_per_Nmm, np.nan)
     np.divide(1e-3, tangent_rad_per_Nmm, out=stiffness, where=tangent_rad_per_Nmm != 0)
     return stiffness
@@ -159,7 +159,7 @@ def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
 def _pair_table(
     pairing: Pairing, pairs: PackedPairs, width: float, lumped: bool, p: int
 ) -> PairTable:
-    """Contact pairs of position p."""
+    """Contact pairs at position p."""
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
     return PairTable(
@@ -184,7 +184,7 @@ def _pair_table(
 def _friction(
     pair: BodyPair, found: Sweep, carries: NDArray[np.int64], result: Result
 ) -> FrictionResult:
-    """What friction does."""
+    """Quantities of friction."""
     assert pair.friction is not None
     names = ("x", "y", "normal_x", "normal_y", "force", "sliding", "friction")
     n_sites = pair.pairing.sites.size
@@ -239,8 +239,8 @@ def _active_roll_mm(
     """Roll lengths between which the flanks meet: each ends at its tip or tip rounding."""
     if mesh is None:
         return None, None
-    # both base circles touch the line of action; what grows on body 1 falls on body 2, or grows
-    # where body 2 stands around it
+    # both base circles touch the line of action; a length that increases on body 1 decreases on
+    # body 2, or increases if body 2 is an internal gear
     sense = 1 if ratio > 0 else -1
     whole = mesh.pitch_radius_2_mm + sense * mesh.pitch_radius_1_mm
     whole *= sin(mesh.pressure_angle_rad)

@@ -55,13 +55,13 @@ class FlankPair:
         return predicted_work(scene, assembly)
 
     def sweeps(self, scene: Scene) -> int:
-        """Sweep, tangent and those of the estimate."""
+        """Number of sweeps: states, tangents, and those of the estimate."""
         return 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
 
     def compliances(
         self, scene: Scene, assembly: BodyPair, clock: StageClock, kept: Kept
     ) -> tuple[BodyPair, Compliances]:
-        """Solve the elements of both bodies; the pair with the period and growth that they add."""
+        """Solve the elements of both bodies; return also the pair with period and expansion."""
         found = compliances_of(scene, assembly, clock, kept)
         return grown_pair(with_compliance_period(scene, assembly, found), found)
 
@@ -72,13 +72,13 @@ class FlankPair:
         return flank_states(scene, assembly, compliances, clock)
 
     def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
-        """Premises that the geometry breaks."""
+        """Premises that the geometry violates."""
         return premises.broken_by_geometry(assembly)
 
     def broken_by_load(
         self, scene: Scene, assembly: BodyPair, states: FlankStates, number: int
     ) -> Iterator[Broken]:
-        """Premises that a torque breaks."""
+        """Premises that a torque violates."""
         return premises.broken_by_load(
             scene, assembly, states.geometry, states.found[number], number
         )
@@ -131,17 +131,17 @@ class FlankPair:
         return mesh_files(scene)
 
     def duration(self, scene: Scene, assembly: BodyPair) -> Duration:
-        """Predict the seconds of a run from counted work."""
+        """Predict the duration of a run from counted work."""
         return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, with its effects and with each switched."""
+        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 
         return FlankPairScreening(scene, levels=levels)
 
     def default_element_mm(self, scene: Scene) -> None:
-        """None: each body has its own."""
+        """None: each body has its own default."""
 
 
 MECHANISM: Mechanism = FlankPair()

@@ -1,4 +1,4 @@
-"""What a user must know of a result: where its numbers mean less than they seem to."""
+"""Warnings of a result: conditions under which its numbers are less accurate than usual."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
-#: In place of a body whose corner works: a lumped contact that no parabola makes.
+#: Value in place of a body number at a corner: a lumped contact that no parabola approximates.
 OTHER_SHAPE = -2
-#: Part of a pitch (of a radian, where there are no pitches) by which body 1 may wind up before
-#: deformations are no longer small. Finite elements that follow the deformed shape of the FZG type
-#: C pair in softer materials turn further than those that do not: by 0.3 % at 0.0067 of a pitch,
-#: 0.7 % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
+#: Part of a pitch (of a radian for drives without pitches) by which body 1 can wind up before
+#: deformations are no longer small. Finite elements with large displacements on the FZG type C pair
+#: in softer materials rotate further than those with small ones: by 0.3 % at 0.0067 of a pitch, 0.7
+#: % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
 SMALL_WIND_UP = 0.02
-#: Modes on so many times fewer elements than bear them do as well: 56 gears and rings with 6 modes
-#: on 10 elements in place of 12, 7 on 14 in place of 18, were 0.83 and 0.73 % off in nine of ten
-#: peak pressures; 0.80 and 0.75 % with as many as bear them; 1.1 and 1.2 % with still fewer.
+#: Modes are equally accurate on this factor fewer elements than `elements_for_modes` gives. 56
+#: gears and rings with 6 modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors
+#: of 0.83 and 0.73 % in nine of ten peak pressures; 0.80 and 0.75 % with the full number; 1.1 and
+#: 1.2 % with still fewer.
 FEWER_DO = 1.2
 
 
@@ -42,7 +43,7 @@ def notes_of_sweep(
     found: Sweep,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Say what the states of a sweep leave in doubt.
+    """Warnings about the states of a sweep.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def notes_of_sweep(
 
 
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
-    """Say what rotation and gaps of a result leave in doubt.
+    """Warnings about the rotation and gaps of a result.
 
     Parameters
     ----------
@@ -122,23 +123,24 @@ def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
 
 
 def _wanted_elements(body: Body, modes: int) -> int:
-    """Flank elements that bear the modes; those of cams go round, or are many by themselves."""
+    """Flank elements that the modes need; cam profiles are closed or have many elements anyway."""
     if body.modes_part > 1.0 or body.curve.closed:
         return 2 * (modes - 1)
     return elements_for_modes(modes)
 
 
 def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
-    """Pairs that carry although a neighbour of theirs is not looked at."""
+    """Pairs that carry load although a neighbouring pair is not part of the model."""
     sites = pair.pairing.sites
     carrying = sites[(found.site_force_N > 0).any(axis=0)]
     return [int(j) for j in carrying if not np.isin([j - 1, j + 1], sites).all()]
 
 
 def _wind_up_rad(result: Result) -> NDArray[np.float64]:
-    """By how much the torque turns body 1, at least.
+    """Lower bound of the rotation of body 1 by the torque.
 
-    A contact gets stiffer as the torque grows: torque over tangent stiffness is the least.
+    A contact gets stiffer as the torque increases, so torque divided by tangent stiffness is a
+    lower bound.
     """
     stiffness = result.stiffness_tangent_Nm_per_rad
     turned_rad = np.zeros_like(stiffness)
@@ -147,7 +149,7 @@ def _wind_up_rad(result: Result) -> NDArray[np.float64]:
 
 
 def _large_wind_up(result: Result) -> Iterator[str]:
-    """Say that bodies yield too far for a theory of small deformations."""
+    """Warn if the bodies deform too far for a theory of small deformations."""
     unit = min(result.pitch_rad, 1.0)
     part = float(_wind_up_rad(result).max(initial=0.0)) / unit
     if part > SMALL_WIND_UP:
@@ -161,7 +163,7 @@ def _large_wind_up(result: Result) -> Iterator[str]:
 
 
 def _overlaps(result: Result) -> Iterator[str]:
-    """Say that bodies have grown until coast flanks overlap before there is any torque."""
+    """Warn if expansion makes coast flanks overlap before there is any torque."""
     gap_um = result.coast_flank_gap_um
     if gap_um is None:
         return

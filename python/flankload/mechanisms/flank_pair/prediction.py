@@ -1,8 +1,8 @@
-"""Work of a run that can be counted before it is done: from bodies, positions and effects alone.
+"""Work of a run, counted in advance from bodies, positions and effects alone.
 
-What each effect adds stands in the table of effects, in units of a body, of a load on a flank, of a
-place in a fillet, of a state; how many of these there are, in the meshes and positions. Nothing is
-solved, so that every run can have it.
+The table of effects gives the work of each effect per body, per load on a flank, per evaluation
+point in a fillet and per state; meshes and positions give the number of these. Nothing is solved,
+so every run can have a prediction.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
-    """Count what a run will do.
+    """Count the work of a run.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
-        Its bodies, before the run has added positions.
+        Bodies of the scene, before the run adds positions.
 
     Returns
     -------
     dict of str to dict of str to int
         By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
-        zeros included. Exact, but for two things that nearly never happen: a state that found no
-        room is solved again, and cuts whose factors need other pivots are solved for one by one.
-        Of adaptive positions it is not known how many they will be.
+        including zeros. Exact, with two rare exceptions: a state that runs out of workspace is
+        solved again, and cuts whose factors need other pivots are solved for one by one. The final
+        number of adaptive positions is unknown.
     """
     stages = {"bodies": {"states": _standing_states(pair)}}
     for z, body in enumerate((pair.body_1, pair.body_2)):
@@ -51,7 +51,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
         if elastic or growth:
             stage = f"compliance body {z + 1}"
             work = work_in(stage, pair.effects)
-            if not elastic:  # its elements are there to grow
+            if not elastic:  # elements are needed for the expansion only
                 work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.discretization)
             if body.tip is not None and not pair.effects.nodal_near_field:
@@ -66,9 +66,9 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
-    """Bodies (0, 1) of which an estimate tells what their elements miss.
+    """Bodies (0, 1) for which the estimate includes the discretization error of their elements.
 
-    Not where tables stand between nodes: fewer nodes tell it of both.
+    Empty for nodal tables: there, fewer nodes give the error of both bodies.
     """
     if pair.effects.nodal_near_field:
         return ()
@@ -78,14 +78,14 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
 
 
 def _standing_states(pair: BodyPair) -> int:
-    """Bodies that stand by their files are looked at once without load."""
+    """Number of states without load: one if files give the places of the flanks."""
     return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
 
 
 def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
-    """Work of elements without cuts, or with held ones: stress is read from the loads' solutions.
+    """Work of elements without cuts, or with fixed cuts.
 
-    None where a body brings its compliance along.
+    Stresses come from the solutions of the load cases. Zero for a body with imported compliance.
     """
     if body.mesh is None:
         return _solved(0, 0, 0, growth=0)
@@ -111,7 +111,7 @@ def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) 
 
 
 def _loads(work: Work) -> tuple[float, float]:
-    # friction and finite forces want the same loads along the flank
+    # friction and finite influence coefficients use the same loads along the flank
     return work.normal_loads, min(1.0, work.tangential_loads)
 
 
@@ -129,7 +129,7 @@ def _solved(
     recoveries: int = 0,
     coast: int = 0,
 ) -> dict[str, int]:
-    """Counters of elements."""
+    """Counters of the finite elements."""
     return {
         "fe_factorisations": factorisations,
         "fe_solutions": normal + tangential + growth + cuts + recoveries + coast,
@@ -143,7 +143,7 @@ def _solved(
 
 
 def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
-    """States of the sweep, and of those that follow it where a torque loads the pair."""
+    """States of the sweep, and of later sweeps if a torque loads the pair."""
     lumped = pair.effects.lumped_contact
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
     torques = {"sweep": len(scene.torques_Nm)}

@@ -1,6 +1,6 @@
-"""Premises of the model that flank pairs can break.
+"""Premises of the model that flank pairs can violate.
 
-Geometry breaks them before elements are solved, a load breaks them after the sweep.
+Geometry is checked before finite elements are solved, loads after the sweep.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Parts of a torque without an answer that are tried, until one of them has one.
+#: Parts of a torque without a solution that are tried until one of them has a solution.
 PARTS = tuple(0.25**k for k in range(1, 9))
-#: A contact ratio less by that is 1.
+#: A contact ratio below 1 by at most this amount counts as 1.
 ROUNDING = 1e-9
 
 
-#: With less there are positions at which a tip corner alone carries, whose pressure has no limit.
+#: With less, a tip corner carries the load alone at some positions, with unbounded pressure.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
-#: Coast flanks that overlap carry, too.
+#: Coast flanks that overlap carry load, too.
 BACKLASH = Premise(
     "backlash",
     0.0,
     "coast flanks that stay apart, since they carry nothing without effects.coast_flank = true",
 )
-#: Finite elements that follow the deformed shape differ by 1.1 % at 0.031 of a pitch, 0.1 of a
-#: module, and by 1.9 % at twice as much.
+#: Finite elements with large displacements differ by 1.1 % at 0.031 of a pitch, 0.1 of a module,
+#: and by 1.9 % at twice as much.
 DEFLECTION = Premise("deflection", 0.1, "flanks that give way by at most 0.1 of a module")
-#: Far beyond it strains are not small; metals yield at a hundredth, polymers at a tenth.
+#: Far above this limit strains are not small; metals yield at 0.01 of the modulus, polymers at 0.1.
 PRESSURE = Premise(
     "pressure", 0.5, "pressures of at most 0.5 of Young's modulus, that of the softer body"
 )
@@ -58,7 +58,7 @@ PRESSURE = Premise(
 
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
-    """What is broken whatever the load is.
+    """Premises that are violated independent of the load.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
 
 
 def _contact_ratio(mesh: Mesh) -> float:
-    """The contact ratio that counts."""
+    """The contact ratio that is compared with the limit."""
     return mesh.contact_ratio
 
 
@@ -94,20 +94,20 @@ def broken_by_load(
     *,
     part: float = 1.0,
 ) -> Iterator[Broken]:
-    """What a torque breaks.
+    """Premises that a torque violates.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
-        As its bodies have grown.
+        With the expansion of its bodies.
     geometry : PairGeometry
         At the positions of the sweep.
     found : Sweep
     number : int
-        Of the torque.
+        Index of the torque.
     part : float
-        Part of that torque of which the sweep is.
+        Part of that torque that loads the sweep.
 
     Yields
     ------
@@ -129,7 +129,8 @@ def broken_by_load(
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
-    # without torque nothing carries: the rotation is that of the working flanks by definition
+    # without torque there is no contact force: the rotation is that of the working flanks by
+    # definition
     overlap_um = coast_overlap_um(pair, geometry, found) if found.torque_Nmm > 0.0 else 0.0
     if overlap_um > ROUNDING_UM:
         yield Broken(
@@ -146,14 +147,14 @@ def blame_load(
     error: ContactError,
     run: Callable[[float], tuple[Sweep, ...]],
 ) -> None:
-    """Refuse a scene whose torque has no answer where a part of it breaks a premise already.
+    """Refuse a scene whose torque has no solution if a part of it already violates a premise.
 
     Parameters
     ----------
     scene, pair, geometry
-        As of `broken_by_load`.
+        As for `broken_by_load`.
     error : ContactError
-        Why there is none; a proof that there is no state has another reason.
+        Reason for the missing solution; a proof that no state exists is not examined here.
     run : callable
         Sweeps under one torque, N mm.
 
@@ -175,7 +176,7 @@ def blame_load(
 
 
 def _peak_off_corners(found: Sweep) -> float:
-    """Largest pressure times face width, N/mm; on sharp corners it means nothing."""
+    """Largest pressure times face width, N/mm, without sharp corners (meaningless there)."""
     sites = [(found.site_peak_N_per_mm, found.site_corner)]
     if found.coast is not None:
         sites.append((found.coast.site_peak_N_per_mm, found.coast.site_corner))

@@ -1,7 +1,7 @@
-"""What forces at nodes change: by a law, from how far apart the nodes of a run stand.
+"""Size of the effect of nodal forces, from a law in the node spacing of a run.
 
-Forces at nodes are another way to the same states, a hundred times as dear as pressure modes: none
-are solved for. Their error goes with the distance of the nodes over the half-width of the contact;
+Nodal forces lead to the same states as pressure modes at a hundred times the cost, so none are
+solved for. Their error depends on the node spacing divided by the half-width of the contact;
 docs/guide/effects.md compares the law with runs.
 """
 
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
-#: Parts of the wind-up for each half-width between two nodes: largest at a position, and mean.
+#: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
 LARGEST, MEAN = 0.06, 0.02
-#: Of nodes much further apart than the contact is wide, whatever their distance: of both bodies;
-#: of one beyond what the other misses, too; of one in the mean.
+#: Limits for nodes much further apart than the contact width, independent of their spacing: for
+#: both bodies; for one body in addition to the error of the other; for one body in the mean.
 MOST_LARGEST, MOST_BEYOND, MOST_MEAN = 0.22, 0.056, 0.1
-#: Load share over what the largest amount exceeds the mean by.
+#: Load share divided by the difference between largest and mean amount.
 SHARE = 1.5
 
 
 def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
-    """Distance of the nodes of each body, mm, if the scene has forces at nodes.
+    """Node spacing of each body, mm, if the scene had nodal forces.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
-        As the scene has it, or without forces at nodes.
+        The scene, with or without nodal forces.
 
     Returns
     -------
@@ -63,22 +63,22 @@ def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
 def nodal_size(
     scene: Scene, pair: BodyPair, states: States, unloaded_rad: NDArray[np.float64]
 ) -> Size | None:
-    """Size of forces at nodes.
+    """Size of the effect of nodal forces.
 
     Parameters
     ----------
     scene : Scene
-        That has them.
+        A scene with nodal forces.
     pair : BodyPair
     states : States
-        Of the least torque: the narrowest contact is missed most.
+        States of the least torque: the narrowest contact has the largest error.
     unloaded_rad : (P,) array
         Rotation without torque.
 
     Returns
     -------
     Size or None
-        None without torque, or where neither body has elements.
+        None without torque, or if neither body has elements.
     """
     spacings = [each for each in node_spacings(scene, pair) if each is not None]
     if not spacings or states.torque_Nm <= 0.0:

@@ -1,4 +1,4 @@
-"""The screening of two bodies with flanks: gears, rings, splines, cams.
+"""Screening of two bodies with flanks: gears, rings, splines, cams.
 
 Each effect is another sweep of few positions, with few modes and wide cells; what the sweeps take
 stands in `pair_models`. The run costs what its bodies, elements and states took here, scaled by
@@ -44,11 +44,11 @@ if TYPE_CHECKING:
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
-#: Rounds of adaptive positions end with about so many times those that they begin with.
+#: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
-#: Not tried where they are off, unless levels are asked for: coarser levels, which nobody misses,
-#: finite forces, which cost a hundredfold, and coast flanks: a scene in which they touch without
-#: being allowed to is refused.
+#: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
+#: rarely wanted; finite influence coefficients, which cost a hundred times as much; and coast
+#: flanks, since a scene in which they touch but are not allowed is refused.
 OFF = (
     "segment",
     "single_tooth",
@@ -57,11 +57,11 @@ OFF = (
     "lumped_contact",
     "coast_flanks",
 )
-#: Effects that flanks do not know.
+#: Effects that do not exist for flanks.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
-#: Places in the root fillets of a tooth.
+#: Evaluation points in the root fillets of a tooth.
 PLACES = 40
-#: No call of the core is over sooner.
+#: Least duration of a call of the core, s.
 TINY_S = 1e-5
 
 
@@ -82,16 +82,16 @@ class FlankPairScreening(Screening):
     Parameters
     ----------
     scene : Scene
-        Without `effects.choose`.
+        Scene without `effects.choose`.
     levels : bool
-        Levels that are off are tried, too.
+        Whether coarser contact models that are off are tried as well.
 
     Raises
     ------
     PremiseError
-        If the least or the largest torque breaks a premise of the model.
+        If the least or the largest torque violates a premise of the model.
     FlankloadError
-        If a position has no answer.
+        If a position has no solution.
     """
 
     def __init__(self, scene: Scene, *, levels: bool = False) -> None:
@@ -152,8 +152,8 @@ class FlankPairScreening(Screening):
         return self._states(screened(scene), found)
 
     def _finite_size(self, scene: Scene, *, on: bool) -> Size | None:
-        """Of forces that turn on their cells: what they change goes with the width of a cell."""
-        if self._pair.pairing.whole_circle:  # a flank that conforms has too many pairs for that
+        """Size of finite influence coefficients: their effect is proportional to the cell width."""
+        if self._pair.pairing.whole_circle:  # a conforming flank has too many pairs for that
             return None
         few = _every(self._at, FINITE_POSITIONS)
         finite = with_keys(self._models.screened, influence="finite")
@@ -200,7 +200,7 @@ class FlankPairScreening(Screening):
         return found, process_time() - start
 
     def _check_load(self, base: tuple[Sweep, ...]) -> None:
-        """Refuse a scene whose least or largest torque breaks a premise of the model."""
+        """Refuse a scene whose least or largest torque violates a premise of the model."""
         pair, geometry = self._geometry()
         for torque, found in zip(self._torques, base, strict=True):
             number = self._scene.torques_Nm.index(torque)
@@ -212,7 +212,7 @@ class FlankPairScreening(Screening):
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
-        """States of the scene; where there are none, a part of the torque may break a premise."""
+        """States of the scene; without any, check the premises under a part of the torque."""
         try:
             return self._timed(self._models.screened)
         except ContactError as error:
@@ -226,7 +226,7 @@ class FlankPairScreening(Screening):
 
     # --- cost -------------------------------------------------------------------------------------
     def price(self, scene: Scene) -> dict[str, Account]:
-        """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
+        """CPU seconds, bytes and counters by stage for the run of a scene with other effects."""
         nodal = effects_of(scene).nodal_near_field and not self._pair.effects.nodal_near_field
         pair = self._pair if nodal else self._models.assembly(scene)
         counted = predicted_work(scene, pair)
@@ -262,7 +262,7 @@ class FlankPairScreening(Screening):
     def _nodal(
         self, scene: Scene, pair: BodyPair, z: int, counters: dict[str, int]
     ) -> tuple[float, dict[str, int]]:
-        """How many times the unknowns, and the loads, if nodes stand near enough for forces."""
+        """Factors of unknowns and loads if nodes are close enough for nodal forces."""
         body, spacing = (pair.body_1, pair.body_2)[z], node_spacings(scene, pair)[z]
         if spacing is None or body.mesh is None:
             return 1.0, counters
@@ -276,7 +276,7 @@ class FlankPairScreening(Screening):
         return max(1.0, nodes / (body.mesh.flank_elements + 1)), counters | more
 
     def _sweeps(self, scene: Scene, pair: BodyPair) -> dict[str, Account]:
-        """The sweeps of the run: states times what one takes."""
+        """Cost of the sweeps of the run: number of states times cost of a state."""
         rate = self._rate
         slower = self._state_s.get(scene, rate.state_s) / rate.state_s
         positions = pair.position_rad.size * (ADAPTIVE_PART if pair.adaptive else 1.0)

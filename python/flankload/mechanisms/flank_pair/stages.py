@@ -1,4 +1,4 @@
-"""The stages between the bodies of a scene and its states, as every run takes them."""
+"""The stages between the bodies of a scene and its states, common to all runs."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
-#: Influence numbers of finite forces are linear through so many steps of each force. Where they
-#: grow evenly with it 10 steps have 5 % more of that growth than steps without number, 3 steps
-#: 14 %.
+#: Number of linear steps of each force for finite influence coefficients. For coefficients that
+#: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
+#: steps, 3 steps 14 %.
 FINITE_STEPS = 10
-#: What asks for loads along the flanks.
+#: Effects that need loads along the flanks.
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
 
 
@@ -49,31 +49,31 @@ def compliance_of(
     matrix: csc_array | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
-    """Compliance of one body: from its elements, or as it brings it along.
+    """Compliance of one body: from its finite elements, or imported.
 
     Parameters
     ----------
     body : Body
-        That yields.
+        Elastic body.
     scene : Scene
-        Decides on plane and pressure modes.
+        Sets plane state and pressure modes.
     discretization : Discretization, optional
-        Knobs; those of the scene if absent.
+        By default that of the scene.
     fillets : RootFillets, optional
-        Where stress is wanted, too.
+        If stress is requested.
     growth : Growth, optional
-        By what the body grows.
+        Expansion of the body.
     matrix : csc_array, optional
-        Stiffness of its mesh, where it is there already.
+        Stiffness matrix of its mesh, if available.
     estimate : bool
-        What elements miss is estimated, too.
+        Whether the discretization error of the elements is estimated.
 
     Returns
     -------
     BodyCompliance
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    # what moves along the flank under normal loads is what these move the other way round
+    # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if body.given is not None:
         found = given_compliance(
@@ -107,7 +107,7 @@ def compliance_of(
 def compliances_of(
     scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept
 ) -> tuple[BodyCompliance, BodyCompliance]:
-    """Solve one finite-element job for each elastic body that brings no compliance along.
+    """Solve one finite-element job for each elastic body without imported compliance.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def compliances_of(
     pair : BodyPair
     clock : StageClock
     kept : mapping of 0 and 1 to BodyCompliance and Account
-        Compliances that are known; missing ones are added.
+        Known compliances; missing ones are added.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def compliances_of(
                 estimate=scene.accuracy.estimate and elastic[z],
             )
             account.count(**compliance.counters)
-            # the estimate holds what the elements miss
+            # the estimate includes the discretization error of the elements
             account.bytes += held_bytes(replace(compliance, missed=None))
             account.workspace_bytes += compliance.workspace_bytes
             found.append(compliance)
@@ -155,7 +155,7 @@ def compliances_of(
 def with_compliance_period(
     scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> BodyPair:
-    """The pair at the positions that teeth of different compliance need.
+    """Add the positions that teeth of different compliance need.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def with_compliance_period(
 def grown_pair(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
-    """Both as the bodies have grown as a whole; from here on nobody asks how they were made.
+    """Apply the expansion of the whole bodies to both; later stages are independent of its origin.
 
     Parameters
     ----------
@@ -206,18 +206,18 @@ def grown_pair(
 
 
 def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
-    """The sweep of a scene: positions, torques, compliances and cells are still open.
+    """The sweep of a scene; positions, torques, compliances and cells remain free arguments.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
-        Its bodies.
+        Bodies of the scene.
 
     Returns
     -------
     callable
-        `sweep` with all that the scene says given.
+        `sweep` with all arguments that the scene sets.
     """
     return partial(
         sweep,
@@ -231,20 +231,20 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
-    """Pressure modes of a flank of a body with elements, or its nodes that carry unit forces.
+    """Number of pressure modes of a flank with elements, or of its nodes that carry unit forces.
 
     Parameters
     ----------
     body : Body
     scene : Scene
-        May name their number.
+        Can name the number.
     discretization : Discretization
 
     Returns
     -------
     int
-        Where the scene names none, of a degree at most half the number of flank elements: more
-        makes a coarse mesh worse.
+        Used if the scene names no number; the degree is at most half the number of flank elements,
+        since more modes make a coarse mesh worse.
     """
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size

@@ -1,4 +1,4 @@
-"""How far apart bodies stand whose files say where their flanks are."""
+"""Distance between the flanks of bodies whose files give the places of the flanks."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
 
-#: Bodies that stand by their files must nearly touch there, to this part of the pitch: what stands
-#: further apart is another tooth, or another centre distance.
+#: Largest distance between such flanks, as part of the pitch: a larger one means another tooth or
+#: another centre distance.
 LARGEST_STANDING_GAP = 0.25
 
 
 def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
-    """The pair with a note of how far apart its flanks stand, where its files say that.
+    """Add a note on the distance between the flanks if the files give their places.
 
     Parameters
     ----------
     scene : Scene
     pair : BodyPair
     account : Account
-        Where the state without load is counted.
+        Account in which the state without load is counted.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     Raises
     ------
     SceneError
-        If the flanks stand too far apart.
+        If the flanks are too far apart.
     """
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
@@ -70,7 +70,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
 
 
 def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
-    """Refuse the flank of a mesh that faces the other way round than its mate's."""
+    """Refuse a mesh flank that faces clockwise if that of its mate faces counter-clockwise."""
     if pair.body_1.mirrored == pair.body_2.mirrored:
         return
     key, spec = ("body_1", scene.body_1) if pair.body_1.mirrored else ("body_2", scene.body_2)

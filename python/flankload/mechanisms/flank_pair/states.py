@@ -1,4 +1,4 @@
-"""States of a flank pair at all its positions, with tangents and the state without load."""
+"""States of a flank pair at all positions, with tangents and the state without load."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     Run = Callable[..., tuple[Sweep, ...]]
 
-#: A transmission error that varies by less than this part of the flank's length is rounding.
+#: A transmission error that varies by less than this part of the flank's length is roundoff.
 LEAST_VARIATION = 1e-7
 
 
@@ -44,9 +44,9 @@ class FlankStates:
     found : tuple of Sweep
         One entry per torque.
     position_errors : tuple of PositionErrors or None
-        Doubt of adaptive positions, one entry per torque.
+        Estimated errors of adaptive positions, one entry per torque.
     rounds : int
-        Sweeps in which the positions were found.
+        Number of sweeps in which the positions were found.
     geometry : PairGeometry
         At all positions.
     run : callable
@@ -84,7 +84,7 @@ def flank_states(
     Raises
     ------
     ContactError
-        If a position has no state; PremiseError where a part of the torque breaks a premise.
+        If a position has no state; PremiseError if a part of the torque violates a premise.
     """
     run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
     with clock.stage("sweep") as account:
@@ -101,7 +101,7 @@ def flank_states(
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
     if not pair.effects.lumped_contact:
-        # the equations of a lumped contact hold its tangent
+        # the equations of a lumped contact include its tangent
         with clock.stage("tangent") as account:
             again = partial(run, keep_pairs=False, account=account)
             found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
@@ -114,7 +114,7 @@ def flank_states(
 def _all_positions(
     scene: Scene, pair: BodyPair, run: Run, clock: StageClock
 ) -> tuple[BodyPair, tuple[Sweep, ...], tuple[PositionErrors | None, ...], int]:
-    """The pair at all its positions, the states, the doubt of the positions, and the rounds."""
+    """The pair at all positions, the states, the estimated position errors, the rounds."""
     if not pair.adaptive:
         found = run(position_rad=pair.position_rad, progress=clock.sweep_progress("sweep"))
         return pair, found, (None,) * len(found), 1
@@ -135,12 +135,12 @@ def _all_positions(
 
 
 def window_of(pair: BodyPair) -> Window:
-    """Tooth pitches that the positions run over.
+    """Range of tooth pitches that the positions cover.
 
     Parameters
     ----------
     pair : BodyPair
-        Whose positions are no single angles.
+        Its positions are not single angles.
 
     Returns
     -------
@@ -153,13 +153,13 @@ def window_of(pair: BodyPair) -> Window:
         pitches=pair.pitches,
         closed=pair.closed,
         sites=pairing.sites,
-        # the one flank of a cam stands beside itself
+        # the single flank of a cam is its own neighbour
         whole_circle=pairing.whole_circle or pairing.motion is not None,
     )
 
 
 def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
-    """What adaptive positions leave in doubt beyond the tolerance.
+    """Warnings about adaptive positions whose estimated error exceeds the tolerance.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What accuracy costs: ladders of all knobs, levels, combinations, the cheapest settings."""
+"""Accuracy study: refinement of all discretization parameters, and the cheapest settings."""
 
 from flankload.studies.accuracy.making import accuracy
 from flankload.studies.accuracy.study import Row, Study

@@ -1,4 +1,4 @@
-"""The cheapest combination of knobs that meets a tolerance: a guess, then coarser step by step."""
+"""Search for the cheapest combination of parameters that meets a tolerance."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from flankload.studies.accuracy.runs import Run
     from flankload.studies.accuracy.truth import Truth
 
-#: Part of a tolerance that each knob may use up in the first guess.
+#: Part of a tolerance allowed for each parameter in the first guess.
 FIRST_PART = 0.5
-#: A guess that fails is made finer so often, by this part of the tolerance each time.
+#: Largest number of guesses, and the factor of the allowed error from one to the next.
 GUESSES, FINER = 3, 0.4
-#: Knobs that are tried a step coarser, the dearest first; more modes ask for finer elements, so
-#: that both go together, too.
+#: Parameters that are tried a step coarser, the most expensive first; more modes need finer
+#: elements, so both are also changed together.
 STEPS = (
     ("flank_element_mm",),
     ("flank_element_mm", "modes"),
@@ -37,7 +37,7 @@ def search(
     measures: Sequence[str],
     run: Callable[[NamedDiscretization], Run],
 ) -> None:
-    """Run combinations around the cheapest that meets a tolerance.
+    """Run combinations near the cheapest that meets a tolerance.
 
     Parameters
     ----------
@@ -45,11 +45,11 @@ def search(
     knobs : Knobs
     truth : Truth
     measures : sequence of str
-        Errors that count.
+        Errors to be limited.
     run : callable
     """
 
-    if truth.doubt(measures) > tolerance:  # of no run could be said that it meets it
+    if truth.doubt(measures) > tolerance:  # no run could be certified to meet it
         return
 
     def meets(setting: NamedDiscretization) -> bool:
@@ -71,7 +71,7 @@ def search(
 def coarser(
     setting: NamedDiscretization, names: tuple[str, ...], knobs: Knobs
 ) -> NamedDiscretization | None:
-    """The setting with knobs a step coarser; None where one has none."""
+    """The setting with some parameters a step coarser; None if one has no coarser step."""
     if names == ("count",) and setting.adaptive is not None:
         looser = [tolerance for tolerance in ADAPTIVE if tolerance > setting.adaptive]
         return replace(setting, count=ADAPTIVE_START, adaptive=min(looser)) if looser else None
@@ -81,14 +81,14 @@ def coarser(
 def guess(
     part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]
 ) -> NamedDiscretization | None:
-    """Each knob as cheap as its own ladder allows; None where one does not go so far.
+    """Each parameter at its cheapest sufficient step; None if one has no sufficient step.
 
     Parameters
     ----------
     part : float
-        What each knob may leave.
+        Allowed error of each parameter.
     knobs, truth, measures
-        As of `search`.
+        As in `search`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The knobs that a scene has, their ladders, and how fine a study can afford to be."""
+"""Discretization parameters of a scene, their steps, and the finest affordable setting."""
 
 from __future__ import annotations
 
@@ -14,47 +14,49 @@ from flankload.studies.parameters import default_length, most_modes
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
-#: Knobs by the names of `NamedDiscretization`, coarse steps first: parts of the default length of
-#: elements, modes, strips and half-widths as they are, parts of the scene's number of positions.
+#: Parameters by the names of `NamedDiscretization`, coarse steps first: element lengths relative to
+#: the default, numbers of modes, cells and half-widths, numbers of positions relative to the
+#: scene's.
 ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
-#: The whole tooth of a belt has elements of this length: an eighth would take gigabytes.
+#: Finest element length for a belt, whose whole tooth has this length: an eighth would take
+#: gigabytes.
 BELT_ELEMENTS = ELEMENTS[:-1]
 MODES = (3, 4, 5, 6, 8, 12)
 STRIPS = (2.5, 5.0, 10.0, 20.0, 40.0)
 ZONES = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0)
 COUNTS = (0.25, 0.5, 1.0, 2.0, 4.0)
-#: Adaptive positions beside the even ones: tolerances, and how many they begin with.
+#: Adaptive positions in addition to even ones: tolerances, and initial numbers.
 ADAPTIVE = (0.03, 0.01, 0.003, 0.001)
 ADAPTIVE_START = 8
-#: The same for the reference, which begins with the most even positions.
+#: The same for the reference, which begins with the largest number of even positions.
 KINKS = 3e-4
-#: The finest setting: more modes spoil the ladder of elements, most of all on splines, and wider
-#: zones carry nothing.
+#: The finest setting: more modes reduce the convergence of the elements, most of all on splines,
+#: and wider zones are unloaded.
 FINEST_MODES, FINEST_ZONE = 8, 3.0
-#: Of a run at the default: elements take so much longer at these parts of their length.
+#: Cost of elements at these relative lengths, compared with a run at the default.
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
-#: Strips: work grows with a power of their number.
+#: The work is proportional to this power of the number of cells.
 STRIPS_ORDER = 1.4
-#: How fine the finest setting may be, finest first: parts of the elements' length, strips, parts
-#: of the number of positions.
+#: Possible limits of the finest setting, finest first: relative element length, cells, relative
+#: number of positions.
 FINEST = ((0.125, 40.0, 4.0), (0.25, 40.0, 4.0), (0.25, 20.0, 2.0), (0.5, 20.0, 2.0))
-#: Part of the budget that ladders may take; runs at the finest strips and positions in them, and
-#: elements as often as the finest.
+#: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
+#: among them, and number of solutions with the finest elements.
 LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS = 0.6, 20.0, 1.5
 
 
 @dataclass(frozen=True)
 class Knobs:
-    """Ladders of a scene by the names of `NamedDiscretization`, coarse steps first.
+    """Steps of each parameter of a scene by the names of `NamedDiscretization`, coarse steps first.
 
     Attributes
     ----------
     ladders : dict of str to tuple
     base : NamedDiscretization
-        The default knobs, named.
+        The default parameters, named explicitly.
     finest : NamedDiscretization
     can_adapt : bool
-        There are adaptive positions, too.
+        Whether adaptive positions are possible.
     """
 
     ladders: dict[str, tuple[float, ...]]
@@ -63,11 +65,11 @@ class Knobs:
     can_adapt: bool = True
 
     def step(self, setting: NamedDiscretization, knob: str) -> int:
-        """Which step of its ladder a knob stands on."""
+        """Index of a parameter's value among its steps."""
         return self.ladders[knob].index(getattr(setting, knob))
 
     def coarser(self, setting: NamedDiscretization, *names: str) -> NamedDiscretization | None:
-        """The setting with knobs a step coarser; None where one has none."""
+        """The setting with some parameters a step coarser; None if one has no coarser step."""
         changed = {}
         for knob in names:
             if knob not in self.ladders or self.step(setting, knob) == 0:
@@ -77,7 +79,7 @@ class Knobs:
 
 
 def knobs_of(scene: Scene) -> Knobs:
-    """All knobs of a scene with whole ladders.
+    """All parameters of a scene with all steps.
 
     Parameters
     ----------
@@ -115,7 +117,7 @@ def knobs_of(scene: Scene) -> Knobs:
 
 
 def _of_drives(scene: Scene) -> Knobs:
-    """Of chains and belts, which have knobs of their own: positions, and the elements of belts."""
+    """Parameters of chains and belts: positions, and the elements of belts."""
     ladders: dict[str, tuple[float, ...]] = {}
     length = mechanism_of(scene).default_element_mm(scene)
     if length is not None:
@@ -135,7 +137,7 @@ def _counts(scene: Scene) -> tuple[int, ...]:
 
 
 def finest_within(knobs: Knobs, fineness: tuple[float, float, float]) -> Knobs:
-    """The knobs with a finest setting, finer steps of elements, strips and positions left out."""
+    """The parameters with a given finest setting, without finer steps than that."""
     part, strips, positions = fineness
     kept = dict(knobs.ladders)
     base = knobs.base
@@ -160,7 +162,7 @@ def finest_within(knobs: Knobs, fineness: tuple[float, float, float]) -> Knobs:
 
 
 def affordable(knobs: Knobs, stages: dict[str, float], budget_s: float) -> Knobs:
-    """The finest knobs whose ladders the budget is likely to pay.
+    """The finest parameters whose steps the budget can probably pay.
 
     Parameters
     ----------
@@ -193,12 +195,12 @@ def _rounded(length: float) -> float:
 
 
 def can_lump(scene: Scene) -> bool:
-    """Whether contacts can be lumped in places: not where flanks conform, or chains have none."""
+    """Whether a lumped contact model is possible: not for conforming flanks or chains."""
     return not (scene.body_1.conforms or scene.is_drive)
 
 
 def can_be_nodal(scene: Scene) -> bool:
-    """Whether forces may stand at plain nodes: where both flanks are open and bring elements."""
+    """Whether nodal forces are possible: for two open flanks with finite elements."""
     effects, bodies = scene.effects, (scene.body_1, scene.body_2)
     return (
         not scene.is_drive

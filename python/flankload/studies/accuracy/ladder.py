@@ -1,7 +1,7 @@
-"""Where a ladder leads to: Richardson's limit with the order that the ladder itself shows.
+"""Limit of a sequence of refinements: Richardson extrapolation with a fitted order.
 
-Three steps of sizes h0 < h1 < h2 with values v0, v1, v2 of the form v + a h^p fix the order p by
-(h2^p − h1^p) / (h1^p − h0^p) = |v1 − v2| / |v0 − v1|, and the limit is v0 + c (v0 − v1) with
+Three steps of sizes h0 < h1 < h2 with values v0, v1, v2 of the form v + a h^p determine the order p
+by (h2^p − h1^p) / (h1^p − h0^p) = |v1 − v2| / |v0 − v1|, and the limit is v0 + c (v0 − v1) with
 c = h0^p / (h1^p − h0^p).
 """
 
@@ -19,39 +19,39 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Orders beyond are no asymptotics: kinks and rounded numbers of elements make them.
+#: Orders outside this range are not asymptotic: kinks and rounded numbers of elements cause them.
 LEAST_ORDER, LARGEST_ORDER = 0.5, 8.0
-#: A limit further off than this many times the last change is no longer told by it.
+#: An extrapolation by more than this multiple of the last change is unreliable.
 FURTHEST = 1.0
-#: Part of the way from the finest value to an extrapolated limit that this is in doubt by: what an
-#: order off by a half makes of second order.
+#: Uncertainty of an extrapolated limit, relative to its distance from the finest value: the effect
+#: of an order wrong by a half for second order.
 IN_DOUBT = 0.5
-#: What is left by a ladder that converges slowly, over its last change, at the most: low orders on
-#: steps that hardly differ would add more, but are no orders.
+#: Upper bound of the remaining error of slow convergence, relative to the last change: low orders
+#: fitted to almost equal steps would give more, but are not reliable.
 MOST_LEFT = 2.0
-#: Changes below this part of the value are rounding.
+#: Changes below this part of the value are roundoff.
 ROUNDING = 1e-8
 
 
 @dataclass(frozen=True)
 class Limit:
-    """Where the values of a ladder lead to.
+    """Limit of a sequence of refinements.
 
     Attributes
     ----------
     value : array
-        Extrapolated; the finest value where the ladder does not converge monotonically.
+        Extrapolated; the finest value if the sequence does not converge monotonically.
     order : float or None
-        Fitted order; None where nothing is extrapolated.
+        Fitted order; None without extrapolation.
     monotone : bool
-        The changes keep their sense and shrink, or are rounding.
+        Whether the changes keep their sign and decrease, or are roundoff.
     doubt : float
-        Largest distance of finest value and limit; without an order the last change.
+        Largest difference of finest value and limit; without an order the last change.
     slow : bool
-        It converges, but so slowly that the limit is out of sight.
+        Whether convergence is too slow for a reliable limit.
     left : array
-        What the value itself may be off: a part of what was extrapolated, or the last change, or
-        where it converges slowly what an order would add to it, up to twice that.
+        Possible error of `value` itself: a part of the extrapolation, or the last change, or for
+        slow convergence the correction from the fitted order, up to twice the last change.
     """
 
     value: Floats
@@ -63,19 +63,19 @@ class Limit:
 
 
 def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
-    """Limit of a ladder.
+    """Limit of a sequence of refinements.
 
     Parameters
     ----------
     sizes : sequence of float
         Ascending: the finest first.
     values : sequence of arrays of one shape
-        In the same order; NaN where there is none.
+        In the same order; NaN if missing.
 
     Returns
     -------
     Limit
-        The first three count; of fewer than three nothing is extrapolated.
+        The first three values count; fewer than three are not extrapolated.
     """
     finest = np.asarray(values[0], dtype=float)
     if len(values) < 2:
@@ -99,18 +99,18 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
 
 
 def fitted_order(sizes: Sequence[float], before: float, last: float) -> float | None:
-    """Order at which two changes of a ladder follow each other.
+    """Order of convergence from two consecutive changes.
 
     Parameters
     ----------
     sizes : sequence of three floats, ascending
     before, last : float
-        Sizes of the change from the coarsest to the middle step, and from there to the finest.
+        Amounts of the change from the coarsest to the middle step, and from there to the finest.
 
     Returns
     -------
     float or None
-        None where no order from 0.5 to 8 does.
+        None if no order from 0.5 to 8 fits.
     """
     fine, middle, coarse = sizes[:3]
 
@@ -122,7 +122,7 @@ def fitted_order(sizes: Sequence[float], before: float, last: float) -> float | 
     low, high = LEAST_ORDER, LARGEST_ORDER
     if not ratio(low) <= wanted <= ratio(high):
         return None
-    for _ in range(60):  # the ratio grows with the order
+    for _ in range(60):  # the ratio increases with the order
         order = 0.5 * (low + high)
         low, high = (order, high) if ratio(order) < wanted else (low, order)
     return 0.5 * (low + high)

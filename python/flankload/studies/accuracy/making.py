@@ -1,4 +1,4 @@
-"""A study: the finest run, a ladder for each knob, levels, combinations, while the budget lasts."""
+"""Runs of a study within a budget: finest setting, refinements, contact models, combinations."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
     Progress = Callable[[str, int, int], None]
 
-#: Tolerances for which combinations are looked for.
+#: Tolerances for which combinations are searched.
 TOLERANCES = (0.01, 0.003, 0.001, 0.0003, 0.0001)
 #: Steps of the progress.
 TOLD = 100
 
 
 class OutOfBudgetError(Exception):
-    """The next run is not begun any more."""
+    """Raised instead of a run that exceeds the budget."""
 
 
 def accuracy(
@@ -44,36 +44,37 @@ def accuracy(
     progress: Progress | None = None,
     resume: str | Path | None = None,
 ) -> Study:
-    """What accuracy costs: errors of a scene beside seconds and memory, knob by knob.
+    """Accuracy study of a scene: errors, seconds and memory for each discretization parameter.
 
-    A ladder over each knob with the others at their finest, other levels, and combinations that
-    meet tolerances as cheaply as can be, all against the finest setting and the limits that the
-    ladders lead to. Finite elements are shared by runs that differ in cells and positions alone,
-    and counted as if each run were alone. Seconds are those of all threads of the process.
+    The study refines each parameter with the others at their finest, tries other contact models,
+    and searches the cheapest combinations that meet tolerances. All errors are relative to the
+    finest setting and the extrapolated limits. Runs that differ only in cells and positions share
+    finite elements, but each is charged as if it were alone. Seconds are those of all threads of
+    the process.
 
     Parameters
     ----------
     scene : Scene
     quantities : sequence of str
-        Of "transmission_error" (at each position, mean, peak to peak), "load_share",
+        A subset of "transmission_error" (at each position, mean, peak to peak), "load_share",
         "peak_pressure" (off sharp corners) and "stiffness".
     budget_s : float
-        CPU seconds after which no further run is begun.
+        CPU seconds after which no further run is started.
     progress : callable, optional
-        Called as progress(stage, done, total). What it raises ends the study.
+        Called as progress(stage, done, total). An exception from it ends the study.
     resume : path, optional
-        File of finished runs: read where it is there, written after each run.
+        File of finished runs: read if it exists, written after each run.
 
     Returns
     -------
     Study
-        Interrupted (Ctrl-C) it holds what was finished.
+        After an interruption (Ctrl-C) it contains the finished runs.
 
     Raises
     ------
     SceneError
         If the scene is impossible or has no torque, or an argument is wrong; `PremiseError` if it
-        breaks a premise of the model.
+        violates a premise of the model.
     """
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)
@@ -111,7 +112,7 @@ def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
 
 
 class _Making:
-    """Runs of a study in their order."""
+    """Runs of a study in order."""
 
     def __init__(
         self,
@@ -129,7 +130,7 @@ class _Making:
         self._budget_s, self._began, self._progress = budget_s, process_time(), progress
 
     def all_runs(self) -> None:
-        """Everything that the budget pays."""
+        """All runs that the budget allows."""
         self._warm_up()
         base = self.run("default", self.knobs.base)
         self.knobs = affordable(self.knobs, base.stages, self._budget_s)
@@ -148,14 +149,14 @@ class _Making:
         for measures in (self.measures, *(alone if len(alone) > 1 else ())):
             for tolerance in TOLERANCES:
                 search(tolerance, self.knobs, truth, measures, self._combination)
-        if can_be_nodal(self.scene):  # last, since it is the dearest of all
+        if can_be_nodal(self.scene):  # last, since it is the most expensive one
             self.run("nodes", self._nodes(None))
 
     def _combination(self, setting: NamedDiscretization) -> Run:
         return self.run("combination", setting)
 
     def run(self, group: str, setting: NamedDiscretization) -> Run:
-        """A run; it belongs to the first group that asks for it."""
+        """A run, assigned to the first group that requests it."""
         if setting not in self.runs.done:
             if self._spent() >= self._budget_s:
                 raise OutOfBudgetError
@@ -165,7 +166,7 @@ class _Making:
         return found
 
     def _warm_up(self) -> None:
-        """Loads what the first run would be charged with."""
+        """Load packages whose import would otherwise be charged to the first run."""
         if self.knobs.base not in self.runs.done:
             self._tell("warming up")
             Runs(self.scene).at(self.knobs.base)
@@ -179,7 +180,7 @@ class _Making:
             self._progress(group.replace("_", " "), done, TOLD)
 
     def _levels(self) -> Iterator[NamedDiscretization]:
-        """Other levels at the default, with finer elements, and at more positions."""
+        """Other contact models at the default, with finer elements, and at more positions."""
         base, ladders = self.knobs.base, self.knobs.ladders
         if can_lump(self.scene):
             plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)
@@ -192,11 +193,11 @@ class _Making:
             yield self._nodes(self.knobs.finest.flank_element_mm)
 
     def _nodes(self, apart_mm: float | None) -> NamedDiscretization:
-        """Forces at plain nodes, which know neither modes nor strips; by themselves if None."""
+        """Nodal forces, which have neither modes nor cells; on their own if None."""
         return NamedDiscretization("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
 
     def study(self, stopped: str | None, *, interrupted: bool) -> Study:
-        """What has been found so far."""
+        """Study of the runs so far."""
         truth = Truth(self.runs.done, self.knobs)
         done = self.runs.done
 

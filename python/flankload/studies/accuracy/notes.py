@@ -1,4 +1,4 @@
-"""What is to be said of a study: what no setting cures, what has no answer."""
+"""Notes of a study: errors that no setting reduces, and runs without a solution."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.study import Row
 
-#: What kinds of bodies bring along.
+#: Data that kinds of bodies import.
 FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}
 
 
 def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
-    """What no error knows of: premises of the model that the scene breaks."""
+    """Note on errors that are not included: violated premises of the model."""
     names = sorted({name for row in rows for name in row.run.outside})
     return (f"errors {outside_words(names).removeprefix('; ')}",) if names else ()
 
 
 def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
-    """What no setting cures: the pressure on sharp corners, along a ladder of strips."""
+    """Note on an error that no setting reduces: the pressure on sharp corners."""
     pressures = [
         (row.setting.strips_per_half_width, float(np.max(row.run.values[CORNER], initial=0.0)))
         for row in rows
@@ -46,7 +46,7 @@ def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
 
 
 def file_notes(scene: Scene) -> tuple[str, ...]:
-    """What a study cannot see, since it stands in files."""
+    """Note on data in files, which a study cannot vary."""
     return tuple(
         f"{key}: its {what} come from a file, whose own error is not part of this"
         for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2))
@@ -55,7 +55,7 @@ def file_notes(scene: Scene) -> tuple[str, ...]:
 
 
 def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Runs without an answer, and why."""
+    """Runs without a solution, with the reason."""
     return tuple(
         f"{row.group.replace('_', ' ')} ({_short(row.setting)}): {row.run.failure}"
         for row in rows

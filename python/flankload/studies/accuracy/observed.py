@@ -1,4 +1,4 @@
-"""What a run found of the quantities of a study, and how far it is from something better."""
+"""Quantities of a run in a study, and their differences from a reference."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Quantities that can be asked for, and the errors that each of them has.
+#: Quantities that can be requested, and their errors.
 MEASURES = {
     "transmission_error": (
         "transmission_error",
@@ -28,7 +28,7 @@ MEASURES = {
     "peak_pressure": ("peak_pressure",),
     "stiffness": ("stiffness",),
 }
-#: Head of the column of each error, in a table.
+#: Column heading of each error in a table.
 HEADS = {
     "transmission_error": "TE",
     "transmission_error_mean": "mean",
@@ -37,7 +37,7 @@ HEADS = {
     "peak_pressure": "pressure",
     "stiffness": "stiffness",
 }
-#: What the columns mean.
+#: Meaning of the columns.
 MEANINGS = {
     "transmission_error": "largest at a position, of the largest transmission error",
     "transmission_error_mean": "of its mean",
@@ -49,7 +49,7 @@ MEANINGS = {
 #: Arrays over positions, and over positions and sites.
 OVER_POSITIONS = ("transmission_error",)
 OVER_SITES = ("load_share", "peak_pressure")
-#: Numbers of a torque.
+#: Scalars of a torque.
 NUMBERS = (
     "transmission_error_mean",
     "transmission_error_peak_to_peak",
@@ -57,32 +57,32 @@ NUMBERS = (
     "stiffness_secant",
     "stiffness_tangent",
 )
-#: Of a torque, but nothing that converges.
+#: Scalars of a torque that do not converge.
 CORNER = "corner_pressure"
 #: A transmission error that varies less has no peak to peak.
 LEAST_VARIATION_UM = 1e-3
-#: Positions closer than this are one, rad.
+#: Positions closer than this are equal, rad.
 SAME_RAD = 1e-9
 
-#: Arrays by name: `position_rad` (P,), `sites` (S,), for T torques those over positions (T, P),
-#: over sites (T, P, S) and the numbers (T,); NaN where there is none.
+#: Arrays by name: `position_rad` (P,), `sites` (S,); for T torques those over positions (T, P),
+#: over sites (T, P, S) and the scalars (T,); NaN if missing.
 Observed = dict[str, "Floats"]
 
 
 def observed(results: Result | Sequence[Result]) -> Observed:
-    """What results hold of all quantities.
+    """Extract all quantities from results.
 
     Parameters
     ----------
     results : Result or sequence of Result
-        Of one scene, one per torque.
+        Results of one scene, one per torque.
 
     Returns
     -------
     dict of arrays
     """
     parts = results if isinstance(results, Sequence) else (results,)
-    sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own
+    sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own sites
 
     def over_sites(r: Result, values: Floats) -> Floats:
         whole = np.zeros((len(values), sites.size))
@@ -110,7 +110,7 @@ def observed(results: Result | Sequence[Result]) -> Observed:
 
 
 def common(runs: Sequence[Observed]) -> list[Observed]:
-    """The same at the positions and sites that all have; sites that one has not carry nothing."""
+    """Restrict runs to common positions, on the union of sites; missing sites carry no load."""
     keys = [np.round(run["position_rad"] / SAME_RAD).astype(np.int64) for run in runs]
     shared = keys[0]
     for key in keys[1:]:
@@ -134,7 +134,7 @@ def common(runs: Sequence[Observed]) -> list[Observed]:
 
 
 def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Limit]:
-    """Limits of a ladder of runs, the finest first.
+    """Limits of a sequence of refinements, the finest run first.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Lim
 
     Returns
     -------
-    dict of Limit, by the names of arrays and numbers
+    dict of Limit, by the names of arrays and scalars
     """
     parts = common(runs[:3])
     return {
@@ -156,7 +156,7 @@ def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Lim
 def with_numbers(
     limits: Mapping[str, Limit], truth: Observed, before: Observed
 ) -> dict[str, Limit]:
-    """Limits of which the numbers are those of a run that knows better, and their last change."""
+    """Limits with scalars from a more accurate run, and their last change."""
     known = {
         name: replace(limits[name], value=truth[name], left=truth[name] - before[name])
         for name in NUMBERS
@@ -165,7 +165,7 @@ def with_numbers(
 
 
 def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observed) -> Observed:
-    """A run, moved by as much as ladders move their finest step to its limit."""
+    """A run shifted by the difference between the finest step and the limit of each sequence."""
     parts = dict(run)
     for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
         for ladder in ladders:
@@ -175,7 +175,7 @@ def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observe
 
 
 def off_by(run: Observed, ladder: Mapping[str, Limit]) -> Observed:
-    """A run, off by what the limits of a ladder leave."""
+    """A run shifted by the remaining error of the limits of a sequence."""
     parts = dict(run)
     for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
         if ladder[name].left.shape == run[name].shape:
@@ -193,7 +193,7 @@ def errors_of(run: Observed, truth: Observed) -> dict[str, float]:
     Returns
     -------
     dict
-        By the names of `HEADS`; without those that the truth has not.
+        By the names of `HEADS`; those without a reference are omitted.
     """
     one, two = common([run, truth])
     found: dict[str, list[float]] = {}
@@ -204,7 +204,7 @@ def errors_of(run: Observed, truth: Observed) -> dict[str, float]:
 
 
 def _errors(one: Observed, two: Observed, t: int) -> dict[str, float]:
-    """Of one torque."""
+    """Errors of one torque."""
 
     def change(name: str) -> float:
         return abs(float(one[name][t] - two[name][t]))
@@ -245,7 +245,7 @@ def _part(change: float, whole: float) -> float:
 
 
 def to_tree(run: Observed) -> dict[str, Any]:
-    """As JSON has it: null for what is no number."""
+    """Data in the form of JSON: null for NaN."""
     return {name: _lists(values) for name, values in run.items()}
 
 
@@ -257,5 +257,5 @@ def _lists(values: Floats) -> list[Any]:
 
 
 def from_tree(tree: Mapping[str, Any]) -> Observed:
-    """What `to_tree` has written."""
+    """Inverse of `to_tree`."""
     return {name: np.array(values, dtype=float) for name, values in tree.items()}

@@ -1,4 +1,4 @@
-"""Runs of a study: each once, with what it cost as if it were alone; finished ones are kept."""
+"""Runs of a study: each is solved once, charged as if it were alone, and stored."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     Kept = dict[int, tuple[BodyCompliance, Account]]
 
-#: Runs that take less are measured twice.
+#: Runs below this duration are measured twice.
 REPEATED_BELOW_S = 0.5
-#: Elements that take longer are solved once for all numbers of modes: fewer modes are a block of
-#: more, and cost as much to a few percent.
+#: Elements with a longer duration are solved once for all numbers of modes: fewer modes are a
+#: submatrix of more, and the cost is equal to a few percent.
 SHARED_ABOVE_S = 0.4
 
 
@@ -40,17 +40,17 @@ class Run:
     ----------
     setting : NamedDiscretization
     cpu_s : float
-        CPU seconds of all its stages, elements included.
+        CPU seconds of all its stages, including elements.
     memory_bytes : int
         Arrays of all stages, and the largest workspace.
     values : Observed or None
-        None where it has no answer.
+        None if it has no solution.
     failure : str or None
-        Why it has none.
+        Reason for the missing solution.
     stages : dict
         CPU seconds by stage.
     outside : tuple of str
-        Premises of the model that it breaks.
+        Premises of the model that it violates.
     """
 
     setting: NamedDiscretization
@@ -63,7 +63,7 @@ class Run:
 
 
 def fingerprint(scene: Scene) -> str:
-    """What tells a scene from another: bodies, what is asked for, the files that it names."""
+    """Identification of a scene: bodies, requested quantities, and contents of its files."""
     parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
     parts.append(repr((scene.effects, scene.accuracy)))
     parts += [
@@ -79,7 +79,7 @@ class Runs:
     ----------
     scene : Scene
     file : Path or None
-        Where finished runs are read from and written to.
+        File from which finished runs are read and to which they are written.
     """
 
     def __init__(self, scene: Scene, file: Path | None = None) -> None:
@@ -110,7 +110,7 @@ class Runs:
         self.done = {run.setting: run for run in runs}
 
     def at(self, setting: NamedDiscretization, progress: Progress | None = None) -> Run:
-        """The run at a setting, solved where it is not there yet."""
+        """The run at a setting, solved if it is not available."""
         if setting not in self.done:
             run = self._solved(setting, progress)
             self.done[setting] = run
@@ -129,14 +129,14 @@ class Runs:
                 again = _measured(setting, scene, {}, progress)
                 stages = {key: min(run.stages[key], again.stages[key]) for key in run.stages}
                 run = replace(run, stages=stages, cpu_s=sum(stages.values()))
-        except PremiseError:  # whatever the setting
+        except PremiseError:  # independent of the setting
             raise
         except FlankloadError as error:
             return Run(setting, 0.0, 0, None, failure=str(error))
         return run
 
     def _compliances(self, setting: NamedDiscretization) -> Kept:
-        """Of the same elements and modes; or of more modes, where that is worth it."""
+        """Compliances for the same elements and modes; or for more modes, if that saves time."""
         if setting.as_it_stands:
             return {}
         elements = (setting.level == "nodes", setting.flank_element_mm)
@@ -155,7 +155,7 @@ class Runs:
 def _with_modes(
     compliance: BodyCompliance, account: Account, modes: int
 ) -> tuple[BodyCompliance, Account] | None:
-    """The block of the lower modes; None where it is cheap to solve them alone."""
+    """The submatrix of the lower modes; None if a separate solution is cheap."""
     if compliance.closed or account.cpu_s < SHARED_ABOVE_S:
         return None
     while compliance.smooth.shape[1] > modes:

@@ -31,13 +31,14 @@ class Row:
     Attributes
     ----------
     group : str
-        Knob of a ladder, "combination", "default", "default but for one knob", "as it stands",
-        "finest", or a level.
+        Parameter of a sequence, "combination", "default", "default but for one knob", "as it
+        stands", "finest", or a contact model.
     run : Run
     errors : dict
-        Relative errors against the limit of all knobs, by the names of `observed.HEADS`.
+        Relative errors against the limit of all parameters, by the names of `observed.HEADS`.
     alone : dict
-        Of a step of a ladder: against the limit of this knob, the others at their finest.
+        For a step of a sequence: against the limit of this parameter, with the others at their
+        finest.
     """
 
     group: str
@@ -47,42 +48,41 @@ class Row:
 
     @property
     def setting(self) -> NamedDiscretization:
-        """Knobs of the run."""
+        """Discretization of the run."""
         return self.run.setting
 
     def largest(self, measures: Sequence[str]) -> float | None:
-        """The largest of some errors; None where none is known."""
+        """The largest of some errors; None if none is known."""
         errors = [self.errors[name] for name in measures if name in self.errors]
         return max(errors, default=None)
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What accuracy costs in a scene.
+    """Errors and costs of the discretizations of a scene.
 
     Attributes
     ----------
     name : str
-        Of the scene.
+        Name of the scene.
     tolerance : float
-        Of the scene.
+        Tolerance of the scene.
     measures : tuple of str
-        Errors that count, by the names of `observed.HEADS`.
+        Errors to be limited, by the names of `observed.HEADS`.
     rows : tuple of Row
-        In the order in which they were run.
+        In the order of the runs.
     limits : dict of dict of Limit
-        Of each knob, by names of quantities: where its ladder leads to.
+        For each parameter, by names of quantities: the limit of its sequence of refinements.
     knobs : Knobs
-        Ladders and the finest setting.
+        Parameter steps and the finest setting.
     steps : dict of tuple of Row
-        Of each knob its ladder, the finest step first; even positions before adaptive ones. Their
-        `alone` is known.
+        For each parameter its sequence of refinements, the finest step first; even positions before
+        adaptive ones. Their `alone` is known.
     doubts : dict of str to float
-        By the names of errors: what the limit of all knobs, against which they are measured, may be
-        off itself.
+        By the names of errors: uncertainty of the limit of all parameters, which is the reference.
     notes : tuple of str
     stopped : str or None
-        Why runs are left out.
+        Reason for omitted runs.
     interrupted : bool
     """
 
@@ -104,29 +104,29 @@ class Study:
         return any(row.errors for row in self.rows)
 
     def seconds_at_default(self, row: Row, knob: str) -> float | None:
-        """CPU seconds of a step of a ladder with the other knobs at their default."""
+        """CPU seconds of a step with the other parameters at their default."""
         wanted = twin(self.knobs, knob, row.setting)
         found = (other.run.cpu_s for other in self.rows if other.setting == wanted)
         return next(found, None)
 
     def candidates(self, *names: str) -> tuple[Row, ...]:
-        """Rows whose errors are known, the cheapest first."""
+        """Rows with known errors, the cheapest first."""
         measures = names or self.measures
         known = [row for row in self.rows if row.largest(measures) is not None]
         return tuple(sorted(known, key=lambda row: row.run.cpu_s))
 
     def front(self, *names: str) -> tuple[Row, ...]:
-        """Rows that no other beats both in seconds and in `within`, the cheapest first.
+        """Pareto front of CPU seconds and `within`, the cheapest row first.
 
         Parameters
         ----------
         *names : str
-            Errors that count; those of the study without any.
+            Errors to be limited; by default those of the study.
 
         Returns
         -------
         tuple of Row
-            Seconds ascend, what errors are within descends.
+            Seconds ascend, error bounds descend.
         """
         best: list[Row] = []
         for row in self.candidates(*names):
@@ -135,14 +135,14 @@ class Study:
         return tuple(best)
 
     def within(self, row: Row, *names: str) -> float:
-        """What some errors of a row are below: the largest with the doubt of the limit added.
+        """Upper bound of some errors of a row: the largest plus the uncertainty of the limit.
 
         Parameters
         ----------
         row : Row
             One of the candidates.
         *names : str
-            As of `front`.
+            As in `front`.
 
         Returns
         -------
@@ -152,16 +152,16 @@ class Study:
         return max(row.errors[name] + self.doubts.get(name, 0.0) for name in known)
 
     def cheapest(self, tolerance: float, *names: str) -> Row | None:
-        """The run of fewest CPU seconds that meets a tolerance for certain; None where none does.
+        """The cheapest run that certainly meets a tolerance; None if there is none.
 
-        Its errors and the doubt of what they are measured against are below the tolerance together:
-        the finest run, and whatever comes as near to the limit as that is known, is not named.
+        Its error plus the uncertainty of the reference is below the tolerance: this excludes the
+        finest run, and any run whose distance to the limit is not larger than that uncertainty.
         """
         met = (row for row in self.candidates(*names) if self.within(row, *names) <= tolerance)
         return next(met, None)
 
     def doubt(self, *names: str) -> float | None:
-        """What the limit is in doubt by, in the worst of some errors; None where none is known."""
+        """Largest uncertainty of the limit among some errors; None if unknown."""
         known = [self.doubts[name] for name in names or self.measures if name in self.doubts]
         return max(known, default=None)
 
@@ -204,7 +204,7 @@ class Study:
         return stream.getvalue()
 
     def as_dict(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """The study in the form of JSON."""
         cheapest = {f"{tolerance:g}": self.cheapest(tolerance) for tolerance in NAMED}
         return {
             "name": self.name,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flankload.studies.accuracy.study import Row, Study
 
-#: Knobs in words.
+#: Names of parameters in text.
 KNOBS = {
     "flank_element_mm": "flank elements, mm",
     "modes": "pressure modes",
@@ -21,7 +21,7 @@ KNOBS = {
     "zone_half_widths": "half-width of the zone",
     "count": "positions",
 }
-#: Other groups, in their order.
+#: Other groups, in order.
 GROUPS = {
     "as it stands": "the scene as it stands",
     "default": "default",
@@ -30,19 +30,19 @@ GROUPS = {
     "nodes": "plain nodal loads",
     "combination": "combinations",
 }
-#: Tolerances for which the cheapest setting is named.
+#: Tolerances for which the cheapest setting is given.
 NAMED = (1e-2, 1e-3, 1e-4)
 WIDTH = 40
-#: What errors are measured against, and how well it is known.
+#: Description of the reference, and of its uncertainty.
 LIMIT = "the limit itself, in doubt by"
-#: In place of seconds, where the limit is in doubt by more than the tolerance.
+#: Replaces seconds if the uncertainty of the limit exceeds the tolerance.
 IN_DOUBT = "?"
-#: Head of the seconds of a step where the other knobs stand at their default.
+#: Column heading of the seconds of a step with the other parameters at their default.
 DEFAULT_SECONDS = "default"
 
 
 def text_of(study: Study) -> str:
-    """Tables of ladders, levels and combinations, then the cheapest settings.
+    """Tables of parameter steps, contact models and combinations, then the cheapest settings.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _lines(study: Study) -> Iterator[str]:
 
 
 def _ladder(study: Study, knob: str, words: str, names: Sequence[str]) -> Iterator[str]:
-    """Against the limit of this knob, the others at their finest; coarse steps first."""
+    """Errors against the limit of this parameter, the others at their finest; coarse first."""
     yield _head(f"{words} (others finest)", names, DEFAULT_SECONDS)
     steps = study.steps[knob]
     adaptive = [row for row in steps if row.setting.adaptive is not None]

@@ -1,4 +1,4 @@
-"""What runs are measured against: the finest of them, moved to the limits of its ladders."""
+"""Reference of a study: the finest run, shifted to the limits of its sequences of refinements."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def ladder(knobs: Knobs, knob: str) -> Iterator[NamedDiscretization]:
-    """Steps of a knob, the others at their finest, the finest step first.
+    """Steps of a parameter with the others at their finest, the finest step first.
 
     Even positions are followed by adaptive ones.
     """
@@ -35,34 +35,34 @@ def ladder(knobs: Knobs, knob: str) -> Iterator[NamedDiscretization]:
 
 
 def at_default(knobs: Knobs, knob: str) -> Iterator[NamedDiscretization]:
-    """The same steps, the others at their default: what a step costs where all else is cheap."""
+    """The same steps with the others at their default: cost of a step in a cheap run."""
     for setting in ladder(knobs, knob):
         yield twin(knobs, knob, setting)
 
 
 def twin(knobs: Knobs, knob: str, setting: NamedDiscretization) -> NamedDiscretization:
-    """A step of a ladder with the other knobs at their default."""
+    """A step of a sequence with the other parameters at their default."""
     changed = replace(knobs.base, **{knob: getattr(setting, knob)})
     return replace(changed, adaptive=setting.adaptive)
 
 
 def every_kink(knobs: Knobs) -> Iterator[NamedDiscretization]:
-    """The finest positions and more of them where the curve bends.
+    """The finest positions and additional ones where the curve bends.
 
-    Ladders of even positions are erratic where it has kinks: this is their limit.
+    Sequences of even positions converge erratically for curves with kinks; this is their limit.
     """
     if _many(knobs):
         yield replace(knobs.finest, adaptive=KINKS)
 
 
 def _many(knobs: Knobs) -> bool:
-    """Whether adaptive positions may begin with what there is."""
+    """Whether the number of positions is sufficient as a start for adaptive ones."""
     count = knobs.finest.count
     return knobs.can_adapt and count is not None and count >= ADAPTIVE_START
 
 
 class Truth:
-    """What is known of the limits at some time of a study.
+    """Knowledge about the limits at some time of a study.
 
     Parameters
     ----------
@@ -81,12 +81,12 @@ class Truth:
                 self.limits[knob] = limits
 
     def steps(self, knob: str) -> list[Run]:
-        """Finished steps of a ladder that have an answer, the finest first."""
+        """Finished steps of a sequence that have a solution, the finest first."""
         steps = (self._done.get(setting) for setting in ladder(self._knobs, knob))
         return [run for run in steps if run is not None and run.values is not None]
 
     def _limits(self, knob: str) -> dict[str, Limit] | None:
-        """Where the even steps of a ladder lead to, from the finest setting on."""
+        """Limits of the even steps of a sequence, from the finest setting on."""
         sizes, runs = [], []
         least = self._size(self._knobs.finest, knob)
         for run in self.steps(knob):
@@ -104,7 +104,7 @@ class Truth:
         return limits
 
     def _before(self, best: Observed) -> Observed:
-        """The finest of the other runs on the ladder of positions: adaptive, or else even."""
+        """The finest of the other runs with varied positions: adaptive, or else even."""
         others = [run for run in self.steps("count") if run.values is not best]
         adaptive = [run for run in others if run.setting.adaptive is not None]
         run = min(adaptive, key=lambda run: run.setting.adaptive or inf) if adaptive else others[0]
@@ -113,10 +113,11 @@ class Truth:
 
     @cached_property
     def doubts(self) -> dict[str, float]:
-        """What the limits of all knobs are in doubt by, by the names of errors.
+        """Uncertainty of the limits of all parameters, by the names of errors.
 
-        Each ladder leaves something; of a knob whose ladder was not gone at all nothing is known
-        but that the finest step is nearer than the default. Doubts add up by their squares.
+        Each sequence has a remaining error; for a parameter that was not varied, the only
+        assumption is that the finest step is nearer to the limit than the default. Squares are
+        added.
         """
         truth = self.of()
         if truth is None:
@@ -134,39 +135,39 @@ class Truth:
         return found
 
     def _unknown(self) -> list[tuple[float, ...]]:
-        """Ladders of which no limit is known."""
+        """Parameters without a known limit."""
         return [steps for knob, steps in self._knobs.ladders.items() if knob not in self.limits]
 
     @staticmethod
     def _size(setting: NamedDiscretization, knob: str) -> float:
-        """What goes to zero along a ladder."""
+        """Step size, which approaches zero along a sequence."""
         value = float(getattr(setting, knob))
         return value if knob == "flank_element_mm" else 1.0 / value
 
     def of(self, *knobs: str) -> Observed | None:
-        """The finest run, some knobs at their limits; all without a name."""
+        """The finest run with some parameters at their limits; by default all."""
         if self.finest is None:
             return None
         wanted = [self.limits[knob] for knob in (knobs or self.limits) if knob in self.limits]
         return moved(self.finest, wanted, self.finest)
 
     def errors(self, run: Run, *knobs: str) -> dict[str, float]:
-        """Errors of a run against the limits of some knobs, all without a name."""
+        """Errors of a run against the limits of some parameters; by default all."""
         truth = self.of(*knobs)
         return {} if truth is None or run.values is None else errors_of(run.values, truth)
 
     def doubt(self, measures: Sequence[str]) -> float:
-        """The largest of some doubts."""
+        """The largest of some uncertainties."""
         return max((self.doubts[name] for name in measures if name in self.doubts), default=inf)
 
     def within(self, run: Run, measures: Sequence[str]) -> float | None:
-        """What some errors are below for certain: the largest with its doubt; None if unknown."""
+        """Upper bound of some errors: the largest plus its uncertainty; None if unknown."""
         errors = self.errors(run)
         return max(
             (errors[name] + self.doubts[name] for name in measures if name in errors), default=None
         )
 
     def largest(self, run: Run, measures: Sequence[str], *knobs: str) -> float | None:
-        """The largest of some errors; None where none is known."""
+        """The largest of some errors; None if none is known."""
         errors = self.errors(run, *knobs)
         return max((errors[name] for name in measures if name in errors), default=None)

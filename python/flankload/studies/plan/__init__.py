@@ -1,4 +1,4 @@
-"""Before a run: which effects it will have, because of which key, what they cost and change."""
+"""Plan of a run: its effects with the keys that cause them, their cost and their size."""
 
 from flankload.mechanisms.effect_size import Size
 from flankload.studies.plan.choice import choose_effects

@@ -1,8 +1,9 @@
 """`effects.choose = "auto"`: the significant effects of a scene, written out as keys.
 
-What a scene names stays: levels, questions, geometry. Numbers of physics that it names (a
-coefficient of friction, a rise of temperature, a speed) are candidates: they are left out where
-they change next to nothing. So are bodies that hardly yield, and the levels that it leaves open.
+Keys that a scene names are kept: contact model, requested quantities, geometry. Named physical
+values (a coefficient of friction, a temperature rise, a speed) are candidates: they are omitted if
+their effect is negligible. The same applies to almost rigid bodies and to the contact model if it
+is open.
 """
 
 from __future__ import annotations
@@ -34,17 +35,17 @@ if TYPE_CHECKING:
 
 
 def asks_for_choice(scene: Scene) -> bool:
-    """Whether a scene leaves the effects to the plan."""
+    """Whether a scene leaves the choice of effects to the plan."""
     return scene.effects.choose == "auto"
 
 
 def without_choice(scene: Scene) -> Scene:
-    """The scene as its other keys have it."""
+    """The scene with its other keys only."""
     return without_keys(scene, "choose") if asks_for_choice(scene) else scene
 
 
 def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
-    """A scene with the effects that are significant at its tolerance, and no others.
+    """A scene with exactly the effects that are significant at its tolerance.
 
     Parameters
     ----------
@@ -53,9 +54,9 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
     Returns
     -------
     scene : Scene
-        The same with the keys written out; itself where it does not leave them to the plan.
+        The scene with explicit keys; unchanged if it does not leave the choice to the plan.
     choice : tuple of Chosen
-        Each key that was decided on, and why.
+        Each chosen key, with the reason.
     """
     if not asks_for_choice(scene):
         return scene, ()
@@ -69,7 +70,7 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
 def chosen_scene(
     scene: Scene, rows: tuple[str, ...], measured: Mapping[str, Measured]
 ) -> tuple[Scene, tuple[Chosen, ...]]:
-    """What sizes say of a scene without `choose`; see `choose_effects`."""
+    """Choice for a scene without `choose`, from sizes; see `choose_effects`."""
     choice: list[Chosen] = []
     switches, tolerance = switches_of(scene), scene.accuracy.tolerance
     for effect in (effect for effect in EFFECTS if effect.name in rows):
@@ -80,7 +81,7 @@ def chosen_scene(
         switched, key, value = _switched(scene, effect, on=wanted)
         try:
             switched.check()
-        except SceneError:  # it does not go with what was chosen before
+        except SceneError:  # incompatible with previous choices
             continue
         scene = switched
         why = against_threshold(size.largest, tolerance)
@@ -92,7 +93,7 @@ def _is_open(scene: Scene, effect: Effect, switches: Mapping[str, Switch]) -> bo
     """Whether a scene leaves an effect to the choice."""
     switch = switches[effect.name]
     if effect.name in QUANTITIES:
-        return switch.on  # without a number nothing says what it would be
+        return switch.on  # without a value it cannot be switched on
     if effect.name in RIGID:
         return switch.on and not scene.effects.root_stress
     if effect.name not in LEVELS:
@@ -105,13 +106,13 @@ def _is_open(scene: Scene, effect: Effect, switches: Mapping[str, Switch]) -> bo
 
 
 def said_of(choice: tuple[Chosen, ...], tolerance: float) -> str:
-    """The choice as one sentence."""
+    """The choice in one sentence."""
     threshold = f"{threshold_text(tolerance)}, a quarter of accuracy.tolerance"
     return f"effects chosen by what changes more than {threshold}: " + "; ".join(map(str, choice))
 
 
 def _switched(scene: Scene, effect: Effect, *, on: bool) -> tuple[Scene, str, bool | str | None]:
-    """The scene with an effect on or off; key and value that say so."""
+    """The scene with an effect on or off; key and value for that."""
     if effect.name in QUANTITIES:
         keys = QUANTITIES[effect.name]
         return (scene if on else without_keys(scene, *keys)), f"effects.{keys[0]}", None

@@ -1,4 +1,4 @@
-"""What a run will simulate, what that costs and what it changes: the data of a plan."""
+"""Data of a plan: effects of a run, their cost and their size."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.effect_size import Size
 
-#: How the reason begins why an effect has no size, where a scene cannot have it.
+#: Beginning of the reason for a missing size, if a scene cannot have the effect.
 IMPOSSIBLE = "not with this scene"
 #: The seconds of a run are within this factor of those predicted: 0.54 to 1.67 on the examples, in
 #: three rounds on a busy machine. How many positions adaptive ones become is known to as much.
@@ -29,27 +29,27 @@ class PlannedEffect:
     name, title : str
         As in the table of effects.
     on : bool
-        The run will have it.
+        Whether the run has the effect.
     because : str
-        The key that says so, with its value; or what holds without a key.
+        The key that sets the effect, with its value; or the rule that applies without a key.
     named : bool
-        The scene names that key.
+        Whether the scene names that key.
     stages : tuple of str
-        Stages of the run that do its work.
+        Stages of the run that do the work of the effect.
     extra_s, extra_bytes : float, int; or None
-        CPU seconds and memory that it adds to the run; of an effect that is off: would add. None
-        where that was not tried.
+        CPU seconds and memory that it adds to the run, or would add if it is off. None if that was
+        not tried.
     size : Size or None
-        What it changes: with it less without it. None where it changes no state, or where that
-        cannot be told.
+        Change by the effect: results with it minus results without it. None if it changes no state,
+        or if its size is unknown.
     assumed : str or None
-        Of an effect that is off: what was taken for the size, since the scene does not say it.
+        For an effect that is off: value assumed for the size, since the scene does not set it.
     unknown : str or None
-        Why there is no size.
+        Reason for a missing size.
     matters : bool
-        It is significant: it changes more than a quarter of the tolerance.
+        Whether it is significant: it changes more than a quarter of the tolerance.
     remark : str or None
-        Where that is left out of the run, or is an error of it: a sentence.
+        A sentence for a significant effect that the run omits, or that is an error of the run.
     """
 
     name: str
@@ -68,26 +68,26 @@ class PlannedEffect:
 
     @property
     def possible(self) -> bool:
-        """Whether the scene can have it."""
+        """Whether the scene can have the effect."""
         return self.unknown is None or not self.unknown.startswith(IMPOSSIBLE)
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """An effect that `effects.choose = "auto"` has decided on.
+    """An effect decided by `effects.choose = "auto"`.
 
     Attributes
     ----------
     effect : str
         Row of the table of effects.
     key : str
-        Dotted path of the key that says so.
+        Dotted path of the key that sets it.
     value : bool, str or None
-        What it has to be; None: a number that stays, or is taken out where `on` is false.
+        Required value; None: a value that is kept, or removed if `on` is false.
     on : bool
-        The run has the effect.
+        Whether the run has the effect.
     why : str
-        Its size against what matters.
+        Its size compared with the threshold.
     """
 
     effect: str
@@ -104,31 +104,31 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run of a scene will simulate.
+    """Plan of a run of a scene.
 
     Attributes
     ----------
     name : str
-        Of the scene.
+        Name of the scene.
     tolerance : float
     effects : tuple of PlannedEffect
         In the order of the table of effects.
     predicted : mapping
-        "stages": "cpu_s" (of a process that has loaded its packages), "bytes", "workspace_bytes"
+        "stages": "cpu_s" (for a process that has loaded its packages), "bytes", "workspace_bytes"
         and "counters" by the names of `result.cost["stages"]`; "counters": the sums over all
-        stages, of which factorisations, solutions with them and unit loads are exact.
+        stages, in which factorisations, solutions and unit loads are exact.
     choice : tuple of Chosen
-        What `effects.choose = "auto"` has decided on.
+        Choices of `effects.choose = "auto"`.
     left_out : Size or None
-        What all that is changed by the choice together makes.
+        Combined size of all changes by the choice.
     picked : mapping or None
-        What a tolerance that the scene names begins with: "keys" of the knobs by table, "errors"
-        that are expected, "dominant_source" of the largest. The price is that of this run; a finer
-        one may follow it.
+        Initial discretization for a tolerance that the scene names: "keys" of the discretization by
+        table, expected "errors", and "dominant_source" of the largest. The cost is that of this
+        run; a finer one may follow.
     within : float
-        Factor to which the seconds are known.
+        Factor of uncertainty of the seconds.
     cpu_s : float
-        What the plan itself took.
+        CPU seconds of the plan itself.
     """
 
     name: str
@@ -143,7 +143,7 @@ class Plan:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on what is left out and likely to matter, and on errors that are."""
+        """Sentences on omitted effects that are probably significant, and on significant errors."""
         return tuple(effect.remark for effect in self.effects if effect.remark is not None)
 
     @property
@@ -152,15 +152,15 @@ class Plan:
         return sum(stage["cpu_s"] for stage in self.predicted["stages"].values())
 
     def effect(self, name: str) -> PlannedEffect:
-        """A row by its name."""
+        """The row of an effect."""
         return next(effect for effect in self.effects if effect.name == name)
 
     def as_dict(self) -> dict[str, Any]:
-        """All of it as plain data."""
+        """The plan as plain data."""
         return {**asdict(self), "seconds": self.seconds, "remarks": list(self.remarks)}
 
     def to_json(self) -> str:
-        """All of it as JSON."""
+        """The plan as JSON."""
         return json.dumps(self.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""The plan of a scene: sizes of its effects by a screening, the cost of its run by counted work."""
+"""Plan of a scene: sizes of its effects by a screening, cost of its run by counted work."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a screening finds of an effect: its size, or why there is none."""
+    """Result of a screening for an effect: its size, or the reason for a missing size."""
 
     size: Size | None = None
     unknown: str | None = None
 
 
 def plan(scene: Scene, *, levels: bool = False) -> Plan:
-    """What a run of a scene will simulate, what that costs and how much each effect changes.
+    """Plan a run of a scene: its effects, their cost and their size.
 
     Sizes come from a screening: the scene on a coarse discretization, once with its effects and
-    once with each of them the other way. Its seconds, by the work that is counted, are those of
-    the run.
+    once with each of them switched. The measured seconds of the screening, scaled by counted work,
+    predict those of the run.
 
     Parameters
     ----------
     scene : Scene
     levels : bool
-        Also of those levels of the model that are off: what they would change and cost. Without it
-        the plan takes less than half of the run that it predicts.
+        Whether to include size and cost of contact models that are off. Without them the plan takes
+        less than half the time of the run that it predicts.
 
     Returns
     -------
@@ -55,10 +55,9 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
     Raises
     ------
     SceneError
-        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
-        model.
+        If the scene is impossible; `PremiseError` if it violates a premise of the model.
     FlankloadError
-        If a position has no answer.
+        If a position has no solution.
     """
     from flankload.studies.plan.choice import asks_for_choice, chosen_scene, without_choice
 
@@ -87,7 +86,17 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
 
 
 def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect that a scene knows, or why there is none."""
+    """The size of each effect of a scene, or the reason for a missing size.
+
+    Parameters
+    ----------
+    screening : Screening
+    scene : Scene
+
+    Returns
+    -------
+    dict of str to Measured
+    """
     switches, found = switches_of(scene), {}
     for name in screening.rows:
         toggle = screening.toggles.get(name)
@@ -104,7 +113,7 @@ def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
 
 
 def predicted_of(stages: Mapping[str, Account]) -> dict[str, object]:
-    """Prices of stages as `Plan.predicted`."""
+    """Costs of stages in the form of `Plan.predicted`."""
     return {
         "stages": {
             name: {
@@ -154,12 +163,12 @@ def _rows(
 def _marginal_costs(
     screening: Screening, scene: Scene, stages: Mapping[str, Account]
 ) -> dict[str, tuple[float, int]]:
-    """CPU seconds and bytes that each effect that is tried adds to the run, or would add."""
+    """CPU seconds and bytes that each tried effect adds to the run, or would add."""
     switches, costs = switches_of(scene), {}
     for name, toggle in screening.toggles.items():
         other = stages
         if toggle.scene is not None:
-            with suppress(FlankloadError):  # else there is no such scene to compare with
+            with suppress(FlankloadError):  # otherwise no scene for comparison exists
                 other = screening.price(toggle.scene)
         one, two = (other, stages) if not switches[name].on else (stages, other)
         costs[name] = (_seconds(one) - _seconds(two), _bytes(one) - _bytes(two))

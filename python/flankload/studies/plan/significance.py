@@ -1,10 +1,10 @@
-"""Which effects are significant: those that change more than a quarter of the tolerance."""
+"""Significant effects: those that change more than a quarter of the tolerance."""
 
 from __future__ import annotations
 
 #: Part of the tolerance beyond which a change is significant.
 SIGNIFICANT_PART = 0.25
-#: Digits of a size; where so few would put it on the wrong side, more, up to those of a float.
+#: Digits of a size; more digits if rounding would move it across the threshold.
 FEWEST_DIGITS, MOST_DIGITS = 2, 17
 
 
@@ -19,7 +19,7 @@ def threshold_text(tolerance: float) -> str:
 
 
 def against_threshold(size: float, tolerance: float) -> str:
-    """A change beside a quarter of the tolerance, in digits enough to see which is more."""
+    """A change and a quarter of the tolerance, with enough digits to compare them."""
     sign = ">" if is_significant(size, tolerance) else "<="
     for digits in range(FEWEST_DIGITS, MOST_DIGITS):
         shown = f"{100 * size:.{digits}g}"

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from flankload.studies.plan.planned import Plan, PlannedEffect
 
 MEGABYTE = 1e6
-#: Less of the load share is not worth a word.
+#: Smaller changes of the load share are not mentioned.
 LEAST_SHARE = 1e-4
-#: Counters that tell a reader most.
+#: The most informative counters.
 SHOWN = (
     "fe_factorisations",
     "unit_loads_normal",
@@ -119,7 +119,18 @@ def _stages(plan: Plan) -> list[str]:
 
 
 def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
-    """A sentence on an effect that is left out and significant, or that is an error of the run."""
+    """A sentence on a significant effect that is omitted, or that is an error of the run.
+
+    Parameters
+    ----------
+    row : PlannedEffect
+    coarser : bool
+        Whether the effect reduces the accuracy of the computation.
+
+    Returns
+    -------
+    str or None
+    """
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None
@@ -137,7 +148,7 @@ def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
 
 
 def _hundredths(part: float | None) -> str:
-    """Two digits, no exponent."""
+    """Number with two digits, without an exponent."""
     return f"{float(f'{100 * (part or 0.0):.2g}'):g}"
 
 

@@ -1,7 +1,6 @@
-"""A position by another program: the deck of a nonlinear contact problem for CalculiX, its answer
-beside flankload's.
+"""Verification of a position with CalculiX: input deck of a nonlinear contact problem, comparison.
 
-Scene → whole bodies in triangles, fine where flanks may touch → deck → CalculiX → comparison.
+Scene → whole bodies in triangles, fine near possible contacts → deck → CalculiX → comparison.
 """
 
 from flankload.studies.verification.calculix import Answer, files_of_deck

@@ -1,4 +1,4 @@
-"""CalculiX: find it, run it on a deck, read what it found."""
+"""Interface to CalculiX: find it, run it on a deck, read its output."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 #: Name of the job: deck.inp, deck.dat, deck.sta.
 JOB = "deck"
-#: What CalculiX reads and writes, and the log.
+#: Input and output files of CalculiX, and the log.
 SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
 PACKAGE = "calculix-ccx"
 STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all contact elements"
@@ -35,24 +35,24 @@ STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all co
 
 @dataclass(frozen=True)
 class Answer:
-    """What CalculiX found; S pairs.
+    """Solution of CalculiX; S pairs.
 
     Attributes
     ----------
     version : str
     rotation_rad : float
-        Of body 1.
+        Rotation of body 1.
     force_N_per_mm : (S,) array
         Normal force of each pair of the deck.
     moment_N : float
-        Sum of their moments about O1 on the undeformed bodies, N mm/mm; the torque, but for
-        that deformation.
+        Sum of their moments about O1 on the undeformed bodies, N mm/mm; equal to the torque except
+        for the deformation.
     pressure_MPa : (S,) array
-        Largest contact pressure at a point of integration; with friction the largest median of
-        a side's points, since single points near the ends of slid sides are far off there.
+        Largest contact pressure at an integration point; with friction the largest median over a
+        side's points, since single points near the ends of slid sides have large errors there.
     iterations : int
     cpu_s, wall_s : float
-        NaN where nothing was run.
+        NaN without a run.
     """
 
     version: str
@@ -71,7 +71,7 @@ def files_of_deck(folder: Path) -> tuple[Path, ...]:
 
 
 def find_program(program: str) -> str:
-    """Full name of the program.
+    """Full path of the program.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def find_program(program: str) -> str:
     Raises
     ------
     OtherProgramError
-        If it is not there; says which package has it.
+        If it is not found; the message names the package that contains it.
     """
     found = shutil.which(program)
     if found is None:
@@ -89,11 +89,11 @@ def find_program(program: str) -> str:
             f"the program {program!r} of CalculiX is not there: apt install {PACKAGE} "
             "(Debian, Ubuntu), or see www.calculix.de"
         )
-    return os.path.abspath(found)  # it runs in another folder
+    return os.path.abspath(found)  # the program runs in another folder
 
 
 def version_of(program: str) -> str:
-    """Version of CalculiX, as it says itself; "unknown" where it says none."""
+    """Version of CalculiX from its own output; "unknown" if it prints none."""
     try:
         done = subprocess.run(
             [program, "-v"], capture_output=True, text=True, timeout=30.0, check=False
@@ -105,17 +105,17 @@ def version_of(program: str) -> str:
 
 
 def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
-    """Run CalculiX on folder/deck.inp and read its answer.
+    """Run CalculiX on folder/deck.inp and read its solution.
 
     Parameters
     ----------
     program : str
     folder : Path
-        All of its files go there, deck.log among them.
+        Folder of all its files, including deck.log.
     deck : Deck
-        What the file says.
+        Content of the input file.
     time_limit_s : float or None
-        Wall-clock seconds after which it is ended.
+        Wall-clock seconds after which the run is stopped.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
     Raises
     ------
     OtherProgramError
-        If it does not converge, does not end in time or writes no answer.
+        If it does not converge, does not end in time or writes no solution.
     """
     for old in files_of_deck(folder):
         if old.suffix != ".inp":
@@ -158,7 +158,7 @@ def read_answer(
     cpu_s: float = float("nan"),
     wall_s: float = float("nan"),
 ) -> Answer:
-    """Read deck.dat and deck.sta of a run that ended well.
+    """Read deck.dat and deck.sta of a successful run.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def read_answer(
     Raises
     ------
     OtherProgramError
-        If something is missing in them.
+        If data are missing in them.
     """
     try:
         text = (folder / f"{JOB}.dat").read_text(encoding="utf-8", errors="replace")
@@ -209,7 +209,7 @@ def _run(
     environment: dict[str, str],
     time_limit_s: float | None,
 ) -> int:
-    """Exit code of a program; it does not outlive this call, whatever ends it."""
+    """Exit code of a program; the program is stopped if this call ends by an exception."""
     with log.open("w", encoding="utf-8") as out:
         process = subprocess.Popen(
             command,
@@ -232,7 +232,7 @@ def _children_cpu_s() -> float:
 
 
 def _why(code: int, said: str) -> str:
-    """Last complaint of a run that ended badly."""
+    """Last error message of a failed run."""
     if "increment size smaller than minimum" in said or "too many cutbacks" in said:
         return "CalculiX did not converge"
     complaints = re.findall(r"\*ERROR[^\n]*(?:\n +[^\s*][^\n]*)?", said)
@@ -249,7 +249,7 @@ def _last_block(text: str, title: str) -> str:
 
 
 def _force(text: str, site: int) -> tuple[float, float]:
-    """Size of a pair's force and its moment about O1."""
+    """Amount of a pair's force and its moment about O1."""
     slave, master = surface_name(site, 1), surface_name(site, 2)
     title = rf"statistics for slave set {slave}, master set {master} and time"
     found = list(re.finditer(title, text))

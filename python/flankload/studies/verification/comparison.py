@@ -1,4 +1,4 @@
-"""One position by flankload and by nonlinear finite elements, side by side."""
+"""Comparison of one position by flankload and by nonlinear finite elements."""
 
 from __future__ import annotations
 
@@ -36,31 +36,31 @@ class Verification:
     Attributes
     ----------
     name : str
-        Of the scene.
+        Name of the scene.
     position : int
         Index of the position.
     position_rad, torque_Nm, face_width_mm, reference_radius_mm : float
     sites : (S,) array
         Pair numbers.
     rotation_rad : float
-        Of body 1, by flankload.
+        Rotation of body 1, by flankload.
     site_force_N, peak_pressure_MPa : (S,) arrays
-        By flankload.
+        Values of flankload.
     corner_contact : (S,) bool array
-        The pair works on a sharp corner, where no peak pressure means anything.
+        Contact on a sharp corner, where peak pressures are meaningless.
     job_cpu_s, position_cpu_s : float
-        Flankload's CPU seconds for all positions of the scene, finite elements included, and for
+        Flankload's CPU seconds for all positions of the scene, including finite elements, and for
         one more position.
     positions : int
-        How many positions the job had.
+        Number of positions of the scene.
     nodes, elements : int
-        Of the deck.
+        Size of the deck.
     finest_mm : float
         Length of its elements at the contacts.
     deck : Path or None
-        The input file; None where it was in a temporary folder that is gone.
+        The input file; None if it was in a deleted temporary folder.
     calculix : Answer or None
-        What CalculiX found, per mm of width; None where it was not asked.
+        Solution of CalculiX, per mm of width; None if it was not run.
     """
 
     name: str
@@ -85,14 +85,14 @@ class Verification:
 
     @property
     def rotation_difference(self) -> float:
-        """Flankload's rotation over that of CalculiX, less one; NaN where it was not asked."""
+        """Flankload's rotation divided by that of CalculiX, minus one; NaN if that was not run."""
         if self.calculix is None:
             return float("nan")
         return self.rotation_rad / self.calculix.rotation_rad - 1.0
 
     @property
     def share_difference(self) -> Floats:
-        """(S,) Flankload's load shares less those of CalculiX; NaN where it was not asked."""
+        """(S,) Flankload's load shares minus those of CalculiX; NaN if that was not run."""
         if self.calculix is None:
             return np.full(self.sites.size, np.nan)
         other = self.calculix.force_N_per_mm
@@ -103,7 +103,7 @@ class Verification:
         return json_of(self)
 
     def table(self) -> str:
-        """Return both programs side by side as text."""
+        """Return the results of both programs side by side as text."""
         return text_of(self)
 
 
@@ -118,30 +118,30 @@ def verify(
     large_displacement: bool = False,
     program: str = "ccx",
 ) -> Verification:
-    """Solve one position of a scene by nonlinear finite elements, too.
+    """Solve one position of a scene by nonlinear finite elements as well.
 
-    Both whole bodies go to CalculiX as they stand at that position, with elements that are fine at
-    the contacts; it knows neither pressure modes nor influence numbers, and its own output says
-    rotation, forces and pressures. Flankload's answer decides only how fine the elements are and
-    which flanks are near enough to be watched.
+    Both whole bodies are passed to CalculiX in their places at that position, with fine elements at
+    the contacts; it uses neither pressure modes nor influence coefficients, and rotation, forces
+    and pressures are its own output. Flankload's solution only determines the element size and the
+    flanks that are near enough for a contact pair.
 
     Parameters
     ----------
     scene : Scene
-        Of a list of torques the largest one counts.
+        The largest of a list of torques is used.
     position : int
         Index into the scene's positions.
     folder : path, optional
-        Where deck.inp and the files of CalculiX go and stay; absent: a temporary folder, which
-        stays only where CalculiX was not asked or gave no answer.
+        Folder for deck.inp and the files of CalculiX, which are kept; by default a temporary
+        folder, which is kept only if CalculiX was not run or found no solution.
     run : bool
-        False: the deck is written and not solved.
+        False: the deck is written but not solved.
     time_limit_s : float, optional
-        Wall-clock seconds that CalculiX may take.
+        Wall-clock limit of CalculiX.
     elements_per_half_width : float
         Elements on the half-width of a Hertz contact.
     large_displacement : bool
-        CalculiX follows the deformation of the geometry.
+        Whether CalculiX includes the deformation of the geometry.
     program : str
         Name or path of CalculiX.
 
@@ -152,9 +152,10 @@ def verify(
     Raises
     ------
     SceneError
-        If there is no such position, a body has no elements, or no torque loads it.
+        If there is no such position, a body has no elements, or there is no torque.
     OtherProgramError
-        If CalculiX is missing or has no answer; its files stay where `folder` of the error says.
+        If CalculiX is missing or finds no solution; its files are kept in `folder` of the
+        exception.
     """
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
@@ -217,7 +218,7 @@ def verify(
 
 
 def _result(scene: Scene, position: int) -> Result:
-    """Flankload's own answer for the largest torque."""
+    """Flankload's own result for the largest torque."""
     if not any(scene.torques_Nm):
         raise SceneError(
             file=scene.file, key="load.torque_Nm", expected="a torque to hold", found="0"

@@ -1,7 +1,7 @@
-"""Where flanks may touch at a position, how wide, and how fine the elements must be there.
+"""Places where flanks may touch at a position, with their width and element size.
 
-Seen from the exact curves alone: both flanks are sampled, and the gap is the angle about O1 between
-them on the same radius.
+From the exact curves alone: both flanks are sampled, and the gap is the angle about O1 between them
+on the same radius.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Places on a flank at which the gap is looked at.
+#: Number of sample points on a flank for the gap.
 SAMPLES = 600
-#: The zone of fine elements reaches as far as half-widths of a contact that carries the load.
+#: Size of the zone of fine elements, in half-widths of a contact that carries the load.
 ZONE_HALF_WIDTHS = 1.6
-#: A flank that carries nothing by the other reckoning is meshed for this part of the whole load.
+#: Least force for the mesh of a flank that is unloaded in flankload, as part of the whole load.
 LEAST_PART = 0.25
-#: Fine elements are at most this part of a flank's length.
+#: Largest length of fine elements as part of a flank's length.
 LARGEST_PART = 1.0 / 24.0
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a pair of flanks may touch.
+    """Place where a pair of flanks may touch.
 
     Attributes
     ----------
     site : int
         Pair number.
     gap_rad : float
-        Least gap: angle by which body 1 must turn until the flanks touch.
+        Least gap: rotation of body 1 until the flanks touch.
     element_mm : float
         Wanted length of the elements there.
     points : (k, 2) array
-        Places about which elements are fine, no further apart than they are long, mm.
+        Centres of fine elements, at distances of at most one element length, mm.
     """
 
     site: int
@@ -64,21 +64,22 @@ def contact_places(
     elements_per_half_width: float,
     plane: str,
 ) -> tuple[Place, ...]:
-    """Places where flanks can touch before body 1 has turned far beyond its rotation.
+    """Places at which flanks can touch before body 1 has turned far beyond its rotation.
 
     Parameters
     ----------
     pair : BodyPair
     turns : (float, float)
-        Turns of both bodies' frames, rad.
+        Rotations of both bodies' frames, rad.
     force_N_per_mm : dict of int to float
-        About what each pair carries; decides how fine elements are.
+        Approximate force of each pair; determines the element size.
     rotation_rad : float
-        About how far body 1 turns.
+        Approximate rotation of body 1.
     reach : float
-        Flanks further apart than this many times the way from the first touch are left out.
+        Flanks are omitted if their gap exceeds this multiple of the rotation after the first
+        contact.
     elements_per_half_width : float
-        Of a Hertz contact under that force.
+        Elements on the half-width of a Hertz contact under that force.
     plane : {"strain", "stress"}
 
     Returns
@@ -118,7 +119,8 @@ def contact_places(
         s_2 = curves[1].arc_length_of(points[best] - [pairing.center_distance_mm, 0.0])[0]
         bend = float(curves[0].curvature([s_1[best]])[0] + curves[1].curvature(s_2)[0])
         longest = LARGEST_PART * min(curve.length_mm for curve in curves)
-        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch all over
+        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch over their whole
+        # length
         width = np.sqrt(2 * force * give / bend) if bend > 0 else np.inf
         size = min(width / elements_per_half_width, longest)
         near = (gaps - gaps[best]) * lever <= ZONE_HALF_WIDTHS**2 * force * give
@@ -141,7 +143,7 @@ def _cross(a: Floats, b: Floats) -> float:
 def _gaps(
     curve_1: FlankCurve, curve_2: FlankCurve, distance_mm: float, pitch_rad: float
 ) -> tuple[Floats, Floats, Floats] | None:
-    """Gap angles, arc lengths on flank 1 and places of its samples that have a mate opposite."""
+    """Gap angles, arc lengths on flank 1 and places of its samples that have an opposite point."""
     s = np.linspace(0.0, curve_1.length_mm, SAMPLES)
     points = curve_1.point(s)
     mate = curve_2.point(np.linspace(0.0, curve_2.length_mm, SAMPLES))
@@ -160,7 +162,7 @@ def _gaps(
 
 
 def _spread(points: Floats, middle: Floats, size: float) -> Floats:
-    """Some of the points, about `size` apart, and the middle one."""
+    """Some of the points, about `size` apart, including the middle one."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     chosen = np.unique((along / size).astype(int), return_index=True)[1]
     return np.vstack([points[chosen], points[-1:], middle[None]])

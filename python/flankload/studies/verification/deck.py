@@ -1,6 +1,6 @@
-"""The deck: both bodies in quadratic plane elements, contact, supports and torque, for CalculiX.
+"""Input deck for CalculiX: bodies in quadratic plane elements, contact, supports and torque.
 
-Everything is per mm of face width. Names that the reader of the output looks for stand here: node
+Everything is per mm of face width. The names for the reader of the output are defined here: node
 set AXIS_1 (its first component is the rotation of body 1), surfaces PAIR_<j>_BODY_<z>.
 """
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Contact pressure per mm of overlap, MPa/mm: 1000 MPa overlap by 0.01 um.
+#: Contact pressure per mm of overlap, MPa/mm: 1000 MPa cause an overlap of 0.01 um.
 PENALTY = 1e8
 #: Shear stress per mm of slip before flanks slide, MPa/mm: 150 MPa are reached after 0.03 um.
 STICK = 5e6
-#: An iteration is the last one when it moves nodes by less than this part of all; CalculiX would
-#: stop at a hundredth, which leaves 0.05 % in the rotation.
+#: An iteration is the last one if its largest correction is below this part of the displacement;
+#: the default of CalculiX is 0.01, which leaves 0.05 % in the rotation.
 CORRECTION = 1e-5
 #: Six-node plane elements of CalculiX.
 ELEMENT = {"strain": "CPE6", "stress": "CPS6"}
@@ -42,10 +42,10 @@ class Part:
     Attributes
     ----------
     nodes : (N, 2) array
-        mm, where the body stands.
+        mm, at the place of the body.
     cells : (m, 6) array
     held : array
-        Nodes that are held.
+        Fixed nodes.
     flanks : tuple of (k, 2) arrays
         Element and side (1 to 3) of each pair's surface.
     material : Material
@@ -60,16 +60,16 @@ class Part:
 
 @dataclass(frozen=True)
 class Rubbing:
-    """Friction of a deck: flanks must have slid before they rub as they do in motion.
+    """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
     Attributes
     ----------
     coefficients : tuple of float
-        Of each pair of the deck.
+        Coefficient of each pair of the deck.
     center_distance_mm : float
-        Where body 2 turns.
+        Distance to the axis of body 2.
     back_rad : float
-        Turn of body 2 from the position that is asked to the one before, from where it slides.
+        Rotation of body 2 from the requested position to the previous one, at which sliding begins.
     """
 
     coefficients: tuple[float, ...]
@@ -79,22 +79,22 @@ class Rubbing:
 
 @dataclass(frozen=True)
 class Deck:
-    """What the input file says.
+    """Content of the input file.
 
     Attributes
     ----------
     title : str
     parts : two Part
-        Body 1 turns about the origin; body 2 is held.
+        Body 1 rotates about the origin; body 2 is fixed.
     sites : tuple of int
         Pair number of each of `Part.flanks`.
     torque_N : float
         Torque per mm of width, N mm/mm.
     start_rad : float
-        Angle by which body 1 stands turned already; its rotation is this and that of its axis.
+        Initial rotation of body 1; its total rotation is this plus that of its axis.
     plane : {"strain", "stress"}
     large_displacement : bool
-        Geometry follows the deformation.
+        Whether the geometry follows the deformation.
     rubbing : Rubbing or None
         None without friction.
     """
@@ -110,7 +110,7 @@ class Deck:
 
     @property
     def node_count(self) -> int:
-        """Nodes of both bodies."""
+        """Number of nodes of both bodies."""
         return sum(len(part.nodes) for part in self.parts)
 
     def axis_node(self, body: int) -> int:
@@ -124,9 +124,9 @@ def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
     Parameters
     ----------
     mesh : Triangles
-        Where the body stands.
+        Mesh at the place of the body.
     n_flanks : int
-        Flanks that may touch.
+        Number of flanks that may touch.
     material : Material
 
     Returns
@@ -136,7 +136,7 @@ def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
     nodes, cells, middles = quadratic(mesh)
     border = mesh.border
     held = np.unique(np.concatenate([border.ends[border.held].ravel(), middles[border.held]]))
-    # the element and side that each of the border's middle nodes belongs to
+    # element and side that contain each middle node of the border
     owner = np.zeros((len(nodes), 2), dtype=np.int64)
     for side in range(3):
         owner[cells[:, 3 + side]] = np.stack(
@@ -147,7 +147,7 @@ def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
 
 
 def surface_name(site: int, body: int | None = None) -> str:
-    """Name of a pair, or of its surface on body 1 or 2; M stands for minus."""
+    """Name of a pair, or of its surface on body 1 or 2; M means minus."""
     name = f"PAIR_{'M' if site < 0 else ''}{abs(site)}"
     return name if body is None else f"{name}_BODY_{body}"
 
@@ -193,7 +193,7 @@ def _lines(deck: Deck) -> Iterator[str]:
 
 
 def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
-    """The held nodes of a body turn about its axis as one: u = (-y, x) times the rotation."""
+    """Constrain the fixed nodes of a body to rotate about its axis: u = (-y, x) times rotation."""
     axis = deck.axis_node(body)
     part = deck.parts[body - 1]
     first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
@@ -252,7 +252,7 @@ def _body(part: Part, z: int, kind: str, first_node: int, first_element: int) ->
 
 
 def _number(value: float) -> str:
-    """A number in at most 20 characters: of more CalculiX reads the first 20, without a word."""
+    """A number in at most 20 characters: CalculiX silently ignores further characters."""
     return f"{value:.13g}"
 
 

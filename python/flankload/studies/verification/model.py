@@ -1,4 +1,4 @@
-"""From a scene and a position to a deck: whole bodies, fine where flanks may touch."""
+"""Deck of a scene at a position: whole bodies with fine meshes near possible contacts."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Elements of the coarse mesh along the flanks in modules, and on splines; far teeth keep them.
+#: Element length of the coarse mesh along the flanks in modules, and on splines; kept on far teeth.
 COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
-#: Sides grow by this much per mm of distance from the contact.
+#: Growth of the sides per mm of distance from the contact.
 GROWTH = 0.2
-#: Body 1 stands turned so far into its mate at the start, in parts of its deflection: flanks that
-#: do not touch would leave it free.
+#: Initial rotation of body 1 into its mate, relative to its deflection: without contact at the
+#: start it would be free.
 START_PART = 0.05
-#: Turn of body 1 by which flanks with friction slide before they stand at the position.
+#: Rotation of body 1 by which flanks with friction slide before they reach the position.
 SLIDING_RAD = 2e-3
-#: Flanks are watched up to so many times the deflection.
+#: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 3.0
 
 
 @dataclass(frozen=True)
 class Model:
-    """A deck and what its reader must know.
+    """A deck and data for its reader.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Model:
 
 
 def check_bodies(scene: Scene) -> None:
-    """Refuse bodies that have no elements.
+    """Refuse bodies without finite elements.
 
     Raises
     ------
@@ -117,7 +117,8 @@ def model_of(
     ----------
     scene : Scene
     result : Result
-        Its answer: says how fine elements must be and how far to look, nothing else.
+        Flankload's result: only determines the element size and the range of the search for
+        contacts.
     position : int
     elements_per_half_width : float
         Elements on the half-width of a Hertz contact.
@@ -171,7 +172,7 @@ def model_of(
 
 
 def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) -> Rubbing | None:
-    """Friction of the watched pairs.
+    """Friction of the pairs in the deck.
 
     Parameters
     ----------
@@ -181,12 +182,12 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
 
     Returns
     -------
-    Rubbing, or None where there is no friction or nothing slides
+    Rubbing, or None without friction or sliding
 
     Raises
     ------
     SceneError
-        If a coefficient changes along a flank.
+        If a coefficient varies along a flank.
     """
     friction, pairing = pair.friction, pair.pairing
     if friction is None or pairing.center_distance_mm == 0.0:
@@ -207,7 +208,7 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
 
 
 def _coarse_bodies(scene: Scene) -> BodyPair:
-    """Both bodies with coarse elements where flankload makes them itself."""
+    """Both bodies, with coarse elements if flankload makes their meshes."""
     module = next(
         (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
         None,
@@ -230,7 +231,7 @@ def _flanks_of(pair: BodyPair, z: int, places: tuple[Place, ...]) -> tuple[tuple
 
 
 def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
-    """Longest side of an element by its place."""
+    """Function for the longest side of an element, by its place."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(np.vstack([place.points for place in places]))
@@ -249,7 +250,7 @@ def _part(
     stand: tuple[float, float, float],
     size: Callable[[Floats], Floats],
 ) -> Part:
-    """One body: refined as it stands at the position, then turned further by the start."""
+    """One body: refined at its place at the position, then rotated by the initial angle."""
     turn, further, shift = stand
     c, s = np.cos(turn), np.sin(turn)
     to_place = np.array([[c, s], [-s, c]])

@@ -1,7 +1,7 @@
-"""Local refinement: triangles are halved across their longest side until they are small enough.
+"""Local refinement of triangles by bisection of their longest sides.
 
-Halving goes on to the neighbours until no vertex stands in the middle of a side; angles stay above
-half the smallest one of the start (Rivara). New vertices of a flank stand on its curve.
+Bisection extends to the neighbours until no vertex lies in the middle of a side; angles stay above
+half the smallest initial angle (Rivara). New vertices of a flank lie on its curve.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     Numbers = NDArray[np.int64]
     Flags = NDArray[np.bool_]
 
-#: Halvings of a triangle at the most: from a body's size to a ten-thousandth of it.
+#: Largest number of bisections of a triangle: from a body's size to a ten-thousandth of it.
 MOST_HALVINGS = 60
-#: Least Jacobian of a triangle, in parts of its mean; a straight one has 1.
+#: Least Jacobian of a triangle relative to its mean; a straight triangle has 1.
 LEAST_JACOBIAN = 0.4
 
 
 def refined(mesh: Triangles, size_at: Callable[[Floats], Floats]) -> Triangles:
-    """Refine until no side is longer than wanted and none on the border too bent.
+    """Refine until no side is longer than wanted and no border side is bent too much.
 
     Parameters
     ----------
     mesh : Triangles
     size_at : callable
-        Places (m, 2) to the longest side that a triangle there may have (m,), mm.
+        Function from places (m, 2) to the largest allowed side of a triangle there (m,), mm.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def refined(mesh: Triangles, size_at: Callable[[Floats], Floats]) -> Triangles:
 
 
 def _bent(mesh: Triangles) -> Flags:
-    """Triangles that a curved side of the border comes near to inverting."""
+    """Triangles that a curved side of the border nearly inverts."""
     nodes, cells, middles = quadratic(mesh)
     on_border = np.zeros(len(nodes), dtype=bool)
     on_border[middles] = True
@@ -69,7 +69,7 @@ def _lengths(places: Floats) -> Floats:
 
 
 def _halved(mesh: Triangles, marked: Flags) -> Triangles:
-    """Halve marked triangles, and those that must follow."""
+    """Bisect marked triangles, and those that must follow."""
     own, ends = sides(mesh.corners)
     longest = _lengths(mesh.vertices[mesh.corners]).argmax(axis=1)
     rows = np.arange(len(own))
@@ -86,7 +86,7 @@ def _halved(mesh: Triangles, marked: Flags) -> Triangles:
     middles[border_side] = mesh.border.middles
     new = np.full(len(ends), -1)
     new[parted] = count + np.arange(int(parted.sum()))
-    # turned so that the longest side comes first
+    # rotated so that the longest side comes first
     order = (longest[:, None] + np.arange(3)) % 3
     corners = np.take_along_axis(mesh.corners, order, axis=1)
     vertices = np.concatenate([mesh.vertices, middles[parted]])
@@ -99,7 +99,7 @@ def _halved(mesh: Triangles, marked: Flags) -> Triangles:
 
 
 def _parts(corners: Numbers, new: Numbers) -> Numbers:
-    """Triangles after halving; `new` (m, 3) are the vertices on their sides, -1 where none."""
+    """Triangles after bisection; `new` (m, 3) are the vertices on their sides, -1 if none."""
     (a, b, c), (p, q, r) = corners.T, new.T
     none, second, third = p < 0, q >= 0, r >= 0
     once = ~none
@@ -116,14 +116,14 @@ def _parts(corners: Numbers, new: Numbers) -> Numbers:
 
 
 def _halved_border(mesh: Triangles, new: Numbers) -> Border:
-    """The border with its parted sides as two; `new` (k,) are the vertices on them, or -1."""
+    """The border with bisected sides; `new` (k,) are the vertices on them, or -1."""
     old = mesh.border
     keep, part = new < 0, new >= 0
     ends, s = old.ends[part], old.s[part]
     at = new[part]
     a, b, m = mesh.vertices[ends[:, 0]], mesh.vertices[ends[:, 1]], old.middles[part]
     s_middle = s.mean(axis=1)
-    # a quarter and three quarters of the way on the parabola through both ends and the middle
+    # at one and three quarters of the parabola through both ends and the middle
     first = 0.375 * a + 0.75 * m - 0.125 * b
     second = -0.125 * a + 0.75 * m + 0.375 * b
     flank = old.flank[part]

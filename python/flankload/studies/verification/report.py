@@ -20,12 +20,12 @@ def json_of(v: Verification) -> str:
 
 
 def text_of(v: Verification) -> str:
-    """Return both programs side by side."""
+    """Return the results of both programs side by side."""
     return "\n".join(line.rstrip() for line in _lines(v))
 
 
 def tree_of(v: Verification) -> dict[str, Any]:
-    """Return everything by name, with units; loads of the whole width."""
+    """Return all results by name, with units; loads of the whole width."""
     tree: dict[str, Any] = {
         "name": v.name,
         "position": v.position,
@@ -114,7 +114,7 @@ def _lines(v: Verification) -> Iterator[str]:
 def _row(
     what: str, ours: float, theirs: float | None, form: str, scale: float | None = None
 ) -> str:
-    """A line; the difference in parts of the other's number, of a total where there is one."""
+    """A line; the difference is relative to the second value, or to a total if there is one."""
     text = f"{what:<24}{ours:>14{form}}"
     if theirs is None:
         return f"{text}{'-':>16}{'-':>16}"

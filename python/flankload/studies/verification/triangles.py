@@ -1,7 +1,7 @@
-"""Triangles of a whole body, with the border that knows the exact flank curves.
+"""Triangles of a whole body, with a border on the exact flank curves.
 
-Corners only: a side is straight inside the body and goes through its own middle on the border.
-`refine.py` halves triangles, `quadratic` hands over six-node elements.
+Only corners are stored: a side is straight inside the body and has its own middle node on the
+border. `refine.py` bisects triangles, `quadratic` returns six-node elements.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Nodes nearer to each other than this part of the shortest edge are one node.
+#: Nodes closer to each other than this part of the shortest edge are merged.
 SAME_NODE = 0.05
-#: Border nodes nearer to a flank curve than this part of its length stand on it.
+#: Border nodes closer to a flank curve than this part of its length lie on it.
 ON_CURVE = 1e-4
 
 
@@ -36,13 +36,13 @@ class Border:
     Attributes
     ----------
     ends : (k, 2) array
-        Vertices; the material lies on the left.
+        Vertices; the material is on the left.
     middles : (k, 2) array
         Places, mm.
     flank : (k,) array
-        Number of the flank curve that the side lies on, -1 where on none.
+        Number of the flank curve of the side, -1 if none.
     s : (k, 2) array
-        Arc lengths of both ends on that curve, mm; NaN where on none.
+        Arc lengths of both ends on that curve, mm; NaN if none.
     held : (k,) bool array
     """
 
@@ -65,7 +65,7 @@ class Triangles:
         Counter-clockwise.
     border : Border
     curves : tuple of FlankCurve
-        Those that `border.flank` counts, where they stand.
+        The curves numbered by `border.flank`, at their places.
     """
 
     vertices: Floats
@@ -75,15 +75,15 @@ class Triangles:
 
 
 def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
-    """The whole of a body from its mesh, in the body's own frame.
+    """Mesh of a whole body, in the body's own frame.
 
     Parameters
     ----------
     body : Body
         With a mesh.
     flanks : tuple of (int, float)
-        Tooth and angle (rad) of each flank that may touch; a flank that stands beside its equal
-        share takes the border with it.
+        Tooth and angle (rad) of each flank that may touch; a flank with pitch error moves the
+        border with it.
 
     Returns
     -------
@@ -129,9 +129,9 @@ def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
 
 
 def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
-    """The same body turned about its axis, which then stands at (shift, 0).
+    """The same body rotated about its axis, which is then at (shift, 0).
 
-    Its curves stay in the body's frame and are left out.
+    Its curves remain in the body's frame and are omitted.
     """
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     turn = np.array([[c, s], [-s, c]])
@@ -161,17 +161,17 @@ def quadratic(mesh: Triangles) -> tuple[Floats, Numbers, Numbers]:
 
 
 def sides(corners: Numbers) -> tuple[Numbers, Numbers]:
-    """Sides of triangles: their numbers (m, 3) for 0-1, 1-2, 2-0, and their ends (e, 2), sorted."""
+    """Sides of triangles: numbers (m, 3) for 0-1, 1-2, 2-0, and sorted ends (e, 2)."""
     other = np.roll(corners, -1, axis=1)
     count = int(corners.max()) + 1
-    # one number for both ends: much faster to sort than pairs
+    # a single number for both ends is much faster to sort than pairs
     keys = np.minimum(corners, other) * count + np.maximum(corners, other)
     keys, numbers = np.unique(keys, return_inverse=True)
     return numbers.reshape(-1, 3), np.stack(np.divmod(keys, count), axis=1)
 
 
 def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
-    """Places of sides (k, 2) among sorted sides (e, 2) of `count` vertices."""
+    """Indices of sides (k, 2) among sorted sides (e, 2) of `count` vertices."""
     keys = ends[:, 0] * count + ends[:, 1]
     low, high = wanted.min(axis=1), wanted.max(axis=1)
     return np.searchsorted(keys, low * count + high)
@@ -180,7 +180,7 @@ def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
 def _all_sectors(
     mesh: SectorMesh,
 ) -> tuple[Floats, tuple[tuple[str, Numbers], ...], Numbers]:
-    """All sectors of a body; nodes on the cuts are one."""
+    """All sectors of a body, with merged nodes on the cuts."""
     from scipy.spatial import cKDTree
 
     n = len(mesh.nodes)
@@ -206,7 +206,7 @@ def _all_sectors(
 def _given_arc_lengths(
     body: Body, mesh: SectorMesh | WholeMesh, nodes: Floats
 ) -> dict[int, Floats]:
-    """Arc lengths that the mesh itself knows, over all nodes, by tooth."""
+    """Arc lengths stored in the mesh, over all nodes, by tooth."""
     if not isinstance(mesh, SectorMesh):
         return {flank.tooth: flank.flank_arc_length for flank in mesh.flanks}
     n = len(mesh.nodes)
@@ -219,7 +219,7 @@ def _given_arc_lengths(
 
 
 def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats | None) -> Floats:
-    """Arc lengths (N,) of the border nodes that stand on a flank; NaN elsewhere."""
+    """Arc lengths (N,) of the border nodes on a flank; NaN elsewhere."""
     border = np.unique(edges)
     samples = curve.point(np.linspace(0.0, curve.length_mm, 64))
     low, high = samples.min(axis=0), samples.max(axis=0)
@@ -236,7 +236,7 @@ def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats
 
 
 def _triangles(nodes: Floats, cells: tuple[tuple[str, Numbers], ...]) -> Numbers:
-    """Corners of triangles: quadrilaterals are parted along their shorter diagonal."""
+    """Corners of triangles: quadrilaterals are split along their shorter diagonal."""
     parts = []
     for kind, data in cells:
         if kind.startswith("triangle"):
