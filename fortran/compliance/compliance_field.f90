@@ -5,7 +5,8 @@
 !> load falls off to the neighbours of its node, and strips and jumps are in the tables.
 !>
 !> On a flank with two ends modes are Legendre polynomials, and the near field is a logarithm of the
-!> distance; on a closed one they are harmonics of a turn, and its logarithm that of the chord.
+!> distance, with a mirror image of the load behind each free corner where the modes end; on a
+!> closed one they are harmonics of a turn, and its logarithm that of the chord.
 module flankload_compliance_field
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -25,6 +26,10 @@ module flankload_compliance_field
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
         real(wp) :: kernel = 0.0_wp
+        !> Free corners where the modes' range ends, at s_low and s_high: the flank moves by
+        !> -kernel*wedge*ln((d + d')/mm) besides, d and d' the distances of both places from the
+        !> corner; 0 where the surface goes on smoothly
+        real(wp) :: wedge(2) = 0.0_wp
         !> True where the modes' range is a closed curve
         logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)

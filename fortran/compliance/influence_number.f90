@@ -6,7 +6,7 @@
 module flankload_influence_number
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
-    use flankload_near_field, only: add_closed_near_field, add_near_field
+    use flankload_near_field, only: add_near_field
     use flankload_contact_pairs, only: pairs_type
     use flankload_lapack, only: set_product
     use flankload_tabled_influence, only: add_table, table_remainder
@@ -67,9 +67,9 @@ contains
         do while (load_first <= n)
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
-            call add_near_field_of(body_1, pairs%s_1(load_first:load_last), &
+            call add_near_field(body_1, pairs%s_1(load_first:load_last), &
                 & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eq. (5), (13)
-            call add_near_field_of(body_2, pairs%s_2(load_first:load_last), &
+            call add_near_field(body_2, pairs%s_2(load_first:load_last), &
                 & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
             load_first = load_last + 1
         end do
@@ -104,7 +104,7 @@ contains
             first = 1
             do while (first <= size(s))
                 last = last_of_site(site, first)
-                call add_near_field_of(body, s(first:last), cell(first:last), first, matrix)
+                call add_near_field(body, s(first:last), cell(first:last), first, matrix)
                 first = last + 1
             end do
         end if
@@ -114,26 +114,6 @@ contains
             end do
         end do
     end subroutine normal_influences
-
-    !> Near field of a body between the cells of one site.
-    pure subroutine add_near_field_of(body, s, cell, first, matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Arc length and width of the cells [mm], shape (m)
-        real(wp), contiguous, intent(in) :: s(:)
-        real(wp), contiguous, intent(in) :: cell(:)
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
-
-        if (body%closed) then
-            call add_closed_near_field(s, cell, body%s_high - body%s_low, body%kernel, first, &
-                & matrix)
-        else
-            call add_near_field(s, cell, body%kernel, first, matrix)
-        end if
-    end subroutine add_near_field_of
 
     !> What both bodies recede by their modes under the pairs of one site; in the lower triangle and
     !> in what of the site's own block stands above it.

@@ -1,12 +1,29 @@
-!> Near field of a body between the cells of one site: strips on a half-plane, under a logarithm.
+!> Near field of a body at the cells of one site, or at places as wholes: strips on a half-plane,
+!> under a logarithm, and their mirror images behind free corners.
+!>
+!> Beside a free corner of interior angle w the flank moves under a force by
+!> -c0 [ln|s - s'| + psi ln(d + d')], d and d' the distances from the corner (Eq. (W1) of
+!> `README.md`): by the logarithm of a half-plane, and by that of a mirror image of the load, whose
+!> strength psi(w) is that of a wedge under a force at its apex.
 module flankload_near_field
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: closed_strip_kernel, mean_strip_kernel, &
+    use flankload_compliance_field, only: closed_strip_kernel, compliance_type, mean_strip_kernel, &
         & strip_kernel
     implicit none
     private
 
-    public :: add_near_field, add_closed_near_field
+    public :: image_type
+    public :: add_near_field, image_recession, near_field_between, new_image
+
+    !> The mirror images of a place of contact behind both ends of its flank.
+    type :: image_type
+        !> Strengths of their logarithms [mm/N]
+        real(wp) :: kernel(2) = 0.0_wp
+        !> Distances of the place from the ends [mm]
+        real(wp) :: distance(2) = 1.0_wp
+        !> By what these grow where the place moves along flank 1: flank 2 is run down
+        real(wp) :: sense(2) = [1.0_wp, -1.0_wp]
+    end type image_type
 
     !> Cells so far apart are far from each other, and widths that differ by no more than this are
     !> nearly even: what a logarithm of their distance has beyond one of even cells is a short sum.
@@ -16,35 +33,139 @@ module flankload_near_field
 contains
 
     !> Add to K how cells of a site recede under each other; to its lower triangle only.
-    pure subroutine add_near_field(s, cell, kernel, first, matrix)
+    pure subroutine add_near_field(body, s, cell, first, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
         !> Arc length and width of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
-        !> Strength of the logarithm [mm/N]; 0 if the body is rigid
-        real(wp), intent(in) :: kernel
         !> Row and column of the first cell
         integer, intent(in) :: first
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        if (.not. kernel > 0.0_wp) return
-        if (is_even(s, cell)) then
-            call add_even(cell(1), size(s), kernel, first, matrix)
+        integer :: end
+
+        if (.not. body%kernel > 0.0_wp) return
+        if (body%closed) then
+            call add_closed(s, cell, body%s_high - body%s_low, body%kernel, first, matrix)
+        else if (is_even(s, cell)) then
+            call add_even(cell(1), size(s), body%kernel, first, matrix)
         else if (is_nearly_even(s, cell)) then
-            call add_nearly_even(s, cell, kernel, first, matrix)
+            call add_nearly_even(s, cell, body%kernel, first, matrix)
         else
-            call add_uneven(s, cell, kernel, first, matrix)
+            call add_uneven(s, s, cell, body%kernel, first, matrix)
         end if
+        do end = 1, 2
+            if (body%wedge(end) > 0.0_wp) call add_images(from_end(body, end, s, 0.5_wp*cell), &
+                & cell, body%kernel*body%wedge(end), first, matrix)   ! Eq. (W1)
+        end do
     end subroutine add_near_field
 
-    !> The same on a closed flank: the logarithm of the chord.
-    pure subroutine add_closed_near_field(s, cell, length, kernel, first, matrix)
+    !> Recession at one place under a unit force at another on the same flank [mm/N].
+    elemental function near_field_between(body, s_i, s_j, width) result(recession)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Both arc lengths [mm]
+        real(wp), intent(in) :: s_i
+        real(wp), intent(in) :: s_j
+        !> Width over which the force is spread [mm]
+        real(wp), intent(in) :: width
+        real(wp) :: recession
+
+        integer :: end
+
+        recession = 0.0_wp
+        if (.not. body%kernel > 0.0_wp) return
+        if (body%closed) then
+            recession = closed_strip_kernel(s_i - s_j, width, width, body%s_high - body%s_low, &
+                & body%kernel)
+            return
+        end if
+        recession = strip_kernel(s_i - s_j, width, body%kernel)
+        do end = 1, 2
+            if (body%wedge(end) > 0.0_wp) recession = recession &
+                & + strip_kernel(from_end(body, end, s_i, 0.5_wp*width) &
+                & + from_end(body, end, s_j, 0.5_wp*width), width, body%kernel*body%wedge(end))
+        end do
+    end function near_field_between
+
+    !> The mirror images of a place of contact behind the ends of one body's flank.
+    elemental function new_image(body, s, flank) result(image)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Arc length of the place on its flank [mm]
+        real(wp), intent(in) :: s
+        !> Which body that is: 1 or 2
+        integer, intent(in) :: flank
+        type(image_type) :: image
+
+        image%kernel = body%kernel*body%wedge
+        image%distance = [s - body%s_low, body%s_high - s]
+        if (flank == 2) image%sense = -image%sense
+    end function new_image
+
+    !> What its mirror images let a contact recede under a unit force.
+    !>
+    !> The middle of the contact stands for all of it: even where it ends in the corner, Hertz's
+    !> pressure moves that by 0.033 of the strength more.
+    pure subroutine image_recession(images, reach, recession, by_reach)
+        !> The images of its place behind the ends of a flank, or of both flanks
+        type(image_type), intent(in) :: images(:)
+        !> How far the contact reaches towards smaller and greater arc length of flank 1 [mm]
+        real(wp), intent(in) :: reach(2)
+        !> Recession [mm/N]
+        real(wp), intent(out) :: recession
+        !> Its derivative by both reaches [1/N]
+        real(wp), intent(out) :: by_reach(2)
+
+        integer :: k, end
+        real(wp) :: distance, slope(2)
+
+        recession = 0.0_wp
+        by_reach = 0.0_wp
+        do k = 1, size(images)
+            do end = 1, 2
+                if (.not. images(k)%kernel(end) > 0.0_wp) cycle
+                slope = 0.5_wp*images(k)%sense(end)*[-1.0_wp, 1.0_wp]
+                distance = images(k)%distance(end) + sum(slope*reach)
+                if (distance < 0.5_wp*sum(reach)) then
+                    ! a contact ends in the corner at the latest
+                    slope = 0.5_wp
+                    distance = 0.5_wp*sum(reach)
+                end if
+                recession = recession - images(k)%kernel(end)*log(2.0_wp*distance)
+                by_reach = by_reach - images(k)%kernel(end)*slope/distance
+            end do
+        end do
+    end subroutine image_recession
+
+    !> Distance of places from an end of the modes' range, with the sign of arc length [mm].
+    elemental function from_end(body, end, s, least) result(place)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> 1: s_low; 2: s_high
+        integer, intent(in) :: end
+        !> Arc length [mm], and the least distance: what lies there ends in the corner at the latest
+        real(wp), intent(in) :: s
+        real(wp), intent(in) :: least
+        real(wp) :: place
+
+        if (end == 1) then
+            place = max(s - body%s_low, least)
+        else
+            place = min(s - body%s_high, -least)
+        end if
+    end function from_end
+
+    !> Add what cells on a closed flank recede: the logarithm of the chord.
+    pure subroutine add_closed(s, cell, length, kernel, first, matrix)
         !> Arc length and width of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Length of a turn [mm]
         real(wp), intent(in) :: length
-        !> Strength of the logarithm [mm/N]; 0 if the body is rigid
+        !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
         !> Row and column of the first cell
         integer, intent(in) :: first
@@ -53,14 +174,119 @@ contains
 
         integer :: i, j
 
-        if (.not. kernel > 0.0_wp) return
         do j = 1, size(s)
             do i = j, size(s)
                 matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
                     & + closed_strip_kernel(s(i) - s(j), cell(i), cell(j), length, kernel)
             end do
         end do
-    end subroutine add_closed_near_field
+    end subroutine add_closed
+
+    !> Add what the mirror images of cells behind an end of their flank do: their distance is the
+    !> sum of both distances from that end.
+    pure subroutine add_images(place, cell, kernel, first, matrix)
+        !> Distances of the cells from the end, all of one sign, and their widths [mm], shape (m)
+        real(wp), contiguous, intent(in) :: place(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Strength of the images' logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Row and column of the first cell
+        integer, intent(in) :: first
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        !> So far beside even cells, over the distance of an image, four terms of a Taylor series
+        !> are enough: the fifth is below 1e-9. So many widths away the derivatives are those of a
+        !> logarithm, to 1e-6.
+        real(wp), parameter :: beside = 0.008_wp, widths = 20.0_wp
+        integer :: i, j, m
+        real(wp) :: step, limit, away(size(place)), of_even(0:2*size(place) - 2)
+
+        m = size(place)
+        if (is_even(place, cell)) then
+            do i = 0, 2*m - 2
+                of_even(i) = strip_kernel(2.0_wp*place(1) + i*cell(1), cell(1), kernel)
+            end do
+            do j = 1, m
+                do i = j, m
+                    matrix(first - 1 + i, first - 1 + j) = &
+                        & matrix(first - 1 + i, first - 1 + j) + of_even(i + j - 2)
+                end do
+            end do
+            return
+        end if
+        step = (place(m) - place(1))/max(1, m - 1)
+        do i = 1, m
+            away(i) = place(i) - (place(1) + (i - 1)*step)
+        end do
+        limit = max(widths*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
+        if (limit < abs(place(1) + place(m))) then
+            call add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+        else
+            call add_uneven(place, -place, cell, kernel, first, matrix)
+        end if
+    end subroutine add_images
+
+    !> Images of cells that stand nearly as even ones do: further than a limit by what those do and
+    !> its derivatives.
+    pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+        !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
+        real(wp), contiguous, intent(in) :: place(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        !> Step of even ones [mm]
+        real(wp), intent(in) :: step
+        !> What cells stand beside even ones [mm], shape (m)
+        real(wp), contiguous, intent(in) :: away(:)
+        !> Least distance of an image for the series [mm]
+        real(wp), intent(in) :: limit
+        !> Strength of the images' logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Row and column of the first cell
+        integer, intent(in) :: first
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: i, j, m, low, high
+        real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three, of_widths
+
+        m = size(away)
+        do i = 0, 2*m - 2
+            distance(i) = 2.0_wp*place(1) + i*step
+        end do
+        one = 1.0_wp/distance
+        zeroth = -kernel*log(abs(distance))
+        of_widths = kernel*one**2/24.0_wp   ! the mean over a strip is ln d - (width/d)²/24
+        two = kernel*one**2/2.0_wp
+        three = -kernel*one**3/3.0_wp
+        one = -kernel*one
+        do j = 1, m
+            ! places follow each other: far images of a cell stand side by side
+            low = j
+            high = m
+            do while (low <= high)
+                if (abs(place(low) + place(j)) >= limit) exit
+                low = low + 1
+            end do
+            do while (high >= low)
+                if (abs(place(high) + place(j)) >= limit) exit
+                high = high - 1
+            end do
+            do i = low, high
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + (zeroth(i + j - 2) + cell(i)*cell(j)*of_widths(i + j - 2) &
+                    & + (away(i) + away(j))*(one(i + j - 2) + (away(i) + away(j)) &
+                    & *(two(i + j - 2) + (away(i) + away(j))*three(i + j - 2))))
+            end do
+            do i = j, low - 1
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+            do i = high + 1, m
+                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
+            end do
+        end do
+    end subroutine add_nearly_even_images
 
     !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)
@@ -126,8 +352,7 @@ contains
         end do
     end subroutine add_even
 
-    !> Nearly even cells: from the logarithms of even ones, ln d = ln e + 2 artanh((d-e)/(d+e)), and
-    !> over a strip of half-width h the mean of ln is ln d - Σ (h/d)^2k/(2k(2k+1)).
+    !> Nearly even cells: from the logarithms of even ones.
     pure subroutine add_nearly_even(s, cell, kernel, first, matrix)
         !> Arc length and width of the cells [mm]
         real(wp), contiguous, intent(in) :: s(:)
@@ -140,7 +365,7 @@ contains
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: i, j, m
-        real(wp) :: step, distance, u, v, w, even(size(s)), log_even(size(s))
+        real(wp) :: step, even(size(s)), log_even(size(s))
 
         m = size(s)
         step = abs(s(m) - s(1))/(m - 1)
@@ -152,24 +377,45 @@ contains
                     & + strip_kernel(s(i) - s(j), sqrt(cell(i)*cell(j)), kernel)
             end do
             do i = j + far, m
-                distance = abs(s(i) - s(j))
-                u = (distance - even(i - j))/(distance + even(i - j))   ! |u| < 1/10
-                v = u**2
-                w = 0.25_wp*cell(j)*cell(i)/distance**2   ! (h/d)² < 1/64
                 matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
-                    & - kernel*(log_even(i - j) + 2.0_wp*u*(1.0_wp + v*(1.0_wp/3.0_wp &
-                    & + v*(1.0_wp/5.0_wp + v*(1.0_wp/7.0_wp + v*(1.0_wp/9.0_wp &
-                    & + v*(1.0_wp/11.0_wp + v/13.0_wp)))))) - w*(1.0_wp/6.0_wp &
-                    & + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp + w*(1.0_wp/72.0_wp &
-                    & + w*(1.0_wp/110.0_wp + w*(1.0_wp/156.0_wp + w/210.0_wp)))))))
+                    & + far_strip(abs(s(i) - s(j)), cell(j)*cell(i), even(i - j), &
+                    & log_even(i - j), kernel)
             end do
         end do
     end subroutine add_nearly_even
 
+    !> Displacement far from a strip, from the logarithm of a distance not far from its own [mm/N]:
+    !> ln d = ln e + 2 artanh((d-e)/(d+e)), and over a strip of half-width h the mean of ln is
+    !> ln d - Σ (h/d)^2k/(2k(2k+1)).
+    elemental function far_strip(distance, cells, even, log_even, kernel) result(displacement)
+        !> Distance [mm], above 0, and the square of the strip's width [mm²]
+        real(wp), intent(in) :: distance
+        real(wp), intent(in) :: cells
+        !> A distance to within a fifth of it [mm], and its logarithm
+        real(wp), intent(in) :: even
+        real(wp), intent(in) :: log_even
+        !> Strength of the logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        real(wp) :: displacement
+
+        real(wp) :: u, v, w, inverse
+
+        inverse = 1.0_wp/(distance**2*(distance + even))
+        u = (distance - even)*distance**2*inverse   ! |u| < 1/10
+        v = u**2
+        w = 0.25_wp*cells*(distance + even)*inverse   ! (h/d)² < 1/64
+        displacement = -kernel*(log_even + 2.0_wp*u*(1.0_wp + v*(1.0_wp/3.0_wp &
+            & + v*(1.0_wp/5.0_wp + v*(1.0_wp/7.0_wp + v*(1.0_wp/9.0_wp &
+            & + v/11.0_wp))))) - w*(1.0_wp/6.0_wp + w*(1.0_wp/20.0_wp + w*(1.0_wp/42.0_wp &
+            & + w*(1.0_wp/72.0_wp + w*(1.0_wp/110.0_wp + w/156.0_wp))))))
+    end function far_strip
+
     !> Cells of any widths.
-    pure subroutine add_uneven(s, cell, kernel, first, matrix)
-        !> Arc length and width of the cells [mm]
+    pure subroutine add_uneven(s, loaded, cell, kernel, first, matrix)
+        !> Arc length of the cells, and where their loads stand [mm]
         real(wp), contiguous, intent(in) :: s(:)
+        real(wp), contiguous, intent(in) :: loaded(:)
+        !> Width of the cells [mm]
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
@@ -188,9 +434,9 @@ contains
         do j = 1, size(s)
             do i = j, size(s)
                 if (is_graded) then
-                    strip = mean_strip_kernel(s(i) - s(j), cell(i), cell(j), kernel)
+                    strip = mean_strip_kernel(s(i) - loaded(j), cell(i), cell(j), kernel)
                 else
-                    strip = strip_kernel(s(i) - s(j), sqrt(cell(i)*cell(j)), kernel)
+                    strip = strip_kernel(s(i) - loaded(j), sqrt(cell(i)*cell(j)), kernel)
                 end if
                 matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) + strip
             end do

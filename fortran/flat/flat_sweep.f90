@@ -14,9 +14,9 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         & n_breaks_1, degree_1, breaks_1, coefficients_1, corners_1, &
         & n_breaks_2, degree_2, breaks_2, coefficients_2, corners_2, &
         & n_sites, site_angles_1, site_angles_2, deviations_1, deviations_2, n_sides, sides, &
-        & n_modes_1, n_blocks_1, mode_range_1, kernel_1, smooth_1, block_1, &
+        & n_modes_1, n_blocks_1, mode_range_1, kernel_1, wedge_1, smooth_1, block_1, &
         & n_nodes_1, nodes_1, &
-        & n_modes_2, n_blocks_2, mode_range_2, kernel_2, smooth_2, block_2, &
+        & n_modes_2, n_blocks_2, mode_range_2, kernel_2, wedge_2, smooth_2, block_2, &
         & n_nodes_2, nodes_2, &
         & grid, level, n_speeds, speeds, n_mu, mu_places, mu_values, &
         & n_tangential_1, tangential_1, jump_1, n_shift_1, shift_1, &
@@ -73,6 +73,10 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: n_blocks_1
     double precision, intent(in) :: mode_range_1(2)
     double precision, intent(in) :: kernel_1
+    !> Strengths psi of the mirror images behind free corners at both ends of the modes' range, by
+    !> the corner's interior angle; 0: the surface goes on smoothly, the flank is closed, or nodes
+    !> are given
+    double precision, intent(in) :: wedge_1(2)
     double precision, intent(in) :: smooth_1(n_modes_1, n_modes_1, n_blocks_1)
     integer, intent(in) :: block_1(n_sites, n_sites)
     !> Arc lengths of the flank's nodes [mm], ascending (n_nodes_1 = 0: none). With nodes, as many
@@ -85,6 +89,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     integer, intent(in) :: n_blocks_2
     double precision, intent(in) :: mode_range_2(2)
     double precision, intent(in) :: kernel_2
+    double precision, intent(in) :: wedge_2(2)
     double precision, intent(in) :: smooth_2(n_modes_2, n_modes_2, n_blocks_2)
     integer, intent(in) :: block_2(n_sites, n_sites)
     !> Nodes of its flank
@@ -190,29 +195,33 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
         if (any(abs(sides) /= 1) .or. sides(1) < 0) info = -23
         if (any(sides(2:) > sides(:n_sides - 1))) info = -23
     end if
-    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -29
-    if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -30
-    if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -31
-    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -37
-    if (n_nodes_2 /= 0 .and. (n_nodes_2 /= n_modes_2 .or. n_nodes_2 < 2)) info = -38
+    if (.not. all(ieee_is_finite(wedge_1) .and. wedge_1 >= 0.0d0)) info = -28
+    if (n_nodes_1 > 0 .and. any(wedge_1 > 0.0d0)) info = -28
+    if (any(block_1 < 1) .or. any(block_1 > max(1, n_blocks_1))) info = -30
+    if (n_nodes_1 /= 0 .and. (n_nodes_1 /= n_modes_1 .or. n_nodes_1 < 2)) info = -31
+    if (any(nodes_1(2:) <= nodes_1(:max(0, n_nodes_1 - 1)))) info = -32
+    if (.not. all(ieee_is_finite(wedge_2) .and. wedge_2 >= 0.0d0)) info = -37
+    if (n_nodes_2 > 0 .and. any(wedge_2 > 0.0d0)) info = -37
+    if (any(block_2 < 1) .or. any(block_2 > max(1, n_blocks_2))) info = -39
+    if (n_nodes_2 /= 0 .and. (n_nodes_2 /= n_modes_2 .or. n_nodes_2 < 2)) info = -40
     ! nodes of one body go with nodes of the other, unless that is rigid
-    if (n_nodes_1 > 0 .and. n_nodes_2 == 0 .and. kernel_2 > 0.0d0) info = -38
-    if (n_nodes_2 > 0 .and. n_nodes_1 == 0 .and. kernel_1 > 0.0d0) info = -30
-    if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -39
-    if (.not. all(grid > 0.0d0)) info = -40
-    if (level /= level_pairs .and. level /= level_lumped) info = -41
-    if (level == level_lumped .and. n_sides > 0) info = -41
-    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -42
-    if (.not. all(ieee_is_finite(speeds))) info = -43
-    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -46
-    if (all(n_shift_1 /= [0, n_sites])) info = -50
-    if (.not. all(ieee_is_finite(shift_1))) info = -51
-    if (all(n_shift_2 /= [0, n_sites])) info = -55
-    if (.not. all(ieee_is_finite(shift_2))) info = -56
-    if (n_along_1 /= 0 .and. n_along_1 /= n_tangential_1) info = -57
-    if (n_along_2 /= 0 .and. n_along_2 /= n_tangential_2) info = -59
-    if (finite_steps < 0) info = -61
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -62
+    if (n_nodes_1 > 0 .and. n_nodes_2 == 0 .and. kernel_2 > 0.0d0) info = -40
+    if (n_nodes_2 > 0 .and. n_nodes_1 == 0 .and. kernel_1 > 0.0d0) info = -31
+    if (any(nodes_2(2:) <= nodes_2(:max(0, n_nodes_2 - 1)))) info = -41
+    if (.not. all(grid > 0.0d0)) info = -42
+    if (level /= level_pairs .and. level /= level_lumped) info = -43
+    if (level == level_lumped .and. n_sides > 0) info = -43
+    if (n_speeds /= merge(n_positions, 0, n_mu > 0)) info = -44
+    if (.not. all(ieee_is_finite(speeds))) info = -45
+    if (.not. all(ieee_is_finite(mu_values) .and. mu_values >= 0.0d0)) info = -48
+    if (all(n_shift_1 /= [0, n_sites])) info = -52
+    if (.not. all(ieee_is_finite(shift_1))) info = -53
+    if (all(n_shift_2 /= [0, n_sites])) info = -57
+    if (.not. all(ieee_is_finite(shift_2))) info = -58
+    if (n_along_1 /= 0 .and. n_along_1 /= n_tangential_1) info = -59
+    if (n_along_2 /= 0 .and. n_along_2 /= n_tangential_2) info = -61
+    if (finite_steps < 0) info = -63
+    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_mu > 0)) info = -64
     if (info < 0) return
 
     body_1%origin = 0.0d0
@@ -223,6 +232,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_1%compliance%s_low = mode_range_1(1)
     body_1%compliance%s_high = mode_range_1(2)
     body_1%compliance%kernel = kernel_1
+    body_1%compliance%wedge = wedge_1
     body_1%compliance%closed = body_1%flank%curve%closed
     body_1%compliance%smooth = smooth_1
     body_1%compliance%block = block_1
@@ -233,6 +243,7 @@ subroutine flankload_sweep(n_positions, n_torques, angles_1, angles_2, center_di
     body_2%compliance%s_low = mode_range_2(1)
     body_2%compliance%s_high = mode_range_2(2)
     body_2%compliance%kernel = kernel_2
+    body_2%compliance%wedge = wedge_2
     body_2%compliance%closed = body_2%flank%curve%closed
     body_2%compliance%smooth = smooth_2
     body_2%compliance%block = block_2

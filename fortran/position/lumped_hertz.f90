@@ -1,13 +1,15 @@
 !> The cheapest level: one unknown for each place of contact, the near field by Hertz.
 !>
-!> b_i (phi - eps_i) = sum_j S_ij F_j + c F_i (1/2 + ln(2/h_i)) for the places in contact, with the
-!> half-width h_i = sqrt(2 F_i c / kappa_i); all forces in N, c per face width. Here it tells how
-!> wide the contacts are and which flanks can touch, before cells are laid.
+!> b_i (phi - eps_i) = sum_j S_ij F_j + [c (1/2 + ln(2/h_i)) + w_i] F_i for the places in contact,
+!> with the half-width h_i = sqrt(2 F_i c / kappa_i) and w_i from the mirror images behind free
+!> corners; all forces in N, c per face width. Here it tells how wide the contacts are and which
+!> flanks can touch, before cells are laid.
 module flankload_lumped_hertz
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
         & solve_contact_problem
+    use flankload_near_field, only: image_recession, image_type
     implicit none
     private
 
@@ -52,7 +54,7 @@ contains
 
     !> Forces and rotation with one unknown for each place.
     subroutine lumped_contact(coupling, gap_angles, levers, curvatures, widest, flank_length, &
-            & kernel, torque, forces, rotation, pivots, error)
+            & kernel, images, torque, forces, rotation, pivots, error)
         !> Compliance of both bodies between the places, without their own near fields [mm/N],
         !> shape (n, n)
         real(wp), intent(in) :: coupling(:, :)
@@ -67,6 +69,8 @@ contains
         real(wp), intent(in) :: flank_length
         !> c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
+        !> Mirror images of the places behind the ends of both flanks, shape (2, n)
+        type(image_type), intent(in) :: images(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> Forces [N], shape (n)
@@ -81,7 +85,8 @@ contains
         !> A place that carries less than this part of the whole load gets its width from it.
         real(wp), parameter :: least_part = 0.02_wp
         integer :: pass, i, n
-        real(wp) :: near, full(size(levers)), matrix(size(levers), size(levers))
+        real(wp) :: near, image, unused(2)
+        real(wp) :: full(size(levers)), matrix(size(levers), size(levers))
         real(wp) :: motions(size(levers), 1), gaps(size(levers))
         integer, allocatable :: warm_pairs(:)
         type(contact_result) :: state
@@ -100,7 +105,8 @@ contains
                 near = hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), kernel, &
                     & flank_length)
                 near = max(least_half_width(flank_length), min(widest(i), near))
-                matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near))
+                call image_recession(images(:, i), [near, near], image, unused)
+                matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)
             call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &

@@ -5,6 +5,7 @@ module flankload_lumped_place
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_circle_pair, only: pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
+    use flankload_near_field, only: image_recession, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
         & slide_at
     implicit none
@@ -112,23 +113,29 @@ contains
         end do
     end subroutine reach_of
 
-    !> Approach by the near field, c F (1/2 + ln(2/h)) with h the mean reach to both sides.
-    pure subroutine near_field_of(kernel, least_half_width, place)
+    !> Approach by the near field, F [c (1/2 + ln(2/h)) + w] with h the mean reach to both sides and
+    !> w from the mirror images behind free corners.
+    pure subroutine near_field_of(kernel, least_half_width, images, place)
         !> c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
         !> Half-width below which the near field is not followed [mm]
         real(wp), intent(in) :: least_half_width
+        !> Mirror images of the place, shape (2)
+        type(image_type), intent(in) :: images(:)
         !> The place, its force and reach known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: half_width
+        real(wp) :: half_width, image, by_reach(2)
 
         half_width = 0.5_wp*sum(place%reach)
-        place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(half_width, least_half_width)))
+        call image_recession(images, max(place%reach, 0.5_wp*least_half_width), image, by_reach)
+        place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(half_width, least_half_width))) &
+            & + image
         place%approach = place%approach_slope*place%force
         if (half_width > least_half_width) then
             place%approach_slope = place%approach_slope &
-                & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width
+                & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width &
+                & + place%force*sum(by_reach*place%reach_slope)
         end if
     end subroutine near_field_of
 

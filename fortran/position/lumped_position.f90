@@ -108,7 +108,7 @@ contains
             associate (zones => position%zones)
                 call lumped_contact(position%coupling, position%gap, zones%lever, zones%curvature, &
                     & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%flank_length, &
-                    & position%kernel, torque, estimate, rotation, spent, error)
+                    & position%kernel, position%images, torque, estimate, rotation, spent, error)
             end associate
             call count_lumped(spent, state)
             if (allocated(error)) return
@@ -160,7 +160,7 @@ contains
                         & place%reach_slope)
                     place%reach_slope = position%kernel*place%reach_slope
                     call near_field_of(position%kernel, &
-                        & least_half_width(position%flank_length), place)
+                        & least_half_width(position%flank_length), position%images(:, z), place)
                     call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                     if (.not. found) then
                         call fatal_error(error, code_circle_misses, &

@@ -105,7 +105,8 @@ contains
         associate (zones => position%zones, gap => position%gap)
             call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
                 & zones%curvature, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
-                & position%flank_length, position%kernel, torque, estimate, rotation, spent, error)
+                & position%flank_length, position%kernel, position%images, torque, estimate, &
+                & rotation, spent, error)
             call count_lumped(spent, state)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
@@ -116,8 +117,8 @@ contains
             if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
                 call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
                     & curvatures, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
-                    & position%flank_length, position%kernel, torque, estimate, rotation, spent, &
-                    & error)
+                    & position%flank_length, position%kernel, position%images, torque, &
+                    & estimate, rotation, spent, error)
                 call count_lumped(spent, state)
                 if (allocated(error)) return
                 cells%estimate = estimate

@@ -7,11 +7,13 @@ module flankload_position_zones
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: curve_length, frame_type, new_frame
     use flankload_friction, only: friction_type
-    use flankload_compliance_field, only: closed_strip_kernel, compliance_type, strip_kernel
+    use flankload_compliance_field, only: compliance_type
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width
+    use flankload_near_field, only: image_recession, image_type, &
+        & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
     implicit none
     private
@@ -54,6 +56,8 @@ module flankload_position_zones
         real(wp), allocatable :: coupling(:, :)
         !> c of both bodies: strength of the logarithm [mm/N]
         real(wp) :: kernel = 0.0_wp
+        !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
+        type(image_type), allocatable :: images(:, :)
         !> Length of flank 1 [mm]: what is small or flat is so beside it
         real(wp) :: flank_length = 0.0_wp
         !> The zones hold for the torque only for which they were found: flanks conform
@@ -162,9 +166,12 @@ contains
         position%coupling = smooth_1 + smooth_2
         call add_far_fields(body_1%compliance, body_2%compliance, &
             & least_half_width(position%flank_length), position%zones, position%coupling)
+        allocate (position%images(2, n_zones))
+        position%images(1, :) = new_image(body_1%compliance, position%zones%nearest%s_1, 1)
+        position%images(2, :) = new_image(body_2%compliance, position%zones%nearest%s_2, 2)
         position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n_zones)], &
             & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
-            & body_2%compliance%kernel, position%flank_length)
+            & body_2%compliance%kernel, position%images, position%flank_length)
     end subroutine look_at_position
 
     !> Add the near fields of both bodies between places on the same flanks.
@@ -185,31 +192,12 @@ contains
             do i = 1, size(zones)
                 if (i == j .or. zones(i)%site /= zones(j)%site) cycle
                 coupling(i, j) = coupling(i, j) &
-                    & + far_field(body_1, zones(i)%nearest%s_1 - zones(j)%nearest%s_1, width) &
-                    & + far_field(body_2, zones(i)%nearest%s_2 - zones(j)%nearest%s_2, width)
+                    & + near_field_between(body_1, zones(i)%nearest%s_1, zones(j)%nearest%s_1, &
+                    & width) + near_field_between(body_2, zones(i)%nearest%s_2, &
+                    & zones(j)%nearest%s_2, width)
             end do
         end do
     end subroutine add_far_fields
-
-    !> Near field of a body between two places of a site [mm/N].
-    pure function far_field(body, distance, width) result(recession)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Distance along its flank [mm]
-        real(wp), intent(in) :: distance
-        !> Width that stands for a place [mm]
-        real(wp), intent(in) :: width
-        real(wp) :: recession
-
-        recession = 0.0_wp
-        if (.not. body%kernel > 0.0_wp) return
-        if (body%closed) then
-            recession = closed_strip_kernel(distance, width, width, body%s_high - body%s_low, &
-                & body%kernel)
-        else
-            recession = strip_kernel(distance, width, body%kernel)
-        end if
-    end function far_field
 
     !> Gap angles with all deviations and shifts [rad].
     pure function gaps_without_load(body_1, body_2, zones) result(gap)
@@ -232,7 +220,8 @@ contains
     !> that yields much more than the other (a long arm) bends the gap by its large rotation: 0.5 %
     !> of the pressure of a roller on an arm seven times as long as wide. One weight for a position:
     !> a place of least gap may jump where flanks conform.
-    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, flank_length) result(share)
+    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, images, flank_length) &
+            & result(share)
         !> Smooth compliance of the bodies at the zones, without the zones' influence on each other
         !> [mm/N], shape (zones)
         real(wp), intent(in) :: smooth_1(:)
@@ -240,6 +229,8 @@ contains
         !> c of the bodies [mm/N]
         real(wp), intent(in) :: kernel_1
         real(wp), intent(in) :: kernel_2
+        !> Mirror images of the zones, shape (2, zones)
+        type(image_type), intent(in) :: images(:, :)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
         real(wp) :: share
@@ -249,11 +240,19 @@ contains
         !> As far as this beside one half the parts do not matter (0.01 % of the pressure of gears):
         !> both levers then weigh the same.
         real(wp), parameter :: alike = 0.3_wp
-        real(wp) :: near, one, two, part
+        integer :: z
+        real(wp) :: width, near, image(2), one, two, part, unused(2)
 
-        near = 0.5_wp + log(2.0_wp/(usual_part*flank_length))
-        one = sum(max(0.0_wp, smooth_1 + kernel_1*near))
-        two = sum(max(0.0_wp, smooth_2 + kernel_2*near))
+        width = usual_part*flank_length
+        near = 0.5_wp + log(2.0_wp/width)
+        one = 0.0_wp
+        two = 0.0_wp
+        do z = 1, size(smooth_1)
+            call image_recession(images(1:1, z), [width, width], image(1), unused)
+            call image_recession(images(2:2, z), [width, width], image(2), unused)
+            one = one + max(0.0_wp, smooth_1(z) + kernel_1*near + image(1))
+            two = two + max(0.0_wp, smooth_2(z) + kernel_2*near + image(2))
+        end do
         share = 0.5_wp
         if (.not. one + two > 0.0_wp) return
         part = one/(one + two) - 0.5_wp

@@ -1,12 +1,10 @@
 """flankload: load distribution on the flanks of two elastic bodies that turn about parallel axes.
 
-The public names stand in pipeline order. Each is fetched from its room at first use, so that
-`import flankload` costs next to nothing.
+Each public name is imported from its package at first use, so that `import flankload` costs next to
+nothing.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -69,7 +67,7 @@ __all__ = [
     "verify",
 ]
 
-_ROOM_OF_NAME = {
+_MODULE_OF_NAME = {
     "FlankloadError": "errors",
     "InputError": "errors",
     "MeshError": "errors",
@@ -106,22 +104,10 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("flankload")
-    if name not in _ROOM_OF_NAME:
+    if name not in _MODULE_OF_NAME:
         raise AttributeError(f"module 'flankload' has no attribute {name!r}")
-    return getattr(import_module(f"flankload.{_ROOM_OF_NAME[name]}"), name)
+    return getattr(import_module(f"flankload.{_MODULE_OF_NAME[name]}"), name)
 
 
 def __dir__() -> list[str]:
     return sorted(set(globals()) | set(__all__))
-
-
-class _Package(ModuleType):
-    """The package itself: `solve` is a room and a function, and the function keeps the name."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        # Loading a room binds it to its name here; a public function of that name must stay.
-        if name not in _ROOM_OF_NAME or not isinstance(value, ModuleType):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

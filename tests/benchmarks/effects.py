@@ -38,7 +38,7 @@ ON: dict[str, dict[str, Any]] = {
     **{
         row.name: {"effects": {key: value for key, value in row.on.items() if value is not None}}
         for row in EFFECTS
-        if row.on and not row.is_named(PLAIN)
+        if row.on and not row.is_asked(PLAIN)
     },
     "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
     "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
@@ -46,7 +46,7 @@ ON: dict[str, dict[str, Any]] = {
     "several_torques": {"load": {"torque_Nm": [200, 302]}},
 }
 OFF: dict[str, dict[str, Any]] = {
-    **{row.name: {"effects": row.off} for row in EFFECTS if row.is_named(PLAIN)},
+    **{row.name: {"effects": row.off} for row in EFFECTS if row.is_asked(PLAIN)},
     "elastic_body_1": {"body_1": {"rigid": True}},
     "elastic_body_2": {"body_2": {"rigid": True}},
 }

@@ -160,7 +160,8 @@ contains
             call lumped_contact(position%coupling, position%gap, position%zones%lever, &
                 & position%zones%curvature, &
                 & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), &
-                & position%flank_length, position%kernel, torque, estimate, rotation, pivots, error)
+                & position%flank_length, position%kernel, position%images, torque, estimate, &
+                & rotation, pivots, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)

@@ -10,7 +10,7 @@ program test_core
     use flankload_contact_certificate, only: certify
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
-    use flankload_compliance_field, only: strip_kernel, mean_strip_kernel
+    use flankload_compliance_field, only: compliance_type, strip_kernel, mean_strip_kernel
     use flankload_near_field, only: add_near_field
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_friction, only: friction_lever, mean_sign
@@ -43,6 +43,7 @@ program test_core
     call test_mean_over_a_strip
     call test_strip_near_and_far
     call test_near_field_of_cells
+    call test_images_take_up_work
     call test_tables_between_nodes
     call test_place_before_the_second_point
     call test_slope_of_the_mean_sign
@@ -280,32 +281,91 @@ contains
     end subroutine test_strip_near_and_far
 
     !> Cells that are even, nearly even (run up or down) or neither move each other as strips of
-    !> their mean width; only the lower triangle is added to.
+    !> their mean width, and so do their mirror images behind corners at both ends, near and far;
+    !> only the lower triangle is added to.
     subroutine test_near_field_of_cells
         real(wp), parameter :: kernel = 1.7_wp, growth(3) = [1.0_wp, 1.004_wp, 1.05_wp]
+        real(wp), parameter :: wedge(2) = [0.3_wp, 0.9_wp], away(3) = [0.0_wp, 0.3_wp, 3.0_wp]
         integer, parameter :: first = 3
-        real(wp) :: s(n), cell(n), matrix(n + first, n + first), wanted
-        integer :: way, sense, i, j
+        !> Far images of nearly even cells have the derivatives of a logarithm
+        real(wp), parameter :: series = 1.0e-6_wp
+        real(wp) :: s(n), cell(n), matrix(n + first, n + first), plain(n + first, n + first)
+        real(wp) :: wanted, mean, slack
+        integer :: way, sense, i, j, k
+        type(compliance_type) :: body
 
-        do way = 1, size(growth)
+        body%kernel = kernel
+        do way = 1, size(growth)*size(away)
             do sense = -1, 1, 2
-                cell = [(0.02_wp*growth(way)**i, i=1, n)]
+                k = 1 + (way - 1)/size(growth)
+                cell = [(0.02_wp*growth(1 + modulo(way - 1, size(growth)))**i, i=1, n)]
                 s = [(2.0_wp + sense*(sum(cell(:i)) - 0.5_wp*cell(i)), i=1, n)]
+                ! the first or the last cell ends in the corner, or some way before it
+                body%s_low = minval(s - 0.5_wp*cell) - away(k)
+                body%s_high = maxval(s + 0.5_wp*cell) + away(k)
+                body%wedge = 0.0_wp
+                plain = 1.0_wp
+                call add_near_field(body, s, cell, first, plain)
+                body%wedge = wedge
                 matrix = 1.0_wp
-                call add_near_field(s, cell, kernel, first, matrix)
+                call add_near_field(body, s, cell, first, matrix)
+                slack = merge(20.0_wp*round_off, series, &
+                    & modulo(way, size(growth)) == 1 .and. sense == 1)*kernel
                 do j = 1, n
                     do i = 1, n
+                        mean = sqrt(cell(i)*cell(j))
                         wanted = 1.0_wp
-                        if (i >= j) wanted = 1.0_wp &
-                            & + exact_strip(s(i) - s(j), sqrt(cell(i)*cell(j)), kernel)
-                        call expect(abs(matrix(first - 1 + i, first - 1 + j) - wanted) &
-                            & <= 10.0_wp*round_off*kernel, 'near field of cells')
+                        if (i >= j) wanted = 1.0_wp + exact_strip(s(i) - s(j), mean, kernel)
+                        call expect(abs(plain(first - 1 + i, first - 1 + j) - wanted) &
+                            & <= 20.0_wp*round_off*kernel, 'near field of cells')
+                        if (i >= j) wanted = wanted &
+                            & + exact_strip(s(i) + s(j) - 2*body%s_low, mean, kernel*wedge(1)) &
+                            & + exact_strip(2*body%s_high - s(i) - s(j), mean, kernel*wedge(2))
+                        call expect(abs(matrix(first - 1 + i, first - 1 + j) - wanted) <= slack, &
+                            & 'images of cells')
                     end do
                 end do
                 call expect(all(abs(matrix(:, :first - 1) - 1.0_wp) <= 0.0_wp), 'other cells')
             end do
         end do
     end subroutine test_near_field_of_cells
+
+    !> Loads without a resultant take up work in the near field of a sharp corner, whatever the
+    !> widths of their cells: all pivots of K projected on them are positive.
+    subroutine test_images_take_up_work
+        real(wp), parameter :: growth(3) = [1.0_wp, 1.004_wp, 1.3_wp]
+        real(wp) :: s(n), cell(n), matrix(n, n)
+        integer :: way, i, j
+        type(compliance_type) :: body
+
+        body%kernel = 1.0_wp
+        body%wedge = [0.0_wp, 3.0_wp]
+        do way = 1, size(growth)
+            cell = [(0.02_wp*growth(way)**i, i=1, n)]
+            s = [(sum(cell(:i)) - 0.5_wp*cell(i), i=1, n)]
+            body%s_high = sum(cell)
+            matrix = 0.0_wp
+            call add_near_field(body, s, cell, 1, matrix)
+            do j = 1, n
+                matrix(j, j:) = matrix(j:, j)
+            end do
+            ! from the last cell each load is taken that stands against the others
+            do j = 1, n - 1
+                matrix(:n - 1, j) = matrix(:n - 1, j) - matrix(n, j)
+            end do
+            matrix(:n - 1, n) = matrix(:n - 1, n) - matrix(n, n)
+            do j = 1, n - 1
+                matrix(:n - 1, j) = matrix(:n - 1, j) - matrix(:n - 1, n)
+            end do
+            do j = 1, n - 1
+                call expect(matrix(j, j) > 0.0_wp, 'images take up work')
+                do i = j + 1, n - 1
+                    matrix(i, j + 1:n - 1) = matrix(i, j + 1:n - 1) &
+                        & - matrix(i, j)/matrix(j, j)*matrix(j, j + 1:n - 1)
+                end do
+            end do
+        end do
+    end subroutine test_images_take_up_work
 
     !> Stop where something does not hold.
     subroutine expect(holds, what)

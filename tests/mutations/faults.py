@@ -97,11 +97,33 @@ _FORTRAN = (
     *_in(
         "near_field.f90",
         "core",
-        ("w = 0.25_wp*cell(j)*cell(i)", "w = 0.5_wp*cell(j)*cell(i)"),
+        ("w = 0.25_wp*cells", "w = 0.5_wp*cells"),
         (
-            "strip = strip_kernel(s(i) - s(j), sqrt(cell(i)*cell(j))",
-            "strip = strip_kernel(s(i) - s(j), cell(i)",
+            "strip = strip_kernel(s(i) - loaded(j), sqrt(cell(i)*cell(j))",
+            "strip = strip_kernel(s(i) - loaded(j), cell(i)",
         ),
+        ("two = kernel*one**2/2.0_wp", "two = kernel*one**2"),
+        ("three = -kernel*one**3/3.0_wp", "three = kernel*one**3/3.0_wp"),
+        ("of_widths = kernel*one**2/24.0_wp", "of_widths = kernel*one**2/12.0_wp"),
+    ),
+    *_in(
+        "near_field.f90",
+        "physics/test_corner_image.py",
+        ("if (flank == 2) image%sense = -image%sense", "image%sense = image%sense"),
+        ("kernel(end)*slope/distance", "kernel(end)*2.0_wp*slope/distance"),
+        ("kernel(end)*log(2.0_wp*distance)", "kernel(end)*log(0.5_wp*distance)"),
+    ),
+    *_in(
+        "compliance/modes.py",
+        "physics/test_corner_image.py",
+        ("self.kernel * near", "self.kernel * 0.9 * near"),
+    ),
+    *_in(
+        "bodies/free_corner.py",
+        "python/test_free_corner.py",
+        ("across / (w - np.sin(w))", "across / (w + np.sin(w))"),
+        ("- 3 * mesh.nodes[node]", "- 2 * mesh.nodes[node]"),
+        ("SMOOTH - LEAST_TURN", "SMOOTH + LEAST_TURN"),
     ),
     *_in(
         "finite_influence.f90",

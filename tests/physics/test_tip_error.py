@@ -10,21 +10,14 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis import tip_error
 from flankload.analysis.error_rules import Left, peak_of_modes
 from flankload.analysis.estimate import Estimate
-from flankload.bodies.involute.ring import build_ring
-from flankload.elasticity.compliance import flank_compliance
-from flankload.scene import Ring
 from tests.support.gear_scenes import example
-from tests.support.ring_bodies import RING
 from tests.support.tolerances import ROUND_OFF
 
 SCENE = example("external_gear")
 MODULE = 4.5
 ROUNDED = {"tip_radius_mm": 0.08 * MODULE}
-#: What elements of 1/18 module leave of the wedge.
-WEDGE = 0.15
 #: Positions at which a pair stands on the rounding of the wheel's tip, then of the pinion's.
 ANGLES_DEG = [5.6, 5.9, 6.2, 6.6, 15.8, 16.6, 16.9]
 #: What forces at nodes 0.0125 mm apart find there, which know neither modes nor half-planes
@@ -100,21 +93,6 @@ def test_dominant_source_may_be_tips() -> None:
     found = Estimate.of(left)
     assert found.dominant_source["load_share"] == "tip"
     assert found.errors["load_share"] == pytest.approx(0.012, rel=ROUND_OFF, abs=0)
-
-
-def test_a_sharp_corner_is_a_wedge() -> None:
-    """What seven further modes add at the end of a ring's flank, by the wedge's own projection."""
-    body = build_ring(Ring(**RING), "body_2", flank_element_mm=3.0 / 18)
-    fine = flank_compliance(body, n_modes=12, plane="strain")
-    found, told = (
-        matrix.sum() - matrix[:5, :5].sum()  # all modes are 1 at the end
-        for matrix in (
-            fine.smooth[0] / fine.kernel,
-            -tip_error._wedge(body) * tip_error._projected(fine),
-        )
-    )
-    assert told > 1.0
-    assert found == pytest.approx(told, rel=WEDGE)
 
 
 def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None:

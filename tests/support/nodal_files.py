@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from flankload.bodies.body import Body
+from flankload.bodies.free_corner import corner_angles
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
 
@@ -50,6 +51,7 @@ def nodal_arrays(body: Body, turn_rad: float, **changes: Any) -> dict[str, Any]:
         "poisson_ratio": body.material.poisson_ratio,
         "plane": "strain",
         "reference_radius_mm": body.reference_radius_mm,
+        "tip_corner_deg": corner_angles(body)[1],
         **changes,
     }
     return {name: value for name, value in arrays.items() if value is not None}

@@ -41,6 +41,7 @@ from flankload.analysis.error_rules import (
     COAST,
     ELEMENTS,
     MODES,
+    MODES_WITH_IMAGES,
     NODES,
     STRIPS,
     Left,
@@ -203,7 +204,9 @@ def estimate_errors(
         better = tuple(compliance.with_missed(1.0) for compliance in compliances)
         others["elements"] = run(compliances=better, grid=cells, part=2)
     nodal = any(compliance.nodes is not None for compliance in compliances)
-    rules = {"modes": NODES if nodal else MODES, "elements": ELEMENTS}
+    imaged = all(any(compliance.wedge) or compliance.is_rigid for compliance in compliances)
+    of_modes = MODES_WITH_IMAGES if imaged else MODES
+    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
     estimates = []
     for t, part in enumerate(found):
         left: dict[str, dict[str, Left]] = {}

@@ -19,7 +19,7 @@ import numpy as np
 
 from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
 from flankload.analysis.error_rules import Left
-from flankload.elasticity.near_field import mode_values, projected_logarithm
+from flankload.elasticity.near_field import mode_values, projected_near_field
 from flankload.elasticity.nodal_loads import hat_values, hat_widths
 
 if TYPE_CHECKING:
@@ -84,8 +84,8 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
         evenly = hat_widths(compliance.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
-    near = compliance.kernel * projected_logarithm(1, length)[0, 0] / length**2
-    moved[np.arange(f) * (f + 1)] -= near
+    near = projected_near_field(1, length, wedge=compliance.wedge)[0, 0]
+    moved[np.arange(f) * (f + 1)] -= compliance.kernel * near / length**2
     return moved
 
 

@@ -1,4 +1,4 @@
-"""What modes miss where a contact works on a tip: its force turns, and the corner is a wedge.
+"""What modes miss where a contact works on a tip: its force turns.
 
 Pressure modes push along the normal of the flank, and end with it. On a rounding, on a chamfer or
 over a sharp corner the force turns towards the tooth's axis, in which the tooth hardly yields. What
@@ -12,13 +12,6 @@ Gears and rings with roundings of 0.08 and 0.2 modules, elements of 1/36 module,
 rounding's own normals (turned by 3.5 to 37 degrees): the loss of compliance is 0.8 to 1.4 times
 this, where it exceeds a twentieth. So 1.4 times what it changes is in doubt. Its sign is known, but
 what it may cancel of other sources holds for one torque and position, and is not counted on.
-
-Beside a free corner of interior angle w a force moves the flank by -c0 psi(w) ln(d + d') besides,
-d the distances from the corner, psi = π [sin²(w/2)/(w + sin w) + cos²(w/2)/(w - sin w)] - 1 (the
-wedge that carries a force at its apex). Modes have their projection of that; what it lacks at the
-contact is in doubt, too. On 20 modes it is told within 0.3 of c0 at the end of a sharp flank whose
-five modes lack 0.7 (corner of 125 degrees) and 2.8 of c0 (105 degrees). At a rounding or a chamfer
-they lack a tenth of that, of either sign.
 """
 
 from __future__ import annotations
@@ -26,11 +19,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 from flankload.analysis.error_rules import Left
 from flankload.analysis.sampling_error import mean_stiffness
-from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,8 +42,6 @@ LEAST_PART = 1e-3
 LEAST_OWN = 0.1
 #: Of the flank's length: so far from its end it has its own normal.
 SHORT = 1e-6
-#: Of Gauss's rule for the projection.
-POINTS = 100
 
 
 def tip_error(
@@ -76,19 +66,16 @@ def tip_error(
         By quantity; empty where no tip works, or nothing is known of its circle.
     """
     none = np.zeros_like(found.site_force_N)
-    turned, wedge, between = none.copy(), none.copy(), np.zeros((*none.shape, none.shape[1]))
+    turned, between = none.copy(), np.zeros((*none.shape, none.shape[1]))
     for z in (0, 1):
         if compliances[z].nodes is None:
             on_body = _yields(found, bodies[z], compliances[z], pairing, z)
-            for whole, part in zip((turned, wedge, between), on_body, strict=True):
+            for whole, part in zip((turned, between), on_body, strict=True):
                 whole += part / face_width_mm
     if not turned.any():
         return {}
-    parts = [_changes(found, lost, between) for lost in (DOUBT * turned, wedge)]
-    return {
-        name: Left(np.zeros_like(one), np.hypot(one, parts[1][name]))
-        for name, one in parts[0].items()
-    }
+    changes = _changes(found, DOUBT * turned, between)
+    return {name: Left(np.zeros_like(one), np.abs(one)) for name, one in changes.items()}
 
 
 def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
@@ -148,13 +135,13 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
 
 def _yields(
     found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
-) -> tuple[Floats, Floats, Floats]:
+) -> tuple[Floats, Floats]:
     """What a body yields less at each site under all forces, and sites under each other's.
 
     Returns
     -------
-    turned, wedge : (P, S) arrays
-        Because forces turn, because the corner is a wedge; mm² (per width).
+    turned : (P, S) array
+        Because forces turn; mm² (per width).
     between : (P, S, S) array
         mm²/N (per width), as the modes have it.
     """
@@ -189,7 +176,6 @@ def _yields(
         on_flank = np.minimum(s[turned], _last(body))
         meant = _along_circle(body.curve.normal(on_flank), body.curve.point(s[turned]))
         turn[turned] = pushed / meant
-    on_tip = mean(turned.astype(float)) > 0
     turn = mean(turn)
     n = compliance.smooth.shape[1]
     modes = mean(mode_values(s.clip(*body.mode_range_mm), body.mode_range_mm, n))
@@ -201,49 +187,21 @@ def _yields(
     np.add.at(width, at, pairs.column("cell")[loaded])
     reach = np.maximum(width, body.curve.length_mm - end)
     sites = np.arange(teeth.size)
-    yields[:, sites, sites] -= compliance.kernel * np.log(np.where(width > 0, reach, 1.0))
+    near = np.log(np.where(width > 0, reach, 1.0))
+    for psi, corner in zip(compliance.wedge, body.mode_range_mm, strict=True):
+        away = np.maximum(mean(np.abs(s - corner)), 0.5 * reach)
+        near += psi * np.log(np.where(width > 0, 2.0 * away, 1.0))
+    yields[:, sites, sites] -= compliance.kernel * near
     less = 1.0 - turn[:, :, None] * turn[:, None, :]
     less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
     lost = ((less * yields) @ found.site_force_N[:, :, None])[..., 0]
-    wedge = none
-    if turned.any() and body.curve.length_mm <= _last(body) + 2.0 * (end - _last(body)):
-        distance = np.maximum(mean(np.maximum(end - s, 0.0)), 0.25 * width)
-        log = np.log(2.0 * np.where(on_tip, distance, 1.0))
-        log -= np.einsum("pia,ab,pib->pi", modes, _projected(compliance), modes)
-        wedge = np.where(on_tip, compliance.kernel * _wedge(body) * log, 0.0) * found.site_force_N
-    return lost, wedge, between
+    return lost, between
 
 
 def _last(body: Body) -> float:
     """The last place of the flank itself, before a chamfer has its own direction."""
     low, high = body.mode_range_mm
     return high - SHORT * (high - low)
-
-
-def _wedge(body: Body) -> float:
-    """psi of the corner between flank and tip circle."""
-    at = [_last(body)]
-    place, along, out = (
-        f(at)[0] for f in (body.curve.point, body.curve.tangent, body.curve.normal)
-    )
-    land = np.array([-place[1], place[0]]) / np.hypot(*place)
-    land *= -np.sign(land @ out)
-    w = float(np.arccos(np.clip(-along @ land, -1.0, 1.0)))
-    axial, across = np.sin(0.5 * w) ** 2, np.cos(0.5 * w) ** 2
-    return float(np.pi * (axial / (w + np.sin(w)) + across / (w - np.sin(w))) - 1.0)
-
-
-def _projected(compliance: BodyCompliance) -> Floats:
-    """Coefficients (p, p) of the modes for ln(d + d')."""
-    low, high = compliance.mode_range_mm
-    n = compliance.smooth.shape[1]
-    points, weights = leggauss(POINTS)
-    root = 0.5 * (1.0 + points)  # dense towards the corner
-    distance = (high - low) * root**2
-    modes = mode_values(high - distance, (low, high), n)
-    modes *= ((high - low) * root * weights)[:, None] / mode_norms((low, high), n)
-    log = np.log(distance[:, None] + distance[None, :])
-    return np.asarray(modes.T @ log @ modes)
 
 
 def _along_circle(normal: Floats, place: Floats) -> Floats:

@@ -330,6 +330,7 @@ def _core_arguments(
                 deviations,
                 np.asarray(compliance.mode_range_mm, dtype=float),
                 compliance.kernel / face_width_mm,
+                np.asarray(compliance.wedge, dtype=float),
                 smooth,
                 np.asfortranarray(block + 1, dtype=np.intc),
                 np.empty(0) if compliance.nodes is None else compliance.nodes,
@@ -442,8 +443,8 @@ class _CoreCall:
 
         (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
         (site_1, site_2) = (argument[3:5] for argument in self.arguments)
-        (field_1, field_2) = (argument[5:10] for argument in self.arguments)
-        (shift_1, shift_2) = (argument[10:] for argument in self.arguments)
+        (field_1, field_2) = (argument[5:11] for argument in self.arguments)
+        (shift_1, shift_2) = (argument[11:] for argument in self.arguments)
         (tangential_1, tangential_2) = self.along_flanks.across
         grid = self.grid
         knobs = (

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.flank_elements import gauss_places
+from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_norms,
     mode_values,
-    projected_logarithm,
+    projected_near_field,
 )
 from flankload.elasticity.nodal_loads import hat_values, hat_widths
 from flankload.errors import ComplianceFileError
@@ -114,7 +115,9 @@ def _of_modes(
     low, high = body.mode_range_mm
     norms = mode_norms(body.mode_range_mm, smooth.shape[1])
     whole = smooth * norms[:, None] * norms[None, :]
-    whole[own] -= given.kernel * projected_logarithm(smooth.shape[1], high - low)
+    wedge = image_strengths(body)
+    near = projected_near_field(smooth.shape[1], high - low, wedge=wedge)
+    whole[own] -= given.kernel * near
     least = _least_eigenvalue(whole, f)
     if not least > 0.0:
         raise ComplianceFileError(
@@ -128,6 +131,7 @@ def _of_modes(
         smooth=0.5 * (smooth + mirrored)[:, :n_modes, :n_modes],
         kernel=given.kernel,
         mode_range_mm=body.mode_range_mm,
+        wedge=wedge,
         flanks=given.flanks,
         tangential=given.tangential[:, :n_modes, :n_modes]
         if friction and given.tangential is not None
@@ -162,12 +166,14 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     response = _responses(body, given, loads)
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
-    response[0] += strength * projected_logarithm(n_modes, high - low)
+    wedge = image_strengths(body)
+    response[0] += strength * projected_near_field(n_modes, high - low, wedge=wedge)
     norms = mode_norms(body.mode_range_mm, n_modes)
     return BodyCompliance(
         smooth=response / (norms[:, None] * norms[None, :]),
         kernel=strength,
         mode_range_mm=body.mode_range_mm,
+        wedge=wedge,
         asymmetry=given.asymmetry,
     )
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.bodies.free_corner import corner_angles
+from flankload.bodies.imported.given import CORNER_ANGLES
 from flankload.bodies.imported.modal_file import FORMAT, INVOLUTE
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": 1 if compliance.tangential is None else 2,
+        "version": 3 if any(compliance.wedge) else 1 if compliance.tangential is None else 2,
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -60,6 +62,8 @@ def modal_arrays(
         "bore_radius_mm": body.bore_radius_mm,
         "notes": np.array(body.notes, dtype=np.str_),
     }
+    if any(compliance.wedge):
+        arrays |= dict(zip(CORNER_ANGLES, corner_angles(body), strict=True))
     if compliance.tangential is not None:
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
     if body.involute is not None:

@@ -9,6 +9,9 @@ Where flanks rub, loads along the flank move it along its normal, too: there the
 jump, -j sign(s - s') (the surface in front of the load sinks, that behind it rises), and the modes
 carry the smooth remainder as before.
 
+Where a free corner ends the modes, the near field has a mirror image behind it, too,
+-c0 psi ln(d + d') (`bodies.free_corner`).
+
 On a closed flank (a cam) of length L the modes are the harmonics of a turn, and the logarithm is
 that of the chord, K(s, s') = -c0 ln|(L/pi) sin(pi (s - s')/L)|, the same at short distances.
 """
@@ -29,6 +32,8 @@ if TYPE_CHECKING:
 
 #: A node and the mirror image of another are one to this part of the mesh's size.
 SAME_NODE = 1e-9
+#: Gauss's rule for ln(1 + t) on [0, 1] times modes: its error falls by 30 with each point.
+MORE_POINTS = 14
 
 
 def logarithm_strength(material: Material, plane: str) -> float:
@@ -293,6 +298,76 @@ def projected_logarithm(
         # ln of the length itself meets only the constant mode: (int P_0)² = length²
         result[0, 0] += np.log(half) * length_mm**2
     return result
+
+
+def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDArray[np.float64]:
+    """<P_a, ln(d + d') P_b> over a flank, d the distances from one of its ends.
+
+    With x and x' = x t in [0, 1] from that end, on both halves of the square, ln(x + x') =
+    ln x + ln(1 + t): the first against a polynomial by its shifted Legendre coefficients, of which
+    int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss's rule.
+
+    Parameters
+    ----------
+    n_modes : int
+    length_mm : float
+        Length of the modes' range.
+    at_high_end : bool
+        The corner stands where the arc length is greatest.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+        mm², symmetric.
+    """
+    degree = np.arange(2 * n_modes)  # of two modes and x itself
+    x, weights = (0.5 * part for part in leggauss(2 * n_modes))
+    x += 0.5
+    of_log = np.where(degree > 0, -((-1.0) ** degree) / np.maximum(degree * (degree + 1), 1), -1.0)
+    log_weights = weights * (legvander(2 * x - 1, 2 * n_modes - 1) @ ((2 * degree + 1) * of_log))
+    t, t_weights = (0.5 * part for part in leggauss(n_modes + MORE_POINTS))
+    t += 0.5
+    sign = -1.0 if at_high_end else 1.0
+    near = legvander(sign * (2 * x - 1), n_modes - 1)
+    further = legvander(sign * (2 * np.outer(x, t) - 1), n_modes - 1)  # (x, t, mode)
+    inner = np.einsum("t,xtb->xb", t_weights, further)
+    inner_log = np.einsum("t,xtb->xb", t_weights * np.log1p(t), further)
+    half = (near * x[:, None]).T @ (log_weights[:, None] * inner + weights[:, None] * inner_log)
+    result = np.asarray(length_mm**2 * (half + half.T))
+    # ln of the length itself meets only the constant mode: (int P_0)² = length²
+    result[:1, :1] += np.log(length_mm) * length_mm**2
+    return result
+
+
+def projected_near_field(
+    n_modes: int,
+    length_mm: float,
+    *,
+    wedge: tuple[float, float] = (0.0, 0.0),
+    closed: bool = False,
+) -> NDArray[np.float64]:
+    """<P_a, K P_b> over a flank for the near field K of strength c0 = -1.
+
+    Parameters
+    ----------
+    n_modes : int
+    length_mm : float
+        Length of the modes' range.
+    wedge : (float, float)
+        Strengths psi of the mirror images behind its low and its high end.
+    closed : bool
+        The range is a turn.
+
+    Returns
+    -------
+    (n_modes, n_modes) array
+        mm².
+    """
+    near = projected_logarithm(n_modes, length_mm, closed=closed)
+    for psi, at_high_end in zip(wedge, (False, True), strict=True):
+        if psi:
+            near = near + psi * projected_image(n_modes, length_mm, at_high_end=at_high_end)
+    return near
 
 
 def projected_sign(n_modes: int, length_mm: float) -> NDArray[np.float64]:

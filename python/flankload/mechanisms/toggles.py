@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from flankload.errors import SceneError
-from flankload.scene.effects import MODIFICATIONS, switches_of
+from flankload.scene.effects import EFFECTS, MODIFICATIONS, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 
 if TYPE_CHECKING:
@@ -16,39 +16,19 @@ if TYPE_CHECKING:
 
     from flankload.scene import Scene
 
-#: What is taken of an effect that a scene does not call for and has no number of.
-ASSUMED: dict[str, dict[str, Any]] = {
-    "friction": {"friction_coefficient": 0.1},
-    "thermal_growth": {"temperature_rise_K": 50.0},
-    "centrifugal_growth": {"speed_rpm": 3000.0},
-    "segment": {"segment_teeth": 5},
-    "land_friction": {"land_friction": 0.1},
-}
-_WHOLE = {"body": "whole", "segment_teeth": None}
-#: Values of [effects] by which an effect is on and off, where one key decides.
+#: Effects that keys of [effects] decide on; power loss comes with friction and changes no state.
+RECORDS = {row.name: row for row in EFFECTS if row.on and row.name != "power_loss"}
+#: Numbers that are assumed for an effect whose number the scene does not set.
+ASSUMED: dict[str, dict[str, float]] = {name: row.numbers for name, row in RECORDS.items()}
+#: Values of [effects] with which an effect is on and off, where the deciding key is a choice.
 LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
-    "segment": ({"body": "segment"}, _WHOLE),
-    "single_tooth": ({"body": "tooth", "segment_teeth": None}, _WHOLE),
-    "tooth_coupling": ({"tooth_coupling": True}, {"tooth_coupling": False}),
-    "nodal_near_field": ({"near_field": "nodes"}, {"near_field": "analytic"}),
-    "finite_influence": ({"influence": "finite"}, {"influence": "small"}),
-    "lumped_contact": ({"contact": "lumped"}, {"contact": "pairs"}),
-    "tip_contact": ({"tip_contact": True}, {"tip_contact": False}),
-    "coast_flanks": ({"coast_flank": True}, {"coast_flank": False}),
-    "root_stress": ({"root_stress": True}, {"root_stress": False}),
-    "large_displacement": ({"large_displacement": True}, {"large_displacement": False}),
-    "land_lift": ({"land_lift": True}, {"land_lift": False}),
+    name: ({key: value for key, value in row.on.items() if key not in row.numbers}, row.off)
+    for name, row in RECORDS.items()
+    if not row.is_quantity
 }
-#: Keys of a quantity of [effects]: without them the effect is off.
+#: Keys of an effect whose deciding key is a number; the effect is off without them.
 QUANTITIES: dict[str, tuple[str, ...]] = {
-    "friction": ("friction_coefficient",),
-    "land_friction": ("land_friction",),
-    "thermal_growth": (
-        "temperature_rise_K",
-        "thermal_expansion_per_K",
-        "support_expansion_per_K",
-    ),
-    "centrifugal_growth": ("speed_rpm", "density_kg_m3"),
+    name: tuple(row.off) for name, row in RECORDS.items() if row.is_quantity
 }
 #: Bodies that may be rigid.
 RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}

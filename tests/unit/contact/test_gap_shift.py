@@ -190,5 +190,5 @@ def test_without_shift_nothing_is_handed_to_the_core(monkeypatch: pytest.MonkeyP
 
 def test_a_shift_that_is_no_number_is_refused() -> None:
     pair, (one, two) = job()
-    with pytest.raises(fl.errors.InputError, match="argument 51 of flankload_sweep"):
+    with pytest.raises(fl.errors.InputError, match="argument 53 of flankload_sweep"):
         swept(pair, (shifted(one, np.full(MODES, np.nan)), two), 302.0)

@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 
+#: Names of the interior angles at the low and the high end of a flank in a file.
+CORNER_ANGLES = ("root_corner_deg", "tip_corner_deg")
+#: Metal at a corner is no thinner than this wedge, degrees: a thinner one is bent by its load.
+LEAST_CORNER_ANGLE = 30.0
+
+
 @dataclass(frozen=True)
 class ModalCompliance:
     """A modal compliance as computed by flankload, per mm of face width.
@@ -38,6 +44,9 @@ class ModalCompliance:
         Like `smooth`, for modes of tangential load; None if the file does not contain it.
     jump : float
         Coefficient of the tangential jump, mm²/N.
+    corner_angles_deg : (float, float)
+        Interior angles of the metal at the low and the high end of the modes' range; 180 without a
+        corner.
     """
 
     file: Path
@@ -48,6 +57,7 @@ class ModalCompliance:
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
+    corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
     @property
     def description(self) -> str:
@@ -77,6 +87,8 @@ class NodalCompliance:
         Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], with the
         columns in terms of consistent normal nodal forces, mm²/N, or nodal pressures, mm⁴/N.
     asymmetry : float
+    corner_angles_deg : (float, float)
+        Interior angles of the metal at the first and the last node; 180 without a corner.
     """
 
     file: Path
@@ -87,6 +99,7 @@ class NodalCompliance:
     offsets: NDArray[np.int64]
     matrix: NDArray[np.float64]
     asymmetry: float
+    corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
     @property
     def tangential(self) -> None:
@@ -108,6 +121,29 @@ class NodalCompliance:
 
 
 GivenCompliance = ModalCompliance | NodalCompliance
+
+
+def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
+    """Interior angles of the metal at both ends of the flank, degrees; 180 where they are not told.
+
+    Parameters
+    ----------
+    found : NamedArrays
+
+    Returns
+    -------
+    (float, float)
+
+    Raises
+    ------
+    ComplianceFileError
+        If an angle is out of range.
+    """
+    low, high = (
+        found.number(name, least=LEAST_CORNER_ANGLE, most=360.0) if name in found else 180.0
+        for name in CORNER_ANGLES
+    )
+    return low, high
 
 
 def read_material(found: NamedArrays) -> Material:

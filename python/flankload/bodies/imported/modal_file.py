@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.body import Body
-from flankload.bodies.imported.given import ModalCompliance, read_material
+from flankload.bodies.imported.given import (
+    CORNER_ANGLES,
+    ModalCompliance,
+    read_corner_angles,
+    read_material,
+)
 from flankload.bodies.profile.involute import Involute
 from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
@@ -24,8 +29,9 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: Latest version; files without friction have version 1, which older flankloads can read.
-VERSION = 2
+#: The latest version, of bodies with a free corner. A file without one is of version 2, without
+#: friction of version 1, which earlier flankloads read.
+VERSION = 3
 
 #: Names of the arrays, without those of the involute.
 NAMES = (
@@ -41,6 +47,7 @@ NAMES = (
     "curve_labels",
     "curve_corners",
     "mode_range_mm",
+    *CORNER_ANGLES,
     "smooth",
     "kernel",
     "smooth_nt",
@@ -114,6 +121,7 @@ def read_modal(found: NamedArrays) -> Body:
         flanks=flanks,
         tangential=tangential,
         jump=jump,
+        corner_angles_deg=read_corner_angles(found),
     )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):

@@ -11,7 +11,12 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.flank_elements import mass_matrix
-from flankload.bodies.imported.given import NodalCompliance, read_material
+from flankload.bodies.imported.given import (
+    CORNER_ANGLES,
+    NodalCompliance,
+    read_corner_angles,
+    read_material,
+)
 from flankload.bodies.sketch import sketched_tooth
 from flankload.flank import curve_through_nodes, nodes_deviation
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
@@ -40,6 +45,7 @@ NAMES = (
     "plane",
     "reference_radius_mm",
     "teeth_stand",
+    *CORNER_ANGLES,
 )
 
 #: Least number of nodes for a curve.
@@ -94,6 +100,7 @@ def read_nodal(found: NamedArrays) -> Body:
         offsets=offsets,
         matrix=matrix,
         asymmetry=asymmetry,
+        corner_angles_deg=read_corner_angles(found),
     )
     _check_work(found, given, teeth)
     deviation = nodes_deviation(points)

@@ -51,6 +51,9 @@ class BodyCompliance:
         Strength c0 of the logarithm, mm²/N; 0 for a rigid body.
     mode_range_mm : (float, float)
         Arc lengths of the flank curve between which the modes live.
+    wedge : (float, float)
+        Strengths psi of the mirror images of the logarithm behind free corners at both ends of that
+        range; 0 where the surface goes on smoothly, on closed flanks and where nodes are given.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
@@ -99,6 +102,7 @@ class BodyCompliance:
     smooth: NDArray[np.float64]
     kernel: float
     mode_range_mm: tuple[float, float]
+    wedge: tuple[float, float] = (0.0, 0.0)
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0

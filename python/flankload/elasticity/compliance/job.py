@@ -209,6 +209,7 @@ def _settled(
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
         kernel=loads.kernel,
+        wedge=loads.wedge,
         mode_range_mm=body.mode_range_mm,
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,

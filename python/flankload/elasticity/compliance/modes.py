@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.free_corner import image_strengths
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
     mode_norms,
     projected_logarithm,
+    projected_near_field,
     projected_sign,
 )
 
@@ -51,6 +53,11 @@ class ModeLoads:
         return logarithm_strength(self.body.material, self.plane)
 
     @property
+    def wedge(self) -> tuple[float, float]:
+        """Strengths psi of the mirror images behind free corners at both ends of the modes."""
+        return image_strengths(self.body)
+
+    @property
     def jump(self) -> float:
         """Strength of the jump, mm²/N; 0 without friction."""
         return jump_strength(self.body.material, self.plane) if self.friction else 0.0
@@ -80,9 +87,10 @@ class ModeLoads:
         low, high = self.body.mode_range_mm
         n, norms = self.count, self.norms
         closed = self.body.curve.closed
-        logarithm = self.kernel * projected_logarithm(n, high - low, closed=closed)
-        response[own, :n, :n] += logarithm
+        near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed)
+        response[own, :n, :n] += self.kernel * near
         if response.shape[1] > n:
+            logarithm = self.kernel * projected_logarithm(n, high - low, closed=closed)
             sign = self.jump * projected_sign(n, high - low)
             response[own, :n, n:] += sign
             response[own, n:, :n] += sign.T

@@ -37,6 +37,7 @@ class NodeLoads:
 
     #: Nothing of the near field stands beside the tables.
     jump = 0.0
+    wedge = (0.0, 0.0)
 
     @property
     def count(self) -> int:

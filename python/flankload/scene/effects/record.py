@@ -142,7 +142,7 @@ class Effect:
         """Whether the deciding key is a number, not a choice."""
         return self.key in self.numbers
 
-    def is_named(self, asked: EffectsAsked) -> bool:
+    def is_asked(self, asked: EffectsAsked) -> bool:
         """Whether the key has the value of the effect; for a quantity, any number but 0."""
         if self.key is None:
             return False
@@ -161,7 +161,7 @@ class Effect:
         assert key is not None
         value = getattr(scene.effects, key)
         named = key in scene.named_effects
-        on = self.is_named(scene.effects)
+        on = self.is_asked(scene.effects)
         if self.is_quantity:
             named = value is not None and (named or on)
             on = on and has_amount(value)

@@ -35,19 +35,19 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     SceneError
         Names the key, and the other key in the expected value.
     """
-    named = [effect for effect in EFFECTS if effect.is_named(asked.effects)]
+    wanted = [effect for effect in EFFECTS if effect.is_asked(asked.effects)]
     _check_known(asked, given.get("effects", {}))
     _check_friction(asked)
     _check_extent(asked)
     _check_teeth(asked, given.get("effects", {}))
     _check_growth(asked)
-    for effect in named:
+    for effect in wanted:
         _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
     _check_levels(asked)
     _check_forces(asked)
-    for effect in named:
+    for effect in wanted:
         for other, expected in effect.refused_with.items():
-            if RECORDS[other] in named:
+            if RECORDS[other] in wanted:
                 refuse(f"effects.{effect.key}", expected, _value(effect, asked))
 
 

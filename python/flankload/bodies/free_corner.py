@@ -1,0 +1,131 @@
+"""Free corners of metal at which the pressure modes of a flank end, and their near field.
+
+Between two places at distances d and d' from a corner of interior angle w the flank yields by
+
+    -c0 [ln|s - s'| + psi(w) ln(d + d')],
+    psi(w) = pi [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] - 1                          (W1)
+
+along its normal, per force and width: by the logarithm of a half-plane, and by that of a mirror
+image of the load behind the corner. A force at the apex of a wedge, normal to its flank, moves the
+flank at a distance r by -(2/E') [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] ln r: it is held
+by radial stress (Johnson, Contact Mechanics, section 5.1), and its parts are those along the
+bisector and across it. With c0 = 2/(pi E') that is -c0 (1 + psi) ln r, which both logarithms sum up
+to for d' = 0. Both leave out what stays finite at the corner: the modes carry it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh, WholeMesh
+
+if TYPE_CHECKING:
+    from flankload.bodies.body import Body
+
+#: Interior angle where the surface goes on smoothly.
+SMOOTH = 180.0
+#: Metal that turns by less than this is no corner, degrees: straight-sided elements on a rounding
+#: turn by a few, and psi is below 0.0002 there.
+LEAST_TURN = 5.0
+#: The curve of a sharp flank ends with its modes, to this part of their range.
+SAME_PLACE = 1e-6
+
+
+def image_strength(angle_deg: float) -> float:
+    """Strength psi of the mirror image behind a corner, Eq. (W1).
+
+    Parameters
+    ----------
+    angle_deg : float
+        Interior angle of the metal, above 0.
+
+    Returns
+    -------
+    float
+        0 where the metal turns by less than 5 degrees, or inwards.
+    """
+    if angle_deg > SMOOTH - LEAST_TURN:
+        return 0.0
+    w = float(np.radians(angle_deg))
+    axial, across = np.sin(0.5 * w) ** 2, np.cos(0.5 * w) ** 2
+    return float(np.pi * (axial / (w + np.sin(w)) + across / (w - np.sin(w))) - 1.0)
+
+
+def image_strengths(body: Body) -> tuple[float, float]:
+    """Psi at the low and the high end of the range of a body's modes.
+
+    Parameters
+    ----------
+    body : Body
+
+    Returns
+    -------
+    (float, float)
+    """
+    low, high = corner_angles(body)
+    return image_strength(low), image_strength(high)
+
+
+def corner_angles(body: Body) -> tuple[float, float]:
+    """Interior angles of the metal where the modes of a body end, degrees; 180 without a corner.
+
+    Parameters
+    ----------
+    body : Body
+        With elements, or with a compliance that tells the angles.
+
+    Returns
+    -------
+    (float, float)
+        At the low and the high end of the modes' range.
+    """
+    if body.given is not None:
+        return body.given.corner_angles_deg
+    if body.mesh is None or body.curve.closed:
+        return SMOOTH, SMOOTH
+    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
+    low = angle_at(body.mesh, int(flank.flank_edges[0, 0]))
+    high = angle_at(body.mesh, int(flank.flank_edges[-1, 1]))
+    return low, high if _tip_is_sharp(body) else SMOOTH
+
+
+def _tip_is_sharp(body: Body) -> bool:
+    """Whether the flank ends with its modes: no rounding and no chamfer follows.
+
+    Behind these the corner is another one, further away than the modes end: it has no image.
+    """
+    low, high = body.mode_range_mm
+    return body.curve.length_mm - high <= SAME_PLACE * (high - low)
+
+
+def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
+    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face.
+
+    Parameters
+    ----------
+    mesh : SectorMesh or WholeMesh
+    node : int
+
+    Returns
+    -------
+    float
+    """
+    if isinstance(mesh, SectorMesh) and node in np.append(mesh.left_nodes, mesh.right_nodes):
+        return SMOOTH
+    whole = 0.0
+    for kind, cells in mesh.cells:
+        corners = 3 if kind.startswith("triangle") else 4
+        cell, at = np.nonzero(cells[:, :corners] == node)
+        before, behind = (at - 1) % corners, (at + 1) % corners
+        # an edge leaves its end in the direction 4 middle - 3 here - other end
+        one, two = (
+            4 * mesh.nodes[cells[cell, corners + edge]]
+            - 3 * mesh.nodes[node]
+            - mesh.nodes[cells[cell, end]]
+            for edge, end in ((at, behind), (before, before))
+        )
+        cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+        whole += float(np.abs(np.arctan2(cross, np.sum(one * two, axis=1))).sum())
+    return float(np.degrees(whole))
