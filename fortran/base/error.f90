@@ -1,11 +1,11 @@
-!> What went wrong: a status code and a message, returned at once in one allocatable.
+!> Errors: a status code and a message, returned at once in one allocatable.
 module flankload_error
     implicit none
     private
 
     public :: error_type, fatal_error
 
-    !> A failure.
+    !> An error.
     type :: error_type
         !> One of the codes of module `flankload_status`
         integer :: code = 0
@@ -15,9 +15,9 @@ module flankload_error
 
 contains
 
-    !> Raise a failure.
+    !> Raise an error.
     pure subroutine fatal_error(error, code, message)
-        !> The failure to be returned
+        !> The error to be returned
         type(error_type), allocatable, intent(out) :: error
         !> Its code
         integer, intent(in) :: code

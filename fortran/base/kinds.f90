@@ -1,11 +1,11 @@
-!> The one kind of real numbers.
+!> The kind of all real numbers.
 module flankload_kinds
     implicit none
     private
 
     public :: wp
 
-    !> Working precision: what `double precision` is at the flat door and LAPACK's D routines take.
+    !> Working precision: `double precision` of the flat interface and of LAPACK's D routines.
     integer, parameter :: wp = kind(1.0d0)
 
 end module flankload_kinds

@@ -1,6 +1,7 @@
-!> The door to BLAS and LAPACK: pure interfaces, and wrappers that take just the arrays.
+!> Interface to BLAS and LAPACK: pure interfaces, and wrappers whose arguments are just the arrays.
 !>
-!> A factor of order n stands in the leading part of a larger array, so that it can grow in place.
+!> A factor of order n is stored in the leading part of a larger array, so that it can grow in
+!> place.
 module flankload_lapack
     use flankload_kinds, only: wp
     implicit none
@@ -76,7 +77,7 @@ module flankload_lapack
 
 contains
 
-    !> Leading dimension, which LAPACK wants to be positive even where there is nothing.
+    !> Leading dimension, which LAPACK requires to be positive even for empty arrays.
     pure integer function leading(matrix)
         !> Array of any shape
         real(wp), intent(in) :: matrix(:, :)
@@ -84,7 +85,7 @@ contains
         leading = max(1, size(matrix, 1))
     end function leading
 
-    !> Cholesky factor of the leading block, into its lower triangle.
+    !> Cholesky factor of the leading block, stored in its lower triangle.
     pure subroutine potrf(n, matrix, info)
         !> Order of the block
         integer, intent(in) :: n
@@ -96,7 +97,7 @@ contains
         call dpotrf('L', n, matrix, leading(matrix), info)
     end subroutine potrf
 
-    !> LU factor of the leading block with exchange of rows.
+    !> LU factor of the leading block with row exchanges.
     pure subroutine getrf(n, matrix, row_swaps, info)
         !> Order of the block
         integer, intent(in) :: n
@@ -110,7 +111,7 @@ contains
         call dgetrf(n, n, matrix, leading(matrix), row_swaps, info)
     end subroutine getrf
 
-    !> Exchange the rows of right-hand sides as the factorisation did.
+    !> Exchange the rows of right-hand sides as in the factorisation.
     pure subroutine permute_rows(rows, row_swaps)
         !> Right-hand sides, shape (>= size(row_swaps), any)
         real(wp), contiguous, intent(inout) :: rows(:, :)
@@ -120,8 +121,8 @@ contains
         call dlaswp(size(rows, 2), rows, leading(rows), 1, size(row_swaps), row_swaps, 1)
     end subroutine permute_rows
 
-    !> T X = B or Tᵀ X = B with a triangle T of a factor. For a few right-hand sides one by one: to
-    !> pack the triangle for all at once costs more than it saves.
+    !> Solve T X = B or Tᵀ X = B with a triangle T of a factor. A few right-hand sides are solved
+    !> one by one: packing the triangle for all at once costs more than it saves.
     pure subroutine solve_triangle(n, factor, uplo, transposed, diagonal, x)
         !> Order of the factor
         integer, intent(in) :: n
@@ -131,7 +132,7 @@ contains
         character(len=1), intent(in) :: uplo
         !> 'T' transposed, else 'N'
         character(len=1), intent(in) :: transposed
-        !> 'U' where the diagonal is one and not stored, else 'N'
+        !> 'U' if the diagonal is one and not stored, else 'N'
         character(len=1), intent(in) :: diagonal
         !> Right-hand sides, then solutions, shape (>= n, any)
         real(wp), contiguous, intent(inout) :: x(:, :)
@@ -149,7 +150,7 @@ contains
         end if
     end subroutine solve_triangle
 
-    !> L x = b or Lᵀ x = b for one right-hand side.
+    !> Solve L x = b or Lᵀ x = b for one right-hand side.
     pure subroutine solve_lower(n, factor, transposed, x)
         !> Order of the factor
         integer, intent(in) :: n
@@ -163,7 +164,7 @@ contains
         call dtrsv('L', transposed, 'N', n, factor, leading(factor), x, 1)
     end subroutine solve_lower
 
-    !> L X = B where the first rows of X are known already.
+    !> Solve L X = B if the first rows of X are already known.
     pure subroutine continue_lower(known, n, factor, x)
         !> Known rows and all rows
         integer, intent(in) :: known
@@ -181,7 +182,8 @@ contains
         end do
     end subroutine continue_lower
 
-    !> The same for one right-hand side; explicit shapes, so that parts are handed on in place.
+    !> The same for one right-hand side; explicit shapes, so that parts of arrays are passed in
+    !> place.
     pure subroutine continue_column(known, n, lda, factor, x)
         !> Known rows, all rows, rows of the array
         integer, intent(in) :: known
@@ -199,16 +201,16 @@ contains
         call dtrsv('L', 'N', 'N', n - known, factor(known + 1, known + 1), lda, x(known + 1), 1)
     end subroutine continue_column
 
-    !> Border a Cholesky factor by the rows that stand below it, in place.
+    !> Extend a Cholesky factor by the rows stored below it, in place.
     pure subroutine border_cholesky(k, b, lda, matrix, info)
         !> Order of the factor and number of new rows
         integer, intent(in) :: k
         integer, intent(in) :: b
-        !> Rows of the array (of explicit shape, so that its parts can be handed on in place)
+        !> Rows of the array (of explicit shape, so that its parts can be passed in place)
         integer, intent(in) :: lda
         !> The factor, below it the new rows of the matrix, shape (lda >= k + b, >= k + b)
         real(wp), intent(inout) :: matrix(lda, *)
-        !> Not zero: what is left of the new block is not positive definite
+        !> Not zero: the remainder of the new block is not positive definite
         integer, intent(out) :: info
 
         if (k > 0) then
@@ -219,7 +221,7 @@ contains
         call dpotrf('L', b, matrix(k + 1, k + 1), lda, info)
     end subroutine border_cholesky
 
-    !> Border an LU factor by rows and columns that stand beside it, in place; what is left of the
+    !> Extend an LU factor by the rows and columns stored beside it, in place; the remainder of the
     !> new diagonal block is not factored yet.
     pure subroutine border_lu(k, b, lda, matrix)
         !> Order of the factor and number of new rows
@@ -255,14 +257,14 @@ contains
 
     !> C := Aᵀ B for a block C of a larger matrix.
     pure subroutine set_product(n_rows, n_columns, m, a, b, ldc, c)
-        !> Rows and columns of the block, numbers in a product
+        !> Rows and columns of the block, number of terms in a product
         integer, intent(in) :: n_rows
         integer, intent(in) :: n_columns
         integer, intent(in) :: m
         !> A and B
         real(wp), intent(in) :: a(m, *)
         real(wp), intent(in) :: b(m, *)
-        !> Rows of the larger matrix (of explicit shape, so that parts are handed on in place)
+        !> Rows of the larger matrix (of explicit shape, so that parts are passed in place)
         integer, intent(in) :: ldc
         !> C
         real(wp), intent(inout) :: c(ldc, *)

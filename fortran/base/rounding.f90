@@ -1,8 +1,8 @@
-!> Decisions on quotients of lengths that are whole numbers in exact arithmetic.
+!> Rounding of quotients of lengths that are whole numbers in exact arithmetic.
 !>
-!> Grids are laid by parts of a reach, so that ends of cells and of reaches coincide. On which side
-!> of each other they come out is a matter of rounding, and of the kernel of BLAS that stands
-!> behind the forces: no number of cells may hang on that.
+!> Cell grids are fractions of a reach, so that ends of cells and of reaches coincide. Their order
+!> after rounding depends on the BLAS kernel that computed the forces; no number of cells may depend
+!> on it.
 module flankload_rounding
     use flankload_kinds, only: wp
     implicit none
@@ -10,16 +10,16 @@ module flankload_rounding
 
     public :: tie, whole_parts
 
-    !> Quotients this near to a whole number are that number, lengths this near to each other (in
-    !> cells, in reaches) are equal: far above what rounding leaves of them, far below what a result
-    !> could show.
+    !> Quotients this close to a whole number are that number, and lengths this close to each other
+    !> (in cells, in reaches) are equal: far above their rounding errors, far below what is visible
+    !> in a result.
     real(wp), parameter :: tie = 1.0e-6_wp
 
 contains
 
-    !> How many whole parts a length has.
+    !> Number of whole parts in a length.
     elemental function whole_parts(length, part) result(number)
-        !> The length, and that of a part, in the same unit
+        !> The length and the length of a part, in the same unit
         real(wp), intent(in) :: length
         real(wp), intent(in) :: part
         integer :: number

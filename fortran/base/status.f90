@@ -1,4 +1,4 @@
-!> Every status code of the library and its words; the flat interface hands the words to others.
+!> All status codes of the library and their texts; the flat interface passes the texts on.
 module flankload_status
     implicit none
     private
@@ -25,10 +25,11 @@ module flankload_status
     integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
     integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
     integer, parameter :: code_only_ends = -21
-    !> Arguments that are not valid are counted down from here, where -1 … are taken.
+    !> Status of an invalid argument i is this minus i in procedures in which -1 … have other
+    !> meanings.
     integer, parameter :: before_arguments = -100
 
-    !> A code and its words.
+    !> A code and its text.
     type :: status_type
         integer :: code
         character(len=80) :: words
@@ -74,7 +75,8 @@ module flankload_status
 
 contains
 
-    !> `info` of a procedure whose -1 … -7 say why there is no state: -(100 + i) for argument i.
+    !> `info` of a procedure in which -1 … -7 mean that there is no state: -(100 + i) for argument
+    !> i.
     pure function refused_argument(valid) result(info)
         !> Whether each argument is valid, from the first one on
         logical, intent(in) :: valid(:)
@@ -84,7 +86,7 @@ contains
         if (.not. all(valid)) info = before_arguments - findloc(valid, .false., dim=1)
     end function refused_argument
 
-    !> What a status says, in words.
+    !> Text of a status.
     pure function status_text(code) result(text)
         !> Status of a contact problem or of a position, or `info` of a procedure
         integer, intent(in) :: code

@@ -1,6 +1,6 @@
-!> Numbers of twice the working precision: a double and what rounding has taken from it.
+!> Numbers of twice the working precision: a double and its rounding error.
 !>
-!> Products and sums are split without error (Dekker, Knuth), which costs 20 operations for one.
+!> Products and sums are split without error (Dekker, Knuth), at 20 operations for one.
 module flankload_twice_precision
     use flankload_kinds, only: wp
     implicit none
@@ -9,7 +9,7 @@ module flankload_twice_precision
     public :: two_part
     public :: add_product, rounded
 
-    !> A sum and what rounding has taken from it.
+    !> A sum and its rounding error.
     type :: two_part
         real(wp) :: high = 0.0_wp
         real(wp) :: low = 0.0_wp
@@ -20,11 +20,11 @@ module flankload_twice_precision
 
 contains
 
-    !> total := total + a b, without loss.
+    !> total := total + a b, without rounding error.
     elemental subroutine add_product(total, a, b)
         !> The sum
         type(two_part), intent(inout) :: total
-        !> Factors, far from the ends of the range
+        !> Factors, far from the limits of the number range
         real(wp), intent(in) :: a
         real(wp), intent(in) :: b
 

@@ -1,4 +1,5 @@
-!> A contact pair: where a circle about O1 cuts two flanks (section 3.2 of the paper).
+!> A contact pair: the intersections of a circle about O1 with two flanks (section 3.2 of the
+!> paper).
 module flankload_circle_pair
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -11,7 +12,7 @@ module flankload_circle_pair
     public :: flank_type, pair_type
     public :: new_flank, pair_on_circle, guessed_s_2
 
-    !> A flank with the samples in which minima are first looked for.
+    !> A flank with the samples used for a first search for minima.
     type :: flank_type
         type(flank_curve_type) :: curve
         !> Arc length of the samples [mm], ascending; all breaks of the curve are among them
@@ -19,24 +20,23 @@ module flankload_circle_pair
         !> The samples in the frame of the body [mm], shape (2, n), and their distance from its axis
         real(wp), allocatable :: point(:, :)
         real(wp), allocatable :: radius(:)
-        !> 1 where the sample is a sharp corner, -1 where it is another end of the curve, else 0
+        !> 1 if the sample is a sharp corner, -1 if it is another end of the curve, else 0
         integer, allocatable :: special(:)
-        !> First sample from which on the radius grows up to the tip
+        !> First sample from which the radius increases up to the tip
         integer :: first_rising = 1
-        !> Where smooth roundings begin [mm of arc length], on which side they lie (1: towards
-        !> greater arc length, -1: towards smaller), and by how much the curvature changes there
-        !> [1/mm], shape (roundings)
+        !> Starts of smooth roundings [mm of arc length], their side (1: towards greater arc length,
+        !> -1: towards smaller), and the change of the curvature there [1/mm], shape (roundings)
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
         integer, allocatable :: rounding_sides(:)
     end type flank_type
 
-    !> A contact pair: the points A and B in which a circle about O1 cuts the two flanks.
+    !> A contact pair: the points A and B at which a circle about O1 cuts the two flanks.
     type :: pair_type
         !> Arc lengths of A and B [mm]
         real(wp) :: s_1 = 0.0_wp, s_2 = 0.0_wp
         !> Radius of the circle about O1 [mm]
         real(wp) :: radius = 0.0_wp
-        !> Gap angle A O1 B [rad], positive while body 1 must still turn
+        !> Gap angle A O1 B [rad], positive if body 1 must still turn
         real(wp) :: gap_angle = 0.0_wp
         !> Change of the gap angle along flank 1 [rad/mm]
         real(wp) :: slope = 0.0_wp
@@ -45,10 +45,10 @@ module flankload_circle_pair
         real(wp) :: point_2(2) = 0.0_wp, tangent_2(2) = 0.0_wp
     end type pair_type
 
-    !> Samples a flank: fine enough to see every minimum of tooth-like profiles.
+    !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
-    !> A flank that stands this steeply across its circle ends there: the pair (and 1/(P.t)) is
-    !> lost.
+    !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
+    !> undefined.
     real(wp), parameter :: least_rise = 0.02_wp
 contains
 
@@ -99,14 +99,14 @@ contains
         call find_roundings(flank)
     end function new_flank
 
-    !> Where the curvature changes at once, by much: there the pressure has a peak of its own.
+    !> Breaks with a large jump of the curvature: the pressure has a separate peak there.
     pure subroutine find_roundings(flank)
-        !> The flank, its curve given
+        !> The flank with its curve set
         type(flank_type), intent(inout) :: flank
 
-        !> There the flank is so many times as curved, convex.
+        !> Minimum ratio of the curvatures there, convex.
         real(wp), parameter :: many_times = 4.0_wp
-        !> Beside a break, relative to the interval.
+        !> Distance from a break, relative to the interval.
         real(wp), parameter :: beside = 1.0e-6_wp
         integer :: k, n
         real(wp) :: before, behind, point(2), tangent(2)
@@ -128,12 +128,12 @@ contains
         end associate
     end subroutine find_roundings
 
-    !> The pair on the circle through the place s_1 of flank 1.
+    !> The pair on the circle through the point s_1 of flank 1.
     pure subroutine pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> Arc length on flank 1 [mm]
@@ -163,11 +163,12 @@ contains
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
     end subroutine pair_on_circle
 
-    !> Where flank 2 about meets the circle through another place of flank 1: dr = (P.t) ds/r.
+    !> Approximate intersection of flank 2 with the circle through another point of flank 1: dr =
+    !> (P.t) ds/r.
     pure function guessed_s_2(pair, s_1) result(s_2)
-        !> A pair not far away
+        !> A pair nearby
         type(pair_type), intent(in) :: pair
-        !> The place on flank 1 [mm]
+        !> The point on flank 1 [mm]
         real(wp), intent(in) :: s_1
         !> Arc length on flank 2 [mm]
         real(wp) :: s_2

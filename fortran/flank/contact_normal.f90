@@ -1,11 +1,12 @@
-!> Which way the force of a contact points, where both flanks have normals of their own.
+!> Direction of the contact force if the two flanks have different normals.
 !>
-!> Chords over the contact, not tangents at a place: they change steadily while a corner, a kink or
-!> a rounding passes through the contact. Those towards both sides of the least gap count by the
-!> squares of how far the contact reaches. So a contact that reaches alike to both sides has the
-!> normal of the least gap, whatever turns away beside it, and a one-sided one (an edge over which
-!> a flank ends or turns away) the mean of both flanks' normals. Along the contact it turns with the
-!> flank, so that the lever of an involute is its base radius everywhere.
+!> It follows from chords over the contact, not from tangents at a point: chords change continuously
+!> while a corner, a kink or a rounding passes through the contact. The chords on both sides of the
+!> least gap are weighted by the squares of the reach of the contact. A contact that reaches equally
+!> to both sides has the normal of the least gap, whatever turns away beside it; a one-sided one (an
+!> edge over which a flank ends or turns away) has the mean of both flanks' normals. Along the
+!> contact the direction turns with the flank, so that the lever of an involute is its base radius
+!> everywhere.
 module flankload_contact_normal
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -20,27 +21,27 @@ module flankload_contact_normal
 
     !> Direction of the force along a contact.
     type :: normal_type
-        !> Unit normal out of body 1, and the place on flank 1 where the force has it [mm]
+        !> Unit normal out of body 1, and the point on flank 1 where the force has it [mm]
         real(wp) :: direction(2) = 0.0_wp
         real(wp) :: origin = 0.0_wp
-        !> How fast it turns along flank 1 with the normal of either body [rad/mm]
+        !> Rate of its rotation along flank 1 with the normal of either body [rad/mm]
         real(wp) :: turning(2) = 0.0_wp
     end type normal_type
 
 contains
 
-    !> The direction of the force over a contact; none where the gap is even, each place there has
-    !> its own.
+    !> The direction of the force over a contact; undefined if the gap is constant, since each point
+    !> then has its own.
     pure function contact_normal(flank_1, frame_1, flank_2, frame_2, zone, reach) result(normal)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> How far the contact reaches to both sides [mm], shape (2)
+        !> Reach of the contact to both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         type(normal_type) :: normal
 
@@ -70,9 +71,9 @@ contains
 
     contains
 
-        !> The pair at a place of the contact; the nearest one where the circle misses flank 2.
+        !> The pair at a point of the contact; the nearest one if the circle misses flank 2.
         pure function pair_at(s_1) result(pair)
-            !> Place on flank 1 [mm]
+            !> Point on flank 1 [mm]
             real(wp), intent(in) :: s_1
             type(pair_type) :: pair
 
@@ -86,7 +87,7 @@ contains
             if (.not. found) pair = zone%nearest
         end function pair_at
 
-        !> Direction from one point to another; none where they are the same.
+        !> Direction from one point to another; undefined if they coincide.
         pure function chord(from, to) result(direction)
             !> The points [mm]
             real(wp), intent(in) :: from(2)
@@ -96,14 +97,14 @@ contains
             direction = (to - from)/max(norm2(to - from), tiny(1.0_wp))
         end function chord
 
-        !> How fast the normal of a body turns; as fast as that of its mate where it turns away.
+        !> Rate of rotation of the normal of a body; that of its mate if the flank turns away.
         pure function steadier(own, other) result(turning)
-            !> How fast both turn [rad/mm]
+            !> Rates of both [rad/mm]
             real(wp), intent(in) :: own
             real(wp), intent(in) :: other
             real(wp) :: turning
 
-            !> Flanks differ less than this in their curvatures; edges are rounded more sharply.
+            !> Curvatures of flanks differ by less than this; edges have a smaller radius.
             real(wp), parameter :: many_times = 10.0_wp
 
             turning = other + (own - other) &
@@ -112,13 +113,13 @@ contains
 
     end function contact_normal
 
-    !> The direction at a place of the contact.
+    !> The direction at a point of the contact.
     pure function normal_at(normal, s_1, body) result(direction)
-        !> Over the contact
+        !> The direction over the contact
         type(normal_type), intent(in) :: normal
-        !> Place on flank 1 [mm]
+        !> Point on flank 1 [mm]
         real(wp), intent(in) :: s_1
-        !> Body with whose normal it turns
+        !> Body with whose normal the direction turns
         integer, intent(in) :: body
         !> Unit normal out of body 1
         real(wp) :: direction(2)

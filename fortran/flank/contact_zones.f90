@@ -1,8 +1,8 @@
-!> Where two flanks come nearest to each other, on circles about O1 (section 3.2 of the paper).
+!> Points of least gap between two flanks, on circles about O1 (section 3.2 of the paper).
 !>
-!> A zone is a place of least gap angle between one flank of body 1 and one of body 2, with the
+!> A zone is a point of least gap angle between one flank of body 1 and one of body 2, with the
 !> stretch of flank over which circles about O1 cut both. Candidates are found by their gap, never
-!> by the theoretical path of contact: tip corners and fillets count like any other place.
+!> by the theoretical path of contact: tip corners and fillets are treated like any other point.
 module flankload_contact_zones
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
@@ -16,21 +16,21 @@ module flankload_contact_zones
     public :: zone_type
     public :: find_zones
 
-    !> A place of least gap.
+    !> A point of least gap.
     type :: zone_type
         !> Number of the site (flank pair)
         integer :: site = 0
-        !> 1: body 1 turns in the sense of its torque to close the gap; -1: the flanks are coast
-        !> flanks, and all else here is as a mirror along the line of centres shows it
+        !> 1: body 1 turns in the direction of its torque to close the gap; -1: the flanks are coast
+        !> flanks, and all other components are those of the mirror image at the line of centres
         real(wp) :: side = 1.0_wp
-        !> Body whose sharp corner makes the least gap, minus the body where its curve just ends,
-        !> 0 where two smooth flanks do
+        !> Body whose sharp corner makes the least gap, minus the body if its curve just ends there,
+        !> 0 for two smooth flanks
         integer :: corner = 0
         !> The pair of least gap
         type(pair_type) :: nearest
         !> Lever of the zone about O1 [mm]
         real(wp) :: lever = 0.0_wp
-        !> Weight of body 1's lever in that of the pairs: its part of the recession
+        !> Weight of body 1's lever in that of the pairs: its fraction of the normal displacement
         real(wp) :: lever_share = 0.5_wp
         !> Sum of both curvatures [1/mm]
         real(wp) :: curvature = 0.0_wp
@@ -38,49 +38,51 @@ module flankload_contact_zones
         real(wp) :: s_1_low = 0.0_wp, s_1_high = 0.0_wp
         !> Arc lengths of flank 2 at those ends [mm]
         real(wp) :: s_2_low = 0.0_wp, s_2_high = 0.0_wp
-        !> The least gap angle [rad]; that of `nearest` but for the unevenness of even gap
+        !> The least gap angle [rad]; equal to that of `nearest` except for the unevenness of a
+        !> constant gap
         real(wp) :: gap_angle = 0.0_wp
-        !> Change along flank 1 of what a shift of the flanks closes of it [rad/mm]
+        !> Change along flank 1 of the part of the gap that a shift of the flanks closes [rad/mm]
         real(wp) :: tilt = 0.0_wp
-        !> Arc lengths of flank 1 between which the gap is even [mm]; equal where it is nowhere even
+        !> Arc lengths of flank 1 between which the gap is constant [mm]; equal if there is no such
+        !> stretch
         real(wp) :: level_low = 0.0_wp, level_high = 0.0_wp
-        !> Body whose sharp corner comes first on either side of the least gap, else 0, and its
+        !> Body with the first sharp corner on either side of the least gap, else 0, and its
         !> distance along flank 1 [mm]
         integer :: corner_low = 0, corner_high = 0
-        !> The least gap lies at the end of a flank that is cut there: it does not count
+        !> The least gap lies at the end of a flank that is cut there: the zone is ignored
         logical :: left_out = .false.
         real(wp) :: to_corner_low = huge(1.0_wp), to_corner_high = huge(1.0_wp)
     end type zone_type
 
-    !> Two places of least gap this near to each other (part of the flank's length) are one.
+    !> Two points of least gap within this distance (fraction of the flank's length) are one.
     real(wp), parameter :: same_place = 1.0e-7_wp
 
 contains
 
-    !> All places of least gap between two flanks.
+    !> All points of least gap between two flanks.
     !>
-    !> Conforming flanks have one where the gap is even: in the middle of the stretch.
+    !> Conforming flanks have one per stretch of constant gap: its middle.
     pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, closed_moment, zones, &
             & n_zones, conforms, lost)
-        !> Flank of body 1 and where it stands (its axis is O1)
+        !> Flank of body 1 and its placement (its axis is O1)
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Number of the site, noted in the zones
+        !> Number of the site, stored in the zones
         integer, intent(in) :: site
-        !> Gap along the normal that the load closes anyway, times the lever [mm²]: conforming
-        !> flanks whose gap is even but for that are even
+        !> Gap along the normal that the load closes in any case, times the lever [mm²]: conforming
+        !> flanks whose gap varies by less have a constant gap
         real(wp), intent(in) :: closed_moment
-        !> Zones found are appended here; what does not fit is dropped (n_zones then passes the
-        !> size)
+        !> Zones found are appended here; zones that do not fit are dropped (n_zones then exceeds
+        !> the size)
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
         integer, intent(inout) :: n_zones
         !> True if flanks conform somewhere: another load may close another stretch
         logical, intent(out) :: conforms
-        !> True if a place of least gap could not be made exact; never passed over in silence
+        !> True if a point of least gap could not be computed exactly; the caller must report it
         logical, intent(out) :: lost
 
         integer :: n, i
@@ -151,7 +153,7 @@ contains
 
     contains
 
-        !> Whether a place is an end of a curve.
+        !> Whether a point is an end of a curve.
         pure function is_end(curve, s) result(at_end)
             !> The curve
             type(flank_curve_type), intent(in) :: curve
@@ -172,15 +174,15 @@ contains
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
         !> The sample
         integer, intent(in) :: i
-        !> Gap along the normal that the load closes anyway, times the lever [mm²]
+        !> Gap along the normal that the load closes in any case, times the lever [mm²]
         real(wp), intent(in) :: closed_moment
         !> The zone
         type(zone_type), intent(inout) :: zone
-        !> The stretch around it over which the gap is even
+        !> The stretch around it over which the gap is constant
         type(even_type), intent(out) :: even
         !> False if no exact pair could be found
         logical, intent(out) :: found
@@ -226,14 +228,14 @@ contains
         if (abs(zone%corner) == 1) zone%lever = abs(dot_product(pair%point_1, pair%tangent_2))
     end subroutine refine_zone
 
-    !> A place on a closed flank within half a turn of another: nothing breaks where the curve ends
-    !> in its beginning.
+    !> A point on a closed flank within half a turn of another: the curve continues from its end to
+    !> its beginning.
     pure subroutine unwind(length, nearest, s)
         !> Length of the curve [mm]
         real(wp), intent(in) :: length
-        !> The other place [mm of arc length]
+        !> The other point [mm of arc length]
         real(wp), intent(in) :: nearest
-        !> The place
+        !> The point
         real(wp), intent(inout) :: s
 
         s = s - length*anint((s - nearest)/length)

@@ -1,4 +1,4 @@
-!> Conforming flanks: the stretch around a place of least gap over which the gap is even.
+!> Conforming flanks: the stretch around a point of least gap over which the gap is constant.
 module flankload_even_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, placed_point
@@ -11,50 +11,50 @@ module flankload_even_gap
     public :: even_type
     public :: conforms_at, level_out, sum_of_curvatures
 
-    !> A stretch of even gap.
+    !> A stretch of constant gap.
     type :: even_type
-        !> The flanks conform at the place of least gap
+        !> The flanks conform at the point of least gap
         logical :: conforms = .false.
-        !> Arc lengths of flank 1 between which the gap is even [mm]
+        !> Arc lengths of flank 1 between which the gap is constant [mm]
         real(wp) :: level(2) = 0.0_wp
-        !> Last sample of the stretch, 0 where there is none
+        !> Last sample of the stretch, 0 if there is none
         integer :: last = 0
-        !> A sample with less gap that no barrier parts from the pair, 0 if there is none
+        !> A sample with a smaller gap and no barrier between it and the pair, 0 if there is none
         integer :: lower = 0
     end type even_type
 
-    !> How a place beside a pair of least gap compares with it.
+    !> Comparison of a point with the pair of least gap beside it.
     type :: beside_type
         !> The pair of least gap
         type(pair_type) :: nearest
-        !> How uneven the gap may be [rad]
+        !> Accepted unevenness of the gap [rad]
         real(wp) :: even = 0.0_wp
-        !> 1: places at smaller arc length, 2: at greater
+        !> 1: points at smaller arc length, 2: at greater
         integer :: side = 1
-        !> Gap angle at the place less that of the pair [rad]
+        !> Gap angle at the point minus that of the pair [rad]
         real(wp) :: height = 0.0_wp
         !> Whether the flanks conform from there on, away from the pair
         logical :: goes_on = .false.
     end type beside_type
 
-    !> Places of least gap are one where what stands between them is lower than this part of the
-    !> longer flank's length, along the normal: curves are known to 1e-11 of theirs, and the gap of
-    !> conforming flanks is even but for that.
+    !> Points of least gap are one if the barrier between them is lower than this fraction of the
+    !> longer flank's length, along the normal: curves are accurate to 1e-11 of their length, and
+    !> the gap of conforming flanks is constant except for that.
     real(wp), parameter :: barrier = 2.0e-9_wp
-    !> Ends of even gap are found to this fraction of the flank's length.
+    !> Ends of constant gap are computed to this fraction of the flank's length.
     real(wp), parameter :: edge_tolerance = 1.0e-6_wp
-    !> Only flanks that turn away from each other by less than this over the length of flank 1 [rad]
-    !> conform; they do so until they turn away as much as this, over an edge.
+    !> Only flanks that turn away from each other by less than this angle over the length of flank 1
+    !> [rad] conform; they end where they turn away by as much, over an edge.
     real(wp), parameter :: flat = 3.0e-4_wp, turning = 3.0e-2_wp
 
 contains
 
-    !> Whether the flanks conform on one side of a pair at least.
+    !> Whether the flanks conform on at least one side of a pair.
     pure function conforms_at(flank_1, flank_2, scan, pair) result(conforms)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
         !> The pair
         type(pair_type), intent(in) :: pair
@@ -75,14 +75,14 @@ contains
         end do
     end function conforms_at
 
-    !> To the middle of the stretch over which the gap is even, or on to where it is less.
+    !> Move to the middle of the stretch over which the gap is constant, or on to a smaller gap.
     pure subroutine level_out(flank_1, flank_2, scan, closed_moment, nearest, corner, even, found)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
-        !> Gap along the normal that the load closes anyway, times the lever [mm²]
+        !> Gap along the normal that the load closes in any case, times the lever [mm²]
         real(wp), intent(in) :: closed_moment
         !> A pair of least gap
         type(pair_type), intent(inout) :: nearest
@@ -122,18 +122,18 @@ contains
             & nearest, found)
     end subroutine level_out
 
-    !> From a pair of least gap to the end of even gap on one side.
+    !> From a pair of least gap to the end of the constant gap on one side.
     pure subroutine walk_out(flank_1, flank_2, scan, scale, beside, lowest, even, found)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
         !> Gap along the normal over gap angle [mm/rad]
         real(wp), intent(in) :: scale
         !> The pair and the side
         type(beside_type), intent(inout) :: beside
-        !> Least gap along the normal so far, less that of the pair [mm]
+        !> Least gap along the normal so far, minus that of the pair [mm]
         real(wp), intent(inout) :: lowest
         !> The stretch
         type(even_type), intent(inout) :: even
@@ -160,7 +160,7 @@ contains
                 k = k + 2*beside%side - 3
             end do
             if (k < scan%first .or. k > scan%last) return
-            ! where the flanks part, between two samples
+            ! the point between two samples at which the flanks separate
             beyond = scan%s_1(k)
             do while (abs(beyond - edge) > edge_tolerance*curve_length(flank_1%curve))
                 middle = 0.5_wp*(edge + beyond)
@@ -175,17 +175,17 @@ contains
         end associate
     end subroutine walk_out
 
-    !> Whether the flanks conform from a place on, away from a pair of least gap.
+    !> Whether the flanks conform from a point on, away from a pair of least gap.
     pure subroutine look_beside(flank_1, flank_2, scan, s, k, beside, found)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
-        !> The place [mm] and a sample near it
+        !> The point [mm] and a sample near it
         real(wp), intent(in) :: s
         integer, intent(in) :: k
-        !> The pair and how the place compares with it
+        !> The pair and its comparison with the point
         type(beside_type), intent(inout) :: beside
         !> False if an exact pair could not be found
         logical, intent(out) :: found
@@ -200,7 +200,7 @@ contains
         if (.not. found) return
         beside%height = aside%gap_angle - beside%nearest%gap_angle
         if (beside%height > beside%even) return
-        ! the end of the stretch is an end, whatever the curve would do beyond
+        ! the end of the stretch is an end, however the curve continues beyond it
         outermost = merge(scan%first, scan%last, beside%side == 1)
         beside%goes_on = k == outermost .and. .not. abs(s - scan%s_1(k)) > 0.0_wp
         if (beside%goes_on) return
@@ -217,7 +217,7 @@ contains
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand
+        !> Their placements
         type(scan_type), intent(in) :: scan
         !> The pair
         type(pair_type), intent(in) :: pair
@@ -234,13 +234,13 @@ contains
         curvature = kappa_1 + kappa_2
     end function sum_of_curvatures
 
-    !> The sample before (side 1) or behind (side 2) a place; not within rounding of it.
+    !> The sample before (side 1) or after (side 2) a point; not within rounding of it.
     pure function neighbour(scan, s, side) result(k)
         !> The circles
         type(scan_type), intent(in) :: scan
-        !> The place [mm]
+        !> The point [mm]
         real(wp), intent(in) :: s
-        !> Which side
+        !> The side
         integer, intent(in) :: side
         integer :: k
 

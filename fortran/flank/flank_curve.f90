@@ -1,8 +1,9 @@
 !> A flank as a plane curve by arc length: root fillet, active flank and tip rounding in one.
 !>
-!> The curve is piecewise polynomial in its arc length s. Along growing s the material lies on the
+!> The curve is piecewise polynomial in its arc length s. For increasing s the material lies on the
 !> right: with the unit tangent t the unit normal out of the material is n = (-t_y, t_x). A curve
-!> whose ends are one smooth place is closed: arc lengths that differ by a whole turn are the same.
+!> whose ends meet smoothly in one point is closed: arc lengths that differ by its length are the
+!> same.
 module flankload_flank_curve
     use flankload_kinds, only: wp
     implicit none
@@ -21,33 +22,33 @@ module flankload_flank_curve
         logical, allocatable :: corners(:)
         !> True where the curve ends smoothly in its own beginning
         logical :: closed = .false.
-        !> True where the curve is cut out of a longer one: nothing touches first at its ends
+        !> True if the curve is cut out of a longer one: contact cannot begin at its ends
         logical :: cut = .false.
     end type flank_curve_type
 
-    !> Where a body stands: its frame turned by an angle about its axis.
+    !> Placement of a body: its frame rotated by an angle about its axis.
     type :: frame_type
         !> Axis of the body in the common frame [mm], shape (2)
         real(wp) :: origin(2) = 0.0_wp
-        !> Cosine and sine of the turn
+        !> Cosine and sine of the rotation
         real(wp) :: cosine = 1.0_wp
         real(wp) :: sine = 0.0_wp
     end type frame_type
 
-    !> The ends of a closed curve are one place to this part of its length, and one direction to
-    !> this angle [rad]: what is known of the curve, not of rounding.
+    !> The ends of a closed curve coincide to this fraction of its length, and in direction to this
+    !> angle [rad]: the accuracy of the curve, not rounding.
     real(wp), parameter :: same_place = 1.0e-9_wp, same_direction = 1.0e-6_wp
 
 contains
 
-    !> Make a curve from the arrays that a body hands over.
+    !> Make a curve from the arrays that a body supplies.
     pure function new_flank_curve(breaks, coefficients, corners) result(curve)
         !> Arc length at the ends of the intervals [mm], shape (n + 1)
         real(wp), intent(in) :: breaks(:)
         !> Coefficients, shape (degree + 1, 2, n)
         real(wp), intent(in) :: coefficients(:, :, :)
-        !> Nonzero where the curve has a sharp corner; 2 at the ends of one that is cut out of a
-        !> longer one, shape (n + 1)
+        !> Nonzero at sharp corners of the curve; 2 at the ends of one that is cut out of a longer
+        !> one, shape (n + 1)
         integer, intent(in) :: corners(:)
         type(flank_curve_type) :: curve
 
@@ -62,7 +63,7 @@ contains
         curve%cut = any(corners == 2)
     end function new_flank_curve
 
-    !> Whether a curve ends smoothly where it begins.
+    !> Whether a curve ends smoothly at its beginning.
     pure function ends_meet(curve) result(meet)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
@@ -82,7 +83,7 @@ contains
     pure function new_frame(origin, angle) result(frame)
         !> Axis of the body [mm], shape (2)
         real(wp), intent(in) :: origin(2)
-        !> Turn of the body [rad]
+        !> Rotation of the body [rad]
         real(wp), intent(in) :: angle
         type(frame_type) :: frame
 
@@ -100,18 +101,18 @@ contains
         length = curve%breaks(ubound(curve%breaks, 1))
     end function curve_length
 
-    !> Place, unit tangent and curvature of the curve in the frame of the body.
+    !> Point, unit tangent and curvature of the curve in the frame of the body.
     pure subroutine curve_point(curve, s, point, tangent, curvature)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
-        !> Arc length [mm]; outside the curve the end interval goes on, or the curve where it is
-        !> closed
+        !> Arc length [mm]; outside the curve the end interval is continued, or a closed curve wraps
+        !> around
         real(wp), intent(in) :: s
-        !> Place [mm], shape (2)
+        !> Point [mm], shape (2)
         real(wp), intent(out) :: point(2)
-        !> Unit tangent towards growing s, shape (2)
+        !> Unit tangent towards increasing s, shape (2)
         real(wp), intent(out) :: tangent(2)
-        !> Curvature [1/mm], positive where the centre lies in the material (convex flank)
+        !> Curvature [1/mm], positive if the centre lies in the material (convex flank)
         real(wp), intent(out), optional :: curvature
 
         integer :: interval, power, degree
@@ -146,15 +147,15 @@ contains
         end if
     end subroutine curve_point
 
-    !> The same in the common frame, for a body that stands somewhere.
+    !> The same in the common frame, for a placed body.
     pure subroutine placed_point(curve, frame, s, point, tangent, curvature)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
-        !> Where its body stands
+        !> Placement of its body
         type(frame_type), intent(in) :: frame
         !> Arc length [mm]
         real(wp), intent(in) :: s
-        !> Place [mm], shape (2)
+        !> Point [mm], shape (2)
         real(wp), intent(out) :: point(2)
         !> Unit tangent, shape (2)
         real(wp), intent(out) :: tangent(2)
@@ -169,7 +170,7 @@ contains
         tangent = [frame%cosine*t(1) - frame%sine*t(2), frame%sine*t(1) + frame%cosine*t(2)]
     end subroutine placed_point
 
-    !> Number of the interval that holds s, by bisection.
+    !> Number of the interval that contains s, by bisection.
     pure function interval_of(breaks, s) result(interval)
         !> Ends of the intervals, shape (0:n)
         real(wp), intent(in) :: breaks(0:)

@@ -1,4 +1,4 @@
-!> Gap angles of two flanks on many circles about O1: where to look for places of least gap.
+!> Gap angles of two flanks on many circles about O1, for a first search for points of least gap.
 module flankload_gap_scan
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, frame_type
@@ -10,42 +10,42 @@ module flankload_gap_scan
     public :: scan_type
     public :: scan_gaps
 
-    !> Two flanks where they stand, and the circles about O1 on which they were looked at.
+    !> Two placed flanks, and the circles about O1 on which their gap was computed.
     type :: scan_type
-        !> Where the flanks stand
+        !> Placements of the flanks
         type(frame_type) :: frame_1, frame_2
-        !> Places on flank 1, ascending: its samples and the circles through special points of flank
+        !> Points on flank 1, ascending: its samples and the circles through special points of flank
         !> 2
         real(wp), allocatable :: s_1(:)
-        !> Tangent of half the least gap angle on that circle: it grows with the angle
+        !> Tangent of half the least gap angle on that circle: it increases with the angle
         real(wp), allocatable :: gap(:)
-        !> Segment of flank 2's polyline that makes it, 0 where the circle misses flank 2
+        !> Segment of flank 2's polyline with the least gap, 0 if the circle misses flank 2
         integer, allocatable :: segment(:)
         !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else
         !> 0
         integer, allocatable :: corner(:)
         !> Distance of flank 2's samples from O1 [mm]
         real(wp), allocatable :: radius_2(:)
-        !> First and last circle of the stretch in question, all of which cut flank 2
+        !> First and last circle of the current stretch, all of which cut flank 2
         integer :: first = 1, last = 0
-        !> One-sided slopes at a corner are taken this far beside it [mm]
+        !> One-sided slopes at a corner are computed at this distance from it [mm]
         real(wp) :: beside = 0.0_wp
     end type scan_type
 
     !> That distance relative to the length of flank 1.
     real(wp), parameter :: beside_part = 1.0e-9_wp
-    !> A circle through a sample of flank 2 is one through a sample of flank 1 where it comes so
-    !> near to it: flanks of shafts and hubs end on common circles by design.
+    !> A circle through a sample of flank 2 is identified with one through a sample of flank 1
+    !> within this distance: flanks of shafts and hubs end on common circles by design.
     real(wp), parameter :: same_circle = 128.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Gap angles on sample circles, flank 2 taken as the polyline of its samples.
+    !> Gap angles on sample circles, with flank 2 replaced by the polyline of its samples.
     pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, scan)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The circles and the gaps
@@ -83,7 +83,7 @@ contains
         type(flank_type), intent(in) :: flank_2
         !> The circles
         type(scan_type), intent(inout) :: scan
-        !> Their radii [mm], and where they cut flank 1, shape (2, n)
+        !> Their radii [mm], and their intersections with flank 1, shape (2, n)
         real(wp), allocatable, intent(inout) :: radius(:)
         real(wp), allocatable, intent(inout) :: place_1(:, :)
 
@@ -116,17 +116,17 @@ contains
         end associate
     end subroutine add_special_circles
 
-    !> The least gap on each circle, and the segment of flank 2 that makes it.
+    !> The least gap on each circle, and the segment of flank 2 where it occurs.
     pure subroutine find_gaps(radius_2, place_2, radius, place_1, gap, segment)
-        !> Samples of flank 2: distance from O1 [mm], places, shape (2, samples)
+        !> Samples of flank 2: distance from O1 [mm], points, shape (2, samples)
         real(wp), contiguous, intent(in) :: radius_2(:)
         real(wp), contiguous, intent(in) :: place_2(:, :)
-        !> The circles and where they cut flank 1, shape (2, n)
+        !> The circles and their intersections with flank 1, shape (2, n)
         real(wp), contiguous, intent(in) :: radius(:)
         real(wp), contiguous, intent(in) :: place_1(:, :)
         !> Tangent of half the least gap angle on each
         real(wp), contiguous, intent(inout) :: gap(:)
-        !> The segment, 0 where the circle misses flank 2
+        !> The segment, 0 if the circle misses flank 2
         integer, contiguous, intent(inout) :: segment(:)
 
         integer :: l, k
@@ -157,7 +157,7 @@ contains
     pure function placed_samples(flank, frame) result(places)
         !> The flank
         type(flank_type), intent(in) :: flank
-        !> Where it stands
+        !> Its placement
         type(frame_type), intent(in) :: frame
         real(wp) :: places(2, size(flank%s))
 
@@ -171,7 +171,7 @@ contains
     pure function first_beyond(list, value) result(index)
         !> Ascending values
         real(wp), intent(in) :: list(:)
-        !> Value looked for; some entry is not below it
+        !> The value; some entry is not below it
         real(wp), intent(in) :: value
         integer :: index
 

@@ -1,4 +1,4 @@
-!> The exact place of least gap between two flanks, beside a sample that has less gap than its
+!> The exact point of least gap between two flanks, beside a sample that has less gap than its
 !> neighbours (section 3.2 of the paper).
 module flankload_least_gap
     use flankload_kinds, only: wp
@@ -10,23 +10,23 @@ module flankload_least_gap
 
     public :: exact_pair, walk_downhill
 
-    !> The least gap is found to this fraction of the flank's length: the gap is flat there, so its
-    !> own error is of second order.
+    !> The least gap is computed to this fraction of the flank's length: the gap is stationary
+    !> there, so its own error is of second order.
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
-    !> A circle laid through a sample may miss it by some roundings.
+    !> A circle through a sample may miss it by a few rounding errors.
     real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> The exact pair at a place: flank 2 searched from a segment of its polyline outwards, so
-    !> that of several branches (a rounded tip turns back) the same one is followed.
+    !> The exact pair at a point: flank 2 is searched from a segment of its polyline outwards, so
+    !> that the same one of several branches (a rounded tip turns back) is followed.
     pure subroutine exact_pair(flank_1, flank_2, scan, s, l, pair, found)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
-        !> Place on flank 1 [mm]
+        !> Point on flank 1 [mm]
         real(wp), intent(in) :: s
         !> Segment of flank 2
         integer, intent(in) :: l
@@ -58,20 +58,20 @@ contains
         end do
     end subroutine exact_pair
 
-    !> From a sample to where the gap is least: a sample, or a place between two.
+    !> From a sample to the least gap: at a sample, or at a point between two.
     !>
-    !> The polyline of flank 2 may mislead by a sample or two; the exact slopes do not.
+    !> The polyline of flank 2 may be wrong by a sample or two; the exact slopes are not.
     pure subroutine walk_downhill(flank_1, flank_2, scan, from, nearest, at_corner, found)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
         !> The sample
         integer, intent(in) :: from
         !> The pair of least gap
         type(pair_type), intent(inout) :: nearest
-        !> What the sample is if the pair lies on one
+        !> Type of the sample if the pair lies on one
         integer, intent(out) :: at_corner
         !> False if an exact pair could not be found
         logical, intent(out) :: found
@@ -111,7 +111,7 @@ contains
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Where they stand, and their circles
+        !> Their placements and circles
         type(scan_type), intent(in) :: scan
         !> Pairs that enclose the root
         type(pair_type), intent(in) :: one_end
@@ -120,7 +120,7 @@ contains
         integer, intent(in) :: l
         !> The pair of least gap
         type(pair_type), intent(inout) :: pair
-        !> False if no pair is found on the way
+        !> False if no pair is found during the iteration
         logical, intent(out) :: found
 
         integer, parameter :: max_steps = 80

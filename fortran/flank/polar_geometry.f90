@@ -1,4 +1,4 @@
-!> Polar geometry about O1: angle differences, and where a circle about O1 cuts a flank.
+!> Polar geometry about O1: angle differences, and intersections of a circle about O1 with a flank.
 module flankload_polar_geometry
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
@@ -7,14 +7,15 @@ module flankload_polar_geometry
 
     public :: cross, angle_between, circle_meets_flank
 
-    !> Newton on a smooth flank doubles its digits each step: from a neighbour's place 3 steps do.
+    !> Newton's method on a smooth flank doubles its digits at each step: 3 steps from a nearby
+    !> point.
     integer, parameter :: newton_steps = 8
-    !> Bisection down to the last digit, where Newton leaves the stretch.
+    !> Bisection to the last digit, if Newton's method leaves the stretch.
     integer, parameter :: bisection_steps = 60
-    !> Excess of the squared radius, relative, from which one step along the tangent is exact: the
+    !> Excess of the squared radius, relative, below which one step along the tangent is exact: the
     !> curve leaves its tangent by kappa ds²/2, with ds = 1e-11 r far below the last digit.
     real(wp), parameter :: nearly = 1.0e-11_wp
-    !> A circle that was itself laid through the end of a flank passes it within several roundings.
+    !> A circle through the end of a flank misses it by several rounding errors.
     real(wp), parameter :: end_tolerance = 256.0_wp*epsilon(1.0_wp)
 
 contains
@@ -30,7 +31,7 @@ contains
         product_z = a(1)*b(2) - a(2)*b(1)
     end function cross
 
-    !> Angle from a to b, in (-pi, pi]; accurate for small angles and never wrapped wrongly.
+    !> Angle from a to b, in (-pi, pi]; accurate for small angles and without wrapping errors.
     pure function angle_between(a, b) result(angle)
         !> From this direction, shape (2)
         real(wp), intent(in) :: a(2)
@@ -41,19 +42,20 @@ contains
         angle = atan2(cross(a, b), dot_product(a, b))
     end function angle_between
 
-    !> Where the circle of a given radius about O1 cuts a flank, between two places that enclose it.
+    !> Intersection of a circle of a given radius about O1 with a flank, between two bracketing
+    !> points.
     !>
-    !> Newton's method; where it leaves the stretch, the ends are looked at and bisection leads on.
+    !> Newton's method; if it leaves the stretch, the ends are checked and bisection continues.
     pure subroutine circle_meets_flank(curve, frame, radius, s_range, s, point, tangent, found)
         !> The flank
         type(flank_curve_type), intent(in) :: curve
-        !> Where its body stands
+        !> Placement of its body
         type(frame_type), intent(in) :: frame
         !> Radius of the circle [mm]
         real(wp), intent(in) :: radius
         !> Ends of the search [mm of arc length], in any order, shape (2)
         real(wp), intent(in) :: s_range(2)
-        !> On entry a guess, on return the place [mm of arc length]
+        !> On entry a guess, on return the intersection [mm of arc length]
         real(wp), intent(inout) :: s
         !> Point of the flank there, shape (2)
         real(wp), intent(out) :: point(2)
@@ -104,7 +106,7 @@ contains
 
     contains
 
-        !> Half the excess of the squared distance over the squared radius, and its growth.
+        !> Half the excess of the squared distance over the squared radius, and its derivative.
         pure subroutine look_at(place, at, direction, value, rise)
             !> Arc length [mm]
             real(wp), intent(in) :: place
@@ -113,7 +115,7 @@ contains
             real(wp), intent(out) :: direction(2)
             !> The excess [mm²]
             real(wp), intent(out) :: value
-            !> Its growth along the flank [mm]
+            !> Its derivative along the flank [mm]
             real(wp), intent(out) :: rise
 
             call placed_point(curve, frame, place, at, direction)

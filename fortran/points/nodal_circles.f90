@@ -1,4 +1,4 @@
-!> Circles about O1 that cut two flanks given by points.
+!> Circles about O1 that cut two flanks defined by points.
 module flankload_nodal_circles
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -7,7 +7,7 @@ module flankload_nodal_circles
 
     public :: radii_about, is_steady, shared_circles
 
-    !> Circles closer than this part of the spacing of the points would make K singular.
+    !> Circles closer than this fraction of the spacing of the points would make K singular.
     real(wp), parameter :: least_spacing = 0.5_wp - tie
 
 contains
@@ -23,7 +23,7 @@ contains
         radii = norm2(points - spread(axis, 2, size(points, 2)), 1)
     end function radii_about
 
-    !> Radii grow all the way, or fall.
+    !> Whether radii increase all the way, or decrease.
     pure function is_steady(radii) result(steady)
         !> Radii of the points of a flank [mm]
         real(wp), intent(in) :: radii(:)
@@ -35,16 +35,16 @@ contains
         steady = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
     end function is_steady
 
-    !> Circles that both flanks meet, from the least radius to the largest.
+    !> Circles that both flanks cut, from the smallest radius to the largest.
     !>
-    !> An end of flank 2 between two points of flank 1 has a circle of its own, in place of the
-    !> next point where that is near: a tip edge works at its end, and with the last point before
-    !> it alone the rotation is up to a tenth too large.
+    !> An end of flank 2 between two points of flank 1 has a circle of its own, which replaces the
+    !> next point if that is near: contact of a tip edge is at its end, and with only the last point
+    !> before it the rotation is up to a tenth too large.
     pure function shared_circles(radii_1, radii_2, n_circles) result(radii)
-        !> Radii of the points of both flanks, growing or falling all the way [mm]
+        !> Radii of the points of both flanks, increasing or decreasing all the way [mm]
         real(wp), intent(in) :: radii_1(:)
         real(wp), intent(in) :: radii_2(:)
-        !> How many; 0: through the points of flank 1
+        !> Number of circles; 0: through the points of flank 1
         integer, intent(in) :: n_circles
         real(wp), allocatable :: radii(:)
 
@@ -67,9 +67,9 @@ contains
         end if
     end function shared_circles
 
-    !> Points within a range, and its ends where they stand between two points.
+    !> Points within a range, and its ends if they lie between two points.
     pure function between_ends(points, low, high) result(radii)
-        !> Radii of the points of flank 1, growing [mm]
+        !> Radii of the points of flank 1, increasing [mm]
         real(wp), intent(in) :: points(:)
         !> The range, within these points [mm]
         real(wp), intent(in) :: low
@@ -79,7 +79,7 @@ contains
         integer :: first, last
         logical :: own_low, own_high
 
-        ! The points first … last stay; beside each end there is a point beyond it.
+        ! The points first … last remain; beside each end there is a point beyond it.
         first = count(points < low) + 1
         last = count(points <= high)
         own_low = low < points(first)

@@ -1,8 +1,9 @@
-!> One position from points and a compliance between them: the plain way of the paper (section 3).
+!> One position from points and a compliance between them: the method of the paper (section 3).
 !>
-!> Compliances are tables over the places of two points, (21) and (22), read between the points by
-!> straight lines. The answer to a point load at its own place grows with every halving of the
-!> spacing, so the error of this way falls slowly: it is for programs that bring such tables.
+!> Compliances are tables over the positions of two points, (21) and (22), interpolated linearly
+!> between the points. The displacement under a point load at its own point grows with every halving
+!> of the spacing, so the error of this method decreases slowly: it is meant for programs that
+!> supply such tables.
 module flankload_nodal_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -16,7 +17,7 @@ module flankload_nodal_pairs
     public :: nodal_body, nodal_pairs_type
     public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
 
-    !> Flanks of one body as points, and how these move.
+    !> Flanks of one body as points, and their compliance.
     type :: nodal_body
         !> Points of one flank after the other, in order along each, common frame [mm],
         !> shape (2, n)
@@ -30,28 +31,28 @@ module flankload_nodal_pairs
 
     !> Pairs of points A and B on circles about O1.
     type :: nodal_pairs_type
-        !> How many there are
+        !> Number of pairs
         integer :: n = 0
         !> Flank of each pair, shape (n)
         integer, allocatable :: flank(:)
         !> Radius of its circle about O1 [mm], shape (n)
         real(wp), allocatable :: radius(:)
-        !> Gap angle A O1 B [rad], positive while body 1 must still turn
+        !> Gap angle A O1 B [rad], positive if body 1 must still turn
         real(wp), allocatable :: gap_angle(:)
         !> Row lever b, and lever m of the normal force in the torque about O1 [mm], (17) and (19)
         real(wp), allocatable :: lever(:), torque_lever(:)
         !> Lever of the normal force about O2 [mm]
         real(wp), allocatable :: torque_lever_2(:)
-        !> Where A and B are between the points of their bodies
+        !> Positions of A and B between the points of their bodies
         type(nodal_place), allocatable :: place_1(:), place_2(:)
     end type nodal_pairs_type
 
-    !> A force line that passes O1 nearer than this part of the radius has no lever worth the name.
+    !> A line of force that passes O1 within this fraction of the radius has no usable lever.
     real(wp), parameter :: least_lever = 0.01_wp
 
 contains
 
-    !> Make a body from the arrays that a program hands over.
+    !> Make a body from the arrays that a program supplies.
     pure function new_nodal_body(sizes, points, compliance) result(body)
         !> Number of points of each flank, at least 2 each
         integer, intent(in) :: sizes(:)
@@ -72,11 +73,11 @@ contains
         end do
     end function new_nodal_body
 
-    !> As many pairs as there can be at any position.
+    !> Upper bound of the number of pairs at any position.
     pure function most_nodal_pairs(body_1, n_circles) result(n)
         !> Body 1
         type(nodal_body), intent(in) :: body_1
-        !> Circles to a flank; 0: one through every point of body 1
+        !> Circles per flank; 0: one through every point of body 1
         integer, intent(in) :: n_circles
         integer :: n
 
@@ -84,7 +85,7 @@ contains
         if (n_circles > 0) n = n_circles*ubound(body_1%last, 1)
     end function most_nodal_pairs
 
-    !> Lay circles about O1 through facing flanks and pair their points.
+    !> Place circles about O1 through facing flanks and pair their points.
     pure subroutine find_nodal_pairs(body_1, body_2, axis_1, axis_2, turn, n_circles, pairs, bad)
         !> The bodies; flank k of one faces flank k of the other
         type(nodal_body), intent(in) :: body_1
@@ -92,15 +93,15 @@ contains
         !> O1 and O2 [mm], shape (2)
         real(wp), intent(in) :: axis_1(2)
         real(wp), intent(in) :: axis_2(2)
-        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
+        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the direction of its torque
         integer, intent(in) :: turn
-        !> Circles to a flank, evenly spread; 0: one through every point of body 1 that body 2 faces
+        !> Circles per flank, evenly spaced; 0: one through every point of body 1 that faces body 2
         !> and through the ends of body 2 between these
         integer, intent(in) :: n_circles
         !> The pairs
         type(nodal_pairs_type), intent(out) :: pairs
-        !> 0; or the body whose points do not go steadily outwards or inwards about O1, or whose
-        !> normal passes through it
+        !> 0; or the body whose points do not run monotonically outwards or inwards about O1, or
+        !> whose normal passes through it
         integer, intent(out) :: bad
 
         integer :: f, c, k
@@ -143,7 +144,8 @@ contains
         end do
     end subroutine find_nodal_pairs
 
-    !> K = diag(b) A of all pairs, (5)–(10), from tables over the places of two points (21), (22).
+    !> K = diag(b) A of all pairs, (5)–(10), from tables over the positions of two points (21),
+    !> (22).
     pure subroutine nodal_influences(body_1, body_2, pairs, matrix)
         !> The bodies
         type(nodal_body), intent(in) :: body_1
@@ -164,17 +166,17 @@ contains
     end subroutine nodal_influences
 
 
-    !> Where a flank meets a circle about O1.
+    !> Intersection of a flank with a circle about O1.
     pure subroutine place_on_circle(curve, axis_1, radii, radius, place, point, tangent)
         !> The flank in the common frame
         type(flank_curve_type), intent(in) :: curve
         !> O1 [mm]
         real(wp), intent(in) :: axis_1(2)
-        !> Radii of its points [mm], growing or falling
+        !> Radii of its points [mm], increasing or decreasing
         real(wp), intent(in) :: radii(:)
-        !> Radius of the circle, among these [mm]
+        !> Radius of the circle, within these [mm]
         real(wp), intent(in) :: radius
-        !> Between which points
+        !> The points that enclose it
         type(nodal_place), intent(out) :: place
         !> The point [mm] and the unit tangent there
         real(wp), intent(out) :: point(2)
@@ -188,7 +190,7 @@ contains
         n = size(radii)
         k = min(n - 1, max(1, count(radii <= radius)))
         if (radii(n) < radii(1)) k = min(n - 1, max(1, count(radii >= radius)))
-        ! circle_meets_flank looks from the origin
+        ! circle_meets_flank assumes the axis at the origin
         frame%origin = -axis_1
         s = curve%breaks(k - 1) + (curve%breaks(k) - curve%breaks(k - 1)) &
             & *(radius - radii(k))/(radii(k + 1) - radii(k))
@@ -210,11 +212,11 @@ contains
         points = body%points(:, body%last(flank - 1) + 1:body%last(flank))
     end function flank_points
 
-    !> Make room for pairs.
+    !> Allocate space for pairs.
     pure subroutine reserve(pairs, n)
         !> The pairs
         type(nodal_pairs_type), intent(out) :: pairs
-        !> How many can be appended
+        !> Number of pairs that can be appended
         integer, intent(in) :: n
 
         allocate (pairs%flank(n), source=0)

@@ -1,8 +1,8 @@
-!> All positions and torques of two bodies that are points and a compliance between them: the plain
-!> way of the paper, position by position.
+!> All positions and torques of two bodies given by points and a compliance between them: the method
+!> of the paper, position by position.
 !>
-!> A position is independent of the others and a torque of the others: threads share the positions,
-!> and every answer is bitwise the same whatever their number and whatever else is asked for.
+!> Positions are independent of each other, and so are torques: threads share the positions, and
+!> every result is bitwise the same for any number of threads and any other requested results.
 module flankload_nodal_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -19,23 +19,25 @@ module flankload_nodal_sweep
     public :: nodal_sweep_type
     public :: sweep_nodal_positions
 
-    !> What is found; NaN where there is no state.
+    !> Results; NaN if there is no state.
     type :: nodal_sweep_type
         !> 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
         integer, allocatable :: status(:, :)
-        !> Rotation [rad] and its growth with the torque [rad/(N mm)], shape (positions, torques)
+        !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)], shape
+        !> (positions, torques)
         real(wp), allocatable :: rotation(:, :), tangent(:, :)
         !> Moment of the forces about O2 [N mm], shape (positions, torques)
         real(wp), allocatable :: torque_2(:, :)
-        !> Backward error, condition, margin, shape (3, positions, torques); where contact has no
-        !> state, part of the torque that can be held and 1 if there is none for certain
+        !> Backward error, condition number, margin, shape (3, positions, torques); if contact has
+        !> no state, the fraction of the torque that can be held and 1 if it is proven that there is
+        !> none
         real(wp), allocatable :: certificate(:, :, :)
         !> Force of each flank [N], shape (flanks, positions, torques)
         real(wp), allocatable :: flank_force(:, :, :)
         !> Number of pairs of each position, shape (positions)
         integer, allocatable :: n_pairs(:)
-        !> Flank, circle [mm] and gap angle [rad] of each pair, shape (room, positions); without
-        !> room where pairs are not wanted
+        !> Flank, circle [mm] and gap angle [rad] of each pair, shape (room, positions); empty if
+        !> pairs are not requested
         integer, allocatable :: flank(:, :)
         real(wp), allocatable :: radius(:, :), gap_angle(:, :)
         !> Its force [N] and final gap [mm], shape (room, positions, torques)
@@ -47,24 +49,24 @@ contains
     !> Solve every position for every torque.
     subroutine sweep_nodal_positions(body_1, body_2, axis_1, axis_2, turn, n_circles, angles_1, &
             & angles_2, torques, with_pairs, found)
-        !> The bodies where their angles are 0; flank k of one faces flank k of the other
+        !> The bodies at angles 0; flank k of one faces flank k of the other
         type(nodal_body), intent(in) :: body_1
         type(nodal_body), intent(in) :: body_2
         !> O1 and O2 [mm], shape (2)
         real(wp), intent(in) :: axis_1(2)
         real(wp), intent(in) :: axis_2(2)
-        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
+        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the direction of its torque
         integer, intent(in) :: turn
-        !> Circles to a flank, evenly spread; 0: one through every point of body 1
+        !> Circles per flank, evenly spaced; 0: one through every point of body 1
         integer, intent(in) :: n_circles
         !> Angles of the bodies, counter-clockwise [rad], shape (positions)
         real(wp), intent(in) :: angles_1(:)
         real(wp), intent(in) :: angles_2(:)
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> The pairs are wanted, too
+        !> The pairs are requested, too
         logical, intent(in) :: with_pairs
-        !> What is found
+        !> The results
         type(nodal_sweep_type), intent(out) :: found
 
         integer :: k, structure
@@ -82,7 +84,7 @@ contains
 
     contains
 
-        !> Pairs and influence numbers of one position, then its torques.
+        !> Pairs and influence coefficients of one position, then its torques.
         subroutine take_position(at)
             !> Number of the position
             integer, intent(in) :: at
@@ -115,8 +117,8 @@ contains
 
     end subroutine sweep_nodal_positions
 
-    !> A body turned about its axis: where its points stand. Its compliance does not turn with it
-    !> (it goes along the normals) and stays with the body as it is.
+    !> A body rotated about its axis: the new positions of its points. Its compliance does not
+    !> change (it is along the normals) and stays with the unrotated body.
     pure function turned_body(body, axis, angle) result(turned)
         !> The body
         type(nodal_body), intent(in) :: body
@@ -139,15 +141,15 @@ contains
         turned%last = body%last
     end function turned_body
 
-    !> Nothing found yet.
+    !> Empty results.
     pure subroutine reserve(found, n_flanks, n_positions, n_torques, room)
-        !> What is found
+        !> The results
         type(nodal_sweep_type), intent(out) :: found
         !> Numbers of flanks, positions and torques
         integer, intent(in) :: n_flanks
         integer, intent(in) :: n_positions
         integer, intent(in) :: n_torques
-        !> Room for the pairs of a position
+        !> Maximum number of pairs of a position
         integer, intent(in) :: room
 
         real(wp) :: nan
@@ -167,13 +169,13 @@ contains
         allocate (found%final_gap(room, n_positions, n_torques), source=nan)
     end subroutine reserve
 
-    !> Note the pairs of a position.
+    !> Store the pairs of a position.
     pure subroutine note_pairs(k, pairs, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its pairs
         type(nodal_pairs_type), intent(in) :: pairs
-        !> What is found
+        !> The results
         type(nodal_sweep_type), intent(inout) :: found
 
         associate (n => pairs%n)
@@ -185,16 +187,16 @@ contains
         end associate
     end subroutine note_pairs
 
-    !> Note a state.
+    !> Store a state.
     pure subroutine note_state(k, t, pairs, state, found)
         !> Numbers of the position and the torque
         integer, intent(in) :: k
         integer, intent(in) :: t
         !> Pairs of the position
         type(nodal_pairs_type), intent(in) :: pairs
-        !> The state; its status is negative where there is none
+        !> The state; its status is negative if there is none
         type(contact_result), intent(in) :: state
-        !> What is found
+        !> The results
         type(nodal_sweep_type), intent(inout) :: found
 
         integer :: f

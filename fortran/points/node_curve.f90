@@ -1,4 +1,4 @@
-!> A flank known by points alone: the cubic spline through them over their chord length.
+!> A flank defined by points only: the cubic spline through them over their chord length.
 module flankload_node_curve
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type
@@ -12,10 +12,11 @@ contains
     !> Curve through points; its breaks are the chord lengths at the points.
     !>
     !> The ends are not-a-knot, so that the curve is of fourth order in the spacing up to its ends;
-    !> three points make a parabola, two a line. Chord length stands for arc length: places and
+    !> three points give a parabola, two a line. Chord length replaces arc length: points and
+    !> directions do not depend on it.
     !> directions do not depend on it.
     pure function curve_through_points(points) result(curve)
-        !> Points in order, no two neighbours at the same place [mm], shape (2, n), n >= 2
+        !> Points in order, no two neighbours equal [mm], shape (2, n), n >= 2
         real(wp), intent(in) :: points(:, :)
         type(flank_curve_type) :: curve
 
@@ -62,8 +63,8 @@ contains
             bend = spread(2.0_wp*(slope(:, 2) - slope(:, 1))/(step(1) + step(2)), 2, 3)
             return
         end if
-        ! The third derivative goes on across the second and the last but one point: the ends are
-        ! put in terms of their neighbours, which leaves equations for points 2 … n-1.
+        ! The third derivative is continuous at the second and the last but one point: the ends are
+        ! expressed by their neighbours, which leaves equations for points 2 … n-1.
         allocate (diagonal(2:n - 1), right(2:n - 1))
         do k = 2, n - 1
             diagonal(k) = 2.0_wp*(step(k - 1) + step(k))

@@ -1,8 +1,8 @@
-!> The contact loop in blocks: many pairs join at once, those that would pull leave at once.
+!> The contact loop in blocks: many pairs enter at once, pairs with tensile forces leave at once.
 !>
-!> Fast where the contact grows by whole regions, as on flanks. Nothing makes its energy fall, so it
-!> is watched: where the number of pairs that pull or are open has not fallen within a few steps, it
-!> gives up, and the owner goes on one pair at a time from where it stands.
+!> It is fast if the contact grows by whole regions, as on flanks. Its energy need not decrease, so
+!> it is monitored: if the number of pairs with tensile forces or penetration has not decreased
+!> within a few steps, it gives up, and the caller continues with single pairs from there.
 module flankload_block_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -17,14 +17,15 @@ module flankload_block_loop
 
     public :: block_loop, settle_blocks
 
-    !> Part of the pairs in contact that may join at once. More would let too many in, and a pair
-    !> that leaves early takes the tail of the factor with it.
+    !> Pairs that may enter at once, as a fraction of the pairs in contact. A larger fraction would
+    !> admit too many, and a pair that leaves early takes the tail of the factor with it.
     real(wp), parameter :: joining_part = 0.5_wp
-    !> So many may join at once always.
+    !> Number of pairs that may always enter at once.
     integer, parameter :: joining_at_least = 16
     !> Steps within which the number of wrong pairs must fall
     integer, parameter :: patience = 5
-    !> A coarser problem has so many pairs at least; beyond it is guessed from one coarser still.
+    !> Minimum number of pairs of a coarser problem; a larger one is started from a still coarser
+    !> one.
     integer, parameter :: least_coarse = 8
     integer, parameter :: many_coarse = 500
 
@@ -39,13 +40,13 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
-        !> Without pairs to begin with, begin where a coarser problem has its contact
+        !> Without pairs to begin with, begin with the contact of a coarser problem
         logical, intent(in) :: cascade
-        !> The state; where the loop gave up, its pairs are where to go on from
+        !> The state; if the loop gave up, its pairs are the start for the next loop
         type(loop_state), intent(out) :: state
         !> False where the loop gave up
         logical, intent(out) :: settled
-        !> The loads cannot be held, or a motion is loose
+        !> The loads cannot be held, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
         integer, allocatable :: first(:), begin(:)
@@ -65,7 +66,7 @@ contains
         if (ready) call settle_blocks(problem, compliance, state, settled)
     end subroutine block_loop
 
-    !> From any pairs that hold the loads to the state of contact.
+    !> Iterate from any pairs that hold the loads to the state of contact.
     pure subroutine settle_blocks(problem, compliance, state, settled)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
@@ -105,7 +106,7 @@ contains
         end do
     end subroutine settle_blocks
 
-    !> Where a coarser problem has its contact; none if it does not settle.
+    !> Pairs in contact in a coarser problem; none if it does not converge.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -126,14 +127,14 @@ contains
         pairs = refine_pairs(problem%n, state%system%pairs, state%forces(state%system%pairs))
     end function coarse_guess
 
-    !> The open pairs; their gaps are computed here.
+    !> The penetrating pairs; their gaps are computed here.
     pure subroutine open_pairs(problem, compliance, state, joining)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
-        !> The pairs that are open beyond rounding
+        !> The pairs that penetrate beyond rounding
         integer, allocatable, intent(out) :: joining(:)
 
         integer :: i
@@ -149,16 +150,16 @@ contains
             & .not. active .and. state%gaps < -row_tolerance*sizes)
     end subroutine open_pairs
 
-    !> Let the most open pairs join, as many as a step may take.
+    !> Add the most penetrating pairs, as many as a step allows.
     pure subroutine let_join(problem, compliance, open, state, ready)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> All open pairs
+        !> All penetrating pairs
         integer, intent(in) :: open(:)
         !> The state
         type(loop_state), intent(inout) :: state
-        !> False if none of them could join
+        !> False if none of them could be added
         logical, intent(out) :: ready
 
         integer :: k, most
@@ -174,7 +175,7 @@ contains
             state%pivots = state%pivots + size(joining)
             return
         end if
-        ! Some depend on others: those that do not, one by one.
+        ! Some depend on others: add the independent ones one by one.
         do k = 1, size(joining)
             call append_pair(state%system, problem, compliance, joining(k), accepted)
             if (accepted) state%pivots = state%pivots + 1
@@ -186,7 +187,7 @@ contains
     pure function nth_least(numbers, n) result(number)
         !> Any numbers
         real(wp), intent(in) :: numbers(:)
-        !> Place, from 1
+        !> Rank, from 1
         integer, intent(in) :: n
         real(wp) :: number
 

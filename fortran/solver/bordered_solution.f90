@@ -1,4 +1,4 @@
-!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ kept.
+!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ unknown.
 !>
 !>     [ K_aa  -B_a ] [F]   [r]
 !>     [ R_aᵀ    0  ] [q] = [s]      solved by   K_aa [V w] = [B_a r],  (R_aᵀ V) q = s - R_aᵀ w,
@@ -16,9 +16,9 @@ module flankload_bordered_solution
 
     public :: solve_bordered, bordered_condition, invert_small
 
-    !> A motion with a pivot this small beside the others is held by no active pair.
+    !> Relative pivot below which no active pair constrains a motion.
     real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
-    !> With smaller pivots half of the digits are lost: motions that are parted first lose none.
+    !> With smaller pivots half of the digits are lost; motions separated before lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
     !> Solution of the bordered equations.
@@ -26,7 +26,7 @@ module flankload_bordered_solution
         !> Scaled forces, shape (k), and motion, shape (n_motions)
         real(wp), allocatable :: forces(:)
         real(wp), allocatable :: motion(:)
-        !> Least pivot of the motions beside the largest, 0 where one is loose
+        !> Smallest pivot of the motions relative to the largest, 0 if one is unconstrained
         real(wp) :: least_pivot = 0.0_wp
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable :: inverse(:, :)
@@ -48,7 +48,7 @@ contains
         real(wp), allocatable, intent(out) :: forces(:)
         !> Scaled motion, shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> False if the pairs do not hold every motion
+        !> False if the pairs do not constrain every motion
         logical, intent(out) :: solved
         !> Scaled d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out), optional :: tangent(:, :)
@@ -77,7 +77,7 @@ contains
         if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 
-    !> The same where K is not symmetric, as above.
+    !> The same for a K that is not symmetric, by the equations above.
     pure subroutine solve_at_once(system, problem, r, s, solution)
         !> The system
         type(bordered_system), intent(in) :: system
@@ -106,8 +106,8 @@ contains
         solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
     end subroutine solve_at_once
 
-    !> The same where motions nearly depend on each other: with B_a = P S and R_a = T U, where
-    !> the columns of P and of T do not, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    !> The same if motions are nearly dependent: with B_a = P S and R_a = T U, where the columns of
+    !> P and of T are independent, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
     pure subroutine solve_spanned(system, problem, r, s, solution)
         !> The system
         type(bordered_system), intent(in) :: system
@@ -149,7 +149,7 @@ contains
         solution%inverse = loads(:, 2:)
     end subroutine solve_spanned
 
-    !> The same where K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no way back,
+    !> The same if K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no back substitution,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
     pure subroutine solve_halfway(system, problem, r, s, solution)
         !> The system
@@ -189,7 +189,7 @@ contains
         call solve_lower(k, system%factor%matrix, 'T', solution%forces)
     end subroutine solve_halfway
 
-    !> Bring L⁻¹ B_a, and L⁻¹ R_a where R is another, up to the pairs of the system.
+    !> Extend L⁻¹ B_a, and L⁻¹ R_a if R differs from B, to the pairs of the system.
     pure subroutine extend_forward(system, problem)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -224,7 +224,7 @@ contains
         real(wp), intent(inout) :: matrix(:, :)
         !> False if it is singular to rounding
         logical, intent(out) :: solved
-        !> It is known to be regular, however small its pivots are
+        !> The matrix is known to be regular, however small its pivots are
         logical, intent(in), optional :: graded
 
         real(wp) :: least_pivot, negligible
@@ -237,13 +237,13 @@ contains
         solved = least_pivot > 0.0_wp
     end subroutine invert_small
 
-    !> Invert a small matrix by elimination with full choice of the pivot (Gauss-Jordan).
+    !> Invert a small matrix by elimination with complete pivoting (Gauss-Jordan).
     pure subroutine invert(matrix, negligible, least_pivot)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
-        !> Pivots no larger than this part of the largest entry are taken for zero
+        !> Pivots no larger than this fraction of the largest entry count as zero
         real(wp), intent(in) :: negligible
-        !> Least pivot beside the largest entry; as it is where that is 0
+        !> Smallest pivot relative to the largest entry; unscaled if that is 0
         real(wp), intent(out) :: least_pivot
 
         integer :: q, step, at(2), row
@@ -293,7 +293,8 @@ contains
         matrix = inverse
     end subroutine invert
 
-    !> Condition of the equilibrated compliance of the pairs, or of the motions if that is worse.
+    !> Condition number of the equilibrated compliance of the pairs, or of the motions if it is
+    !> larger.
     pure function bordered_condition(system, problem, compliance, tangent) result(condition)
         !> The system
         type(bordered_system), intent(in) :: system

@@ -1,7 +1,7 @@
-!> The pairs in contact and the factor of their compliance, the kept part of (18), (19), (32).
+!> The pairs in contact and the factor of their compliance, the stored part of (18), (19), (32).
 !>
-!> No pair is special: any may join, any may leave, each with O(k²) work on the kept factor, several
-!> at once by BLAS-3.
+!> No pair is special: any pair may enter or leave, each with O(k²) work on the updated factor,
+!> several at once by BLAS-3.
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -18,23 +18,23 @@ module flankload_bordered_system
     !> The pairs in contact and the factor of their compliance.
     type :: bordered_system
         type(kept_factor) :: factor
-        !> The pairs, in the order in which they joined
+        !> The pairs, in the order in which they entered
         integer, allocatable :: pairs(:)
         !> Rows are exchanged at every change
         logical :: pivoted = .false.
-        !> How often the factor was made as a whole because elimination without exchange lost digits
+        !> Number of complete factorisations because elimination without row exchanges lost digits
         integer :: refactorisations = 0
-        !> Largest growth seen
+        !> Largest growth so far
         real(wp) :: growth = 1.0_wp
         !> L⁻¹ B_a (K symmetric and B = R), as far as its first rows are known
         real(wp), allocatable :: forward(:, :)
         integer :: n_forward = 0
     end type bordered_system
 
-    !> Elimination without exchange may lose this factor in accuracy; refinement wins it back.
+    !> Loss of accuracy accepted from elimination without row exchanges; refinement recovers it.
     real(wp), parameter :: growth_limit = 1.0e3_wp
-    !> Cost of an operation of a plane rotation beside one of a product of matrices, and of starting
-    !> a block at all: when letting pairs leave one by one costs more than a new tail of the factor
+    !> Cost of an operation of a plane rotation relative to one of a matrix product, and of starting
+    !> a block: these decide when removing pairs one by one costs more than a new tail of the factor
     real(wp), parameter :: single_row_cost = 12.0_wp
     real(wp), parameter :: block_overhead = 2.0e4_wp
 
@@ -44,7 +44,7 @@ contains
     pure function new_bordered_system(symmetric, pivoted) result(system)
         !> K is symmetric and positive definite
         logical, intent(in) :: symmetric
-        !> Factor with exchange of rows at every change (K not symmetric)
+        !> Factor with row exchanges at every change (K not symmetric)
         logical, intent(in) :: pivoted
         type(bordered_system) :: system
 
@@ -53,7 +53,7 @@ contains
         allocate (system%pairs(0))
     end function new_bordered_system
 
-    !> Let a pair join.
+    !> Add a pair.
     pure subroutine append_pair(system, problem, compliance, pair, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -95,7 +95,7 @@ contains
             call factor_pairs_anew(system, problem, compliance, accepted)
             accepted = .false.
         else if (.not. problem%symmetric) then
-            ! A pivot of zero may only want another order of the rows.
+            ! A pivot of zero may only require another order of the rows.
             system%pairs = [system%pairs, pair]
             call factor_pairs_anew(system, problem, compliance, accepted)
             if (accepted) return
@@ -105,7 +105,7 @@ contains
         end if
     end subroutine append_pair
 
-    !> Let several pairs join at once.
+    !> Add several pairs at once.
     pure subroutine append_block(system, problem, compliance, pairs, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -154,7 +154,7 @@ contains
             call watch_growth(system, problem, compliance, accepted)
             if (accepted) return
         else if (.not. problem%symmetric) then
-            ! A pivot of zero may only want another order of the rows.
+            ! A pivot of zero may only require another order of the rows.
             call factor_pairs_anew(system, problem, compliance, accepted)
             if (accepted) return
         end if
@@ -165,7 +165,7 @@ contains
         end if
     end subroutine append_block
 
-    !> Let several pairs leave at once.
+    !> Remove several pairs at once.
     pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -174,7 +174,7 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Which of the pairs of the system, in its order
         logical, intent(in) :: leaving(:)
-        !> False if what is left is singular
+        !> False if the remaining system is singular
         logical, intent(out) :: accepted
 
         integer :: first, index, k
@@ -205,16 +205,16 @@ contains
         end if
     end subroutine drop_pairs
 
-    !> Let a pair leave.
+    !> Remove a pair.
     pure subroutine drop_pair(system, problem, compliance, index, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Its place among the pairs of the system
+        !> Its position among the pairs of the system
         integer, intent(in) :: index
-        !> False if what is left is singular
+        !> False if the remaining system is singular
         logical, intent(out) :: accepted
 
         logical :: exchanged
@@ -230,7 +230,7 @@ contains
         end if
     end subroutine drop_pair
 
-    !> Factor with exchange of rows where elimination without it has lost too much.
+    !> Factor with row exchanges if elimination without them has lost too many digits.
     pure subroutine watch_growth(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
@@ -247,7 +247,7 @@ contains
         end if
     end subroutine watch_growth
 
-    !> Factor the pairs of the system as a whole.
+    !> Factor the complete system.
     pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system

@@ -1,4 +1,4 @@
-!> Whether a row of a table proves that a case has no solution.
+!> Check whether a row of a tableau proves that a case has no solution.
 module flankload_case_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -9,23 +9,24 @@ module flankload_case_proof
 
     public :: is_proof
 
-    !> What the table's rounding may leave in a sum, relative to its terms: to make a difference,
-    !> forces would have to be the inverse of this times those that the loads and gaps call for.
+    !> Accepted rounding error of a sum of the tableau, relative to its terms: only forces larger
+    !> than those required by the loads and gaps by the inverse of this factor would make a
+    !> difference.
     real(wp), parameter :: limit = 1.0e-10_wp
 
 contains
 
-    !> Sum up the equations that the row stands for, from the numbers given.
+    !> Sum the equations that the row represents, from the input numbers.
     !>
-    !> The row says 0 = v + Σ c_j x_j with all unknowns x. It is a sum of equations
-    !> 0 = g0 + K F - B q - g with factors y and of 0 = Q - Rᵀ F with factors z, to be read from the
-    !> entries of g and of what the loads lack. With v < 0 and no c_j > 0, but for those of unknowns
-    !> that are zero in this case, nothing >= 0 meets it.
+    !> The row is the equation 0 = v + Σ c_j x_j with all unknowns x. It is a sum of equations 0 =
+    !> g0 + K F - B q - g with factors y and of 0 = Q - Rᵀ F with factors z, which are the entries
+    !> of g and of the load residuals. With v < 0 and no c_j > 0, except for unknowns that are zero
+    !> in this case, it has no solution >= 0.
     pure function is_proof(problem, compliance, table, row, sense) result(proof)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(in) :: table
         !> The row
         integer, intent(in) :: row
@@ -46,7 +47,7 @@ contains
         z = -entry(2*n + q + 1:)
         ! The unknown g has the factor -y: where it counts, y < 0 is rounding.
         where (.not. table%fixed(n + 1:2*n)) y = max(y, 0.0_wp)
-        ! Any factors prove: those that are rounding only blur the sums.
+        ! Any factors give a proof; factors that are rounding only blur the sums.
         where (abs(y) <= negligible*max(maxval(abs(y)), maxval(abs(z)))) y = 0.0_wp
         total = dot_product(y, problem%gaps) + dot_product(z, problem%loads)
         terms = dot_product(abs(y), abs(problem%gaps) &
@@ -54,7 +55,7 @@ contains
             & + dot_product(abs(z), abs(problem%loads))
         proof = total < -limit*terms
         if (.not. proof) return
-        ! The less of v its own terms leave, the less force would make up for it.
+        ! The less of v its own terms leave, the smaller the force that would balance it.
         let_pass = limit*(-total/terms)
         do j = 1, q
             total = dot_product(y, problem%motions(:, j))
@@ -74,9 +75,9 @@ contains
         if (proof) proof = is_sure(problem, compliance, sum_of_row(table, n, q, row, sense))
     end function is_proof
 
-    !> The sum of equations that a row stands for.
+    !> The sum of equations that a row represents.
     pure function sum_of_row(table, n, q, row, sense) result(equations)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(in) :: table
         !> Number of pairs and of motions
         integer, intent(in) :: n
@@ -100,7 +101,7 @@ contains
             equations%loads = pack(nonbasic, nonbasic > 2*n + q) - 2*n - q
             equations%forces = pack(basic, basic <= n)
         end associate
-        ! A sum that a basic variable stands in is zero but for that of the row itself.
+        ! A sum with a basic variable is zero except that of the variable's own row.
         equations%known = merge(-sense, 0.0_wp, equations%forces == table%basic(row))
         equations%motions = [(c, c=1, q)]
         equations%no_force = table%fixed(:n)

@@ -1,11 +1,12 @@
-!> All cases of contact, one by one: a search that finds a state or proves that there is none.
+!> Search through all cases of contact: it finds a state or proves that there is none.
 !>
-!> Without g F = 0 the problem is a linear program: where no F >= 0 and g >= 0 meet its equations,
-!> no state exists, whatever K is. Where they do, and a pair has both force and gap, two cases are
-!> left, without its force or without its gap, each a linear program with less freedom (branch and
-!> bound). The programs are solved by the dual simplex method on a table of the basic variables.
-!> What ends a case is a sum of equations that no forces and gaps >= 0 can meet; it is summed up
-!> again from the numbers given, and a case that this does not confirm stays open.
+!> Without g F = 0 the problem is a linear program: if no F >= 0 and g >= 0 satisfy its equations,
+!> no state exists for any K. If such F and g exist and a pair has both force and gap, two cases
+!> remain, without its force or without its gap, each a linear program with fewer unknowns (branch
+!> and bound). The programs are solved by the dual simplex method on a tableau of the basic
+!> variables. A case is ended by a sum of equations that no forces and gaps >= 0 satisfy. This sum
+!> is recomputed from the input numbers, and a case for which this gives no confirmation stays
+!> undecided.
 module flankload_case_search
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -22,33 +23,34 @@ module flankload_case_search
     integer, parameter :: cases_found = 0
     !> No state exists.
     integer, parameter :: cases_none = 1
-    !> Neither: too much work, or a case that rounding does not decide.
+    !> Undecided: work limit exceeded, or a case that rounding does not decide.
     integer, parameter :: cases_open = 2
 
-    !> What is done and found so far.
+    !> Work and findings so far.
     type :: case_list
-        !> Entries of tables that may still be computed
+        !> Entries of tableaus that may still be computed
         real(wp) :: work = 0.0_wp
         integer :: pivots = 0
         integer, allocatable :: pairs(:)
-        !> The table without any pair decided
+        !> The tableau without any pair decided
         type(simplex_table) :: start
     end type case_list
 
-    !> Entries of tables, 20 ms or so; tables whose cube is more than a part of that are not begun.
+    !> Limit of tableau entries, about 20 ms; tableaus whose cube exceeds a part of it are not
+    !> started.
     real(wp), parameter :: most_work = 2.0e7_wp
     real(wp), parameter :: part_to_begin = 0.25_wp
-    !> From this entry on a table has lost too many digits.
+    !> A tableau with a larger entry has lost too many digits.
     real(wp), parameter :: too_large = 1.0e8_wp
-    !> Pivots of one case, in rows, before the lowest numbers go first, which cannot cycle
+    !> Pivots of one case, in rows, before the lowest-number rule is used, which cannot cycle
     integer, parameter :: patience = 3
     integer, parameter :: most_pivots = 50
 
 contains
 
-    !> Search.
+    !> Run the search.
     pure subroutine search_cases(problem, compliance, outcome, pairs, pivots)
-        !> The problem, motions measured from where the first pairs touch
+        !> The problem, motions measured from the first contact of pairs
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -70,25 +72,25 @@ contains
         cases%work = most_work
         call new_table(problem, compliance, table, consistent)
         cases%start = table
-        ! The loads are held by the pairs that the loop starts with: what this table makes of levers
-        ! over many decades is rounding, no proof.
+        ! The pairs with which the loop starts hold the loads: a statement of this tableau about
+        ! levers over many decades is rounding, not a proof.
         if (.not. consistent) return
         call search_case(problem, compliance, table, cases, outcome)
         pivots = cases%pivots
         if (outcome == cases_found) pairs = cases%pairs
     end subroutine search_cases
 
-    !> One case with all that follow from it: it has no state where none of these has one, and is
-    !> open where one of them is, or has not been looked at.
+    !> One case and all its subcases: it has no state if none of them has one, and is undecided if
+    !> one of them is, or was not examined.
     pure recursive subroutine search_case(problem, compliance, table, cases, outcome)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Its table
+        !> Its tableau
         type(simplex_table), intent(inout) :: table
-        !> What is done and found
+        !> Work and findings
         type(case_list), intent(inout) :: cases
-        !> Found, none, or open
+        !> Found, none, or undecided
         integer, intent(out) :: outcome
 
         type(simplex_table) :: child
@@ -110,7 +112,7 @@ contains
             cases%pairs = touching(n, variable, table%nonbasic)
             return
         end if
-        ! The smaller one is zero first: mostly that is where a state is.
+        ! The smaller one is set to zero first: a state is usually there.
         order = [pair, n + pair]
         if (variable(pair) > variable(n + pair)) order = [n + pair, pair]
         outcome = cases_none
@@ -129,7 +131,7 @@ contains
         integer, intent(in) :: n
         !> Forces and gaps, shape (2 n)
         real(wp), intent(in) :: variable(:)
-        !> Variables that are not basic
+        !> Nonbasic variables
         integer, intent(in) :: nonbasic(:)
         integer, allocatable :: pairs(:)
 
@@ -141,17 +143,17 @@ contains
         pairs = pack([(i, i=1, n)], variable(:n) > 0.0_wp .or. left_out(n + 1:2*n))
     end function touching
 
-    !> Dual simplex method: exchange variables until no basic one is negative, and none that is
-    !> fixed other than zero.
+    !> Dual simplex method: exchange variables until no basic variable is negative, and no fixed one
+    !> differs from zero.
     pure subroutine make_feasible(problem, compliance, table, cases, outcome)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(inout) :: table
-        !> Work that is left
+        !> Remaining work
         type(case_list), intent(inout) :: cases
-        !> Found, none, or open
+        !> Found, none, or undecided
         integer, intent(out) :: outcome
 
         integer :: row, column, pivot, m, rebuilt_at
@@ -186,15 +188,15 @@ contains
         end do
     end subroutine make_feasible
 
-    !> The basic variable that is furthest from what it may be.
+    !> The basic variable that violates its bounds most.
     pure subroutine wrong_row(table, lowest, row, sense)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(in) :: table
-        !> That of the lowest number instead
+        !> Use the lowest number instead
         logical, intent(in) :: lowest
         !> Its row, 0 if there is none
         integer, intent(out) :: row
-        !> 1 if it has to grow, -1 if it has to fall
+        !> 1 if it has to increase, -1 if it has to decrease
         real(wp), intent(out) :: sense
 
         integer :: i
@@ -218,15 +220,15 @@ contains
         if (row > 0) sense = sign(1.0_wp, -table%value(row))
     end subroutine wrong_row
 
-    !> The nonbasic variable whose growth mends a row most.
+    !> The nonbasic variable whose increase corrects a row most.
     pure subroutine helpful_column(table, row, sense, lowest, column)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(in) :: table
         !> The row
         integer, intent(in) :: row
-        !> 1 if it has to grow, -1 if it has to fall
+        !> 1 if it has to increase, -1 if it has to decrease
         real(wp), intent(in) :: sense
-        !> That of the lowest number instead
+        !> Use the lowest number instead
         logical, intent(in) :: lowest
         !> Its column, 0 if there is none
         integer, intent(out) :: column

@@ -1,4 +1,4 @@
-!> A contact problem without g F = 0 as a table of basic variables, for the dual simplex method.
+!> A contact problem without g F = 0 as a tableau of basic variables, for the dual simplex method.
 module flankload_case_table
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -9,37 +9,37 @@ module flankload_case_table
     public :: new_table, rebuilt_table, exchange
     public :: safety, negligible
 
-    !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps
-    !> n + 1 … 2 n, motions and what the loads lack behind them.
+    !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps n
+    !> + 1 … 2 n, then motions and load residuals.
     type :: simplex_table
         integer, allocatable :: basic(:)
         integer, allocatable :: nonbasic(:)
         real(wp), allocatable :: value(:)
-        !> Rounding on the scale of each basic value, and of each variable from the start
+        !> Scale of the rounding error of each basic value, and of each variable at the start
         real(wp), allocatable :: rounding(:)
         real(wp), allocatable :: least_rounding(:)
         real(wp), allocatable :: table(:, :)
         !> Variables that are zero in this case
         logical, allocatable :: fixed(:)
-        !> Largest entry that the table has had
+        !> Largest entry of the tableau so far
         real(wp) :: largest = 1.0_wp
     end type simplex_table
 
-    !> Rounding of a value is multiplied by this before it decides.
+    !> The rounding error of a value is multiplied by this factor before decisions.
     real(wp), parameter :: safety = 1.0e3_wp
-    !> Entries below this part of the largest are taken as zero.
+    !> Entries below this fraction of the largest count as zero.
     real(wp), parameter :: negligible = 1.0e-13_wp
 
 contains
 
-    !> The table without any pair decided: motions are expressed by gaps, the loads held.
+    !> The tableau without any pair decided: motions are expressed by gaps, the loads are held.
     pure subroutine new_table(problem, compliance, start, consistent)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(out) :: start
-        !> False if no forces at all hold the loads
+        !> False if no forces hold the loads
         logical, intent(out) :: consistent
 
         integer :: i, j, c, n, q
@@ -78,7 +78,7 @@ contains
                 consistent = consistent .and. abs(start%value(i)) <= safety*start%rounding(i)
             end if
         end do
-        ! Motions may have any value; what the loads lack stays zero.
+        ! Motions may have any value; load residuals stay zero.
         start%fixed(2*n + 1:) = .true.
         rows = pack([(i, i=1, n + q)], start%basic <= 2*n)
         columns = pack([(j, j=1, n + q)], start%nonbasic <= 2*n .or. start%nonbasic > 2*n + q)
@@ -89,12 +89,12 @@ contains
         start%nonbasic = start%nonbasic(columns)
     end subroutine new_table
 
-    !> The same table with the digits that many exchanges have lost: from the start, each time by
-    !> the largest entry.
+    !> The same tableau without the rounding errors of many exchanges: recomputed from the start,
+    !> each time by the largest entry.
     pure function rebuilt_table(start, table) result(rebuilt)
-        !> The table without any pair decided
+        !> The tableau without any pair decided
         type(simplex_table), intent(in) :: start
-        !> The table
+        !> The tableau
         type(simplex_table), intent(in) :: table
         type(simplex_table) :: rebuilt
 
@@ -123,13 +123,13 @@ contains
         rebuilt%largest = max(1.0_wp, maxval(abs(rebuilt%table)))
     end function rebuilt_table
 
-    !> Exchange a basic variable and one that is not.
+    !> Exchange a basic and a nonbasic variable.
     pure subroutine exchange(table, row, column)
-        !> The table
+        !> The tableau
         type(simplex_table), intent(inout) :: table
         !> Row of the one that leaves the basis
         integer, intent(in) :: row
-        !> Column of the one that joins it
+        !> Column of the one that enters it
         integer, intent(in) :: column
 
         integer :: j, leaving
@@ -142,7 +142,7 @@ contains
         value = -table%value(row)/pivot
         table%value = table%value + entering*value
         table%value(row) = value
-        ! Not what rounding may amount to at worst, but the scale on which it happens.
+        ! The scale of the rounding error, not its worst case.
         table%rounding = max(table%rounding, epsilon(1.0_wp)*abs(entering*value))
         table%rounding(row) = max(table%least_rounding(table%nonbasic(column)), &
             & epsilon(1.0_wp)*abs(value))

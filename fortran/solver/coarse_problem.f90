@@ -1,8 +1,7 @@
-!> A contact problem with a few pairs only, whose state says where that of all pairs begins.
+!> A contact problem with a few pairs only, whose state is the start for that of all pairs.
 !>
-!> Where pairs stand in the order of the flank, one pair of each cell of neighbours, with the mean
-!> compliance of that cell, is the same contact seen from further off. Whatever it answers is a
-!> guess, nothing more.
+!> If pairs are numbered in the order of the flank, one pair per cell of neighbours, with the mean
+!> compliance of that cell, is the same contact at a lower resolution. Its state is only a guess.
 module flankload_coarse_problem
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -12,14 +11,15 @@ module flankload_coarse_problem
     public :: make_coarse, refine_pairs, in_flank_order
     public :: cell
 
-    !> Pairs that one pair stands for
+    !> Pairs represented by one coarse pair
     integer, parameter :: cell = 8
-    !> Part of the pairs whose neighbour must be coupled more closely than the one a cell away
+    !> Fraction of pairs that must be coupled more closely with their neighbour than with a pair one
+    !> cell away
     real(wp), parameter :: ordered_part = 0.9_wp
 
 contains
 
-    !> Whether neighbours in number are neighbours on the flank.
+    !> Whether pairs with neighbouring numbers are neighbours on the flank.
     pure function in_flank_order(compliance) result(ordered)
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -32,7 +32,7 @@ contains
             & >= ordered_part*((n - cell)/cell)
     end function in_flank_order
 
-    !> The problem of one pair a cell, in the scales of the fine one.
+    !> The problem with one pair per cell, in the scales of the fine one.
     pure subroutine make_coarse(problem, compliance, coarse, coarse_compliance)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -65,7 +65,7 @@ contains
     end subroutine make_coarse
 
     !> All pairs of the cells of the given coarse pairs, the most loaded cells first: those at the
-    !> edge, about which the guess is least sure, then stand last in the factor.
+    !> edge, where the guess is least certain, are then last in the factor.
     pure function refine_pairs(n, coarse_pairs, forces) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n

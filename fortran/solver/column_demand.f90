@@ -1,10 +1,10 @@
-!> The contact problem without its matrix: influence columns of the pairs that come near contact.
+!> The contact problem without its complete matrix: influence columns of the pairs near contact.
 !>
-!> Most potential pairs never touch, and the column of a pair matters only once it carries. So the
-!> problem of a few pairs is solved, its forces say what all other gaps become, and the pairs that
-!> would overlap have their columns made and join. What is known only grows: the loop ends at the
-!> latest with the whole matrix. Each step knows nothing but its arguments, so that a caller in any
-!> language can make the columns by itself; with a `column_source` the core runs the loop.
+!> Most potential pairs never touch, and the column of a pair matters only if it carries load. The
+!> problem of a few pairs is solved first. Its forces give all other gaps, and the pairs that would
+!> penetrate get their columns and are added. The set of known pairs only grows: the loop ends at
+!> the latest with the whole matrix. Each step depends on its arguments only, so that a caller in
+!> any language can compute the columns; with a `column_source` the core runs the loop.
 module flankload_column_demand
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input, no_contact_state, singular_contact, &
@@ -20,7 +20,7 @@ module flankload_column_demand
     public :: column_source
     public :: solve_on_demand, solve_known_columns
 
-    !> Makes influence columns.
+    !> Computes influence columns.
     type, abstract :: column_source
     contains
         procedure(fill_columns), deferred :: fill
@@ -31,7 +31,7 @@ module flankload_column_demand
         pure subroutine fill_columns(self, pairs, columns)
             import :: column_source, wp
             implicit none
-            !> What they are made of
+            !> Data from which they are computed
             class(column_source), intent(in) :: self
             !> Numbers of the pairs, from 1, shape (m)
             integer, intent(in) :: pairs(:)
@@ -40,19 +40,19 @@ module flankload_column_demand
         end subroutine fill_columns
     end interface
 
-    !> So many columns are asked for at the first step, and at any step where so many are wanted.
+    !> Number of columns requested at the first step, and at any step that needs so many.
     integer, parameter :: first_columns = 16
-    !> Part of the known columns that may be asked for at once.
+    !> Columns that may be requested at once, as a fraction of the known ones.
     real(wp), parameter :: growing_part = 0.5_wp
-    !> Work of a motion on a pair below this part of the largest is rounding.
+    !> The work of a motion on a pair below this fraction of the largest is rounding.
     real(wp), parameter :: motion_rounding = 1.0e-10_wp
 
 contains
 
-    !> Solve, columns made where they are needed.
+    !> Solve; columns are computed as needed.
     pure subroutine solve_on_demand(source, diagonal, normal_gaps, motions, load_rows, loads, &
         & structure, method, known, result, error)
-        !> Makes the columns
+        !> Computes the columns
         class(column_source), intent(in) :: source
         !> Diagonal of K [mm/N], shape (n)
         real(wp), intent(in) :: diagonal(:)
@@ -64,11 +64,11 @@ contains
         !> Structure of K and method
         integer, intent(in) :: structure
         integer, intent(in) :: method
-        !> Pairs whose columns were made, in that order
+        !> Pairs whose columns were computed, in that order
         integer, allocatable, intent(out) :: known(:)
         !> The state
         type(contact_result), intent(out) :: result
-        !> Why there is none
+        !> Why there is no state
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, m
@@ -91,7 +91,7 @@ contains
         end do
     end subroutine solve_on_demand
 
-    !> One step: solve with the known columns, and say which others are wanted.
+    !> One step: solve with the known columns and return the numbers of the columns needed next.
     pure subroutine solve_known_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
         & loads, structure, method, warm_pairs, wanted, result, error)
         !> Pairs whose columns are known, shape (m); none at the first step
@@ -104,13 +104,14 @@ contains
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
-        !> Structure of K: uniqueness is proven only of matrices known as definite, or as a whole
+        !> Structure of K: uniqueness is proven only for matrices known to be definite, or complete
+        !> ones
         integer, intent(in) :: structure
         !> Method, not that of the paper
         integer, intent(in) :: method
         !> Known pairs to begin with: the active ones of the step before
         integer, intent(in) :: warm_pairs(:)
-        !> Pairs whose columns come next; none: the result is the state of all pairs
+        !> Pairs whose columns are needed next; none: the result is the state of all pairs
         integer, allocatable, intent(out) :: wanted(:)
         !> State of the known pairs, in the numbers and with the gaps of all
         type(contact_result), intent(out) :: result
@@ -164,22 +165,23 @@ contains
         end if
     end subroutine solve_known_columns
 
-    !> Where the known pairs have no state: others that may help, or the failure of the known ones.
+    !> If the known pairs have no state: other pairs that may help, or the failure of the known
+    !> ones.
     pure subroutine ask_for_holders(part, load_rows, loads, absent, most, wanted, result, error)
-        !> What is said of the known pairs
+        !> Result of the known pairs
         type(contact_result), intent(in) :: part
         !> R and Q
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
         !> Pairs whose columns are not known
         logical, intent(in) :: absent(:)
-        !> How many may be wanted
+        !> Maximum number of requested pairs
         integer, intent(in) :: most
-        !> Pairs whose columns come next
+        !> Pairs whose columns are needed next
         integer, allocatable, intent(out) :: wanted(:)
-        !> What is said of all pairs
+        !> Result for all pairs
         type(contact_result), intent(inout) :: result
-        !> Why the known pairs have no state; gone where others may help
+        !> Why the known pairs have no state; deallocated if others may help
         type(error_type), allocatable, intent(inout) :: error
 
         wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
@@ -190,7 +192,7 @@ contains
         result%largest_part = part%largest_part
     end subroutine ask_for_holders
 
-    !> Numbers and shapes that fit.
+    !> Check numbers and shapes.
     pure subroutine check_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
         & method, error)
         !> Known pairs and their columns
@@ -203,7 +205,7 @@ contains
         real(wp), intent(in) :: load_rows(:, :)
         !> Method
         integer, intent(in) :: method
-        !> What is wrong
+        !> The error found
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n
@@ -221,8 +223,8 @@ contains
         end if
     end subroutine check_columns
 
-    !> What comes near contact first. One motion: the way to each pair that it closes. More: the
-    !> gap, with every stretch of pairs taken in, so that the first ones hold all motions.
+    !> Pairs that come near contact first. One motion: the motion that closes each pair. Several:
+    !> the gap, with pairs from all regions included, so that the first ones constrain all motions.
     pure function ways(diagonal, normal_gaps, motions, loads) result(way)
         !> Diagonal of K, g0, B and Q
         real(wp), intent(in) :: diagonal(:)
@@ -247,8 +249,8 @@ contains
         end if
     end function ways
 
-    !> Where the known pairs do not hold the loads: the pairs that work against the motion that
-    !> shows it, else the next ones in number.
+    !> If the known pairs do not hold the loads: the pairs that resist the motion that shows this,
+    !> else the next ones in number.
     pure function to_hold_loads(code, motion, load_rows, loads, absent, most) result(wanted)
         !> Why the known pairs have no state
         integer, intent(in) :: code
@@ -259,7 +261,7 @@ contains
         real(wp), intent(in) :: loads(:)
         !> Pairs whose columns are not known
         logical, intent(in) :: absent(:)
-        !> How many may be wanted
+        !> Maximum number of requested pairs
         integer, intent(in) :: most
         integer, allocatable :: wanted(:)
 
@@ -283,7 +285,7 @@ contains
         end if
     end function to_hold_loads
 
-    !> Whether no pair without a column does work on a motion, beyond what rounding may hide.
+    !> Whether no pair without a column does work on a motion, beyond rounding.
     pure function none_help(motion, load_rows, absent) result(certain)
         !> The motion
         real(wp), intent(in) :: motion(:)
@@ -299,13 +301,13 @@ contains
         certain = .not. any(absent .and. matmul(load_rows, motion) + hidden > 0.0_wp)
     end function none_help
 
-    !> Numbers of the pairs with the least values.
+    !> Numbers of the pairs with the smallest values.
     pure function least(values, candidate, most) result(pairs)
-        !> A number for every pair
+        !> A value for every pair
         real(wp), intent(in) :: values(:)
         !> Pairs among which to choose
         logical, intent(in) :: candidate(:)
-        !> How many at most
+        !> Maximum number
         integer, intent(in) :: most
         integer, allocatable :: pairs(:)
 
@@ -321,7 +323,7 @@ contains
         end do
     end function least
 
-    !> The state of the known pairs in the numbers of all.
+    !> The state of the known pairs in the numbering of all.
     pure subroutine take_over(known, part, n, result)
         !> Known pairs
         integer, intent(in) :: known(:)
@@ -369,11 +371,11 @@ contains
         end do
     end subroutine other_gaps
 
-    !> What the open pairs without columns add to the certificate.
+    !> Contribution of the open pairs without columns to the certificate.
     pure subroutine certify_others(openings, definite, result)
         !> Their gaps over the sizes of their rows
         real(wp), intent(in) :: openings(:)
-        !> K is known to be definite; else nothing is proven without its other columns
+        !> K is known to be definite; otherwise nothing is proven without its other columns
         logical, intent(in) :: definite
         !> The state with the certificate of the known pairs
         type(contact_result), intent(inout) :: result

@@ -1,5 +1,5 @@
-!> What may be said of a state of contact: how well it meets its equations, how far it is from
-!> another set of pairs, whether it is the only one.
+!> Certificate of a state of contact: how well it satisfies its equations, how far it is from
+!> another set of pairs, and whether it is unique.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
     use flankload_status, only: status_solved, status_ill_conditioned, status_degenerate, &
@@ -14,21 +14,22 @@ module flankload_contact_certificate
     public :: certify, is_unique
     public :: energy_slack
 
-    !> From here on the split between neighbouring pairs has lost half of its digits.
+    !> From this condition number on, the distribution between neighbouring pairs has lost half of
+    !> its digits.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
-    !> Rows with gaps beyond this part of their size are neither closed nor nearly so.
+    !> Rows with gaps beyond this fraction of their size are neither closed nor nearly closed.
     real(wp), parameter :: near_contact = 1.0e-6_wp
-    !> ρ in W K + ρ R Rᵀ: what the proof of uniqueness adds to K where forces work on the loads
+    !> ρ in W K + ρ R Rᵀ: added to K in the proof of uniqueness for forces that act on the loads
     real(wp), parameter :: hold_loads = 8.0_wp
-    !> What rounding may add to (K F)_i² beside K_ii FᵀKF
+    !> Rounding allowed in (K F)_i² relative to K_ii FᵀKF
     real(wp), parameter :: energy_slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
 
 contains
 
     !> Fill in the certificate and the status of a state.
     !>
-    !> Its rows are those of the caller: what the returned numbers lack there is what counts. K is
-    !> looked at in few rows only: the gaps hold what the columns of the active pairs say.
+    !> Its rows are those of the caller: the residuals of the returned numbers are decisive. Only a
+    !> few rows of K are read: the gaps contain the columns of the active pairs.
     pure subroutine certify(problem, compliance, forces, gaps, motion, result)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -39,7 +40,7 @@ contains
         real(wp), intent(in) :: gaps(:)
         !> Scaled motion from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> Its condition is known already
+        !> The condition number is known already
         type(contact_result), intent(inout) :: result
 
         integer :: i, c
@@ -86,7 +87,7 @@ contains
         result%status = status_of(result, degenerate)
     end subroutine certify
 
-    !> How well rows are met, and how far open ones are from contact.
+    !> How well rows are satisfied, and how far open ones are from contact.
     pure subroutine look_at_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -96,10 +97,10 @@ contains
         real(wp), intent(in) :: motion(:)
         !> Pairs with forces
         integer, intent(in) :: pairs(:)
-        !> Gaps of all, and the least that the size of each row can be, shape (n)
+        !> Gaps of all pairs, and a lower bound of the size of each row, shape (n)
         real(wp), intent(in) :: rows(:)
         real(wp), intent(inout) :: sizes(:)
-        !> Backward error and margin of forces and loads, then of the rows too
+        !> Backward error and margin of forces and loads, then including the rows
         type(contact_result), intent(inout) :: result
 
         type(contact_problem), allocatable :: original
@@ -109,9 +110,9 @@ contains
 
         do i = 1, problem%n
             active = abs(forces(i)) > 0.0_wp
-            ! Only where it could matter: the size without cancellation. A row without any size (no
-            ! force, no gap, no lever) is met exactly. Where K F cancels, nothing but that size
-            ! tells rounding from a gap.
+            ! The size without cancellation is computed only if it could matter. A row without any
+            ! size (no force, no gap, no lever) is satisfied exactly. If K F cancels, only that size
+            ! distinguishes rounding from a gap.
             if (active .or. rows(i) <= near_contact*sizes(i)) then
                 sizes(i) = max(tiny(1.0_wp), sizes(i))
                 if (abs(rows(i)) > row_tolerance*sizes(i)) then
@@ -130,7 +131,8 @@ contains
         result%margin = max(0.0_wp, result%margin)
     end subroutine look_at_rows
 
-    !> The status, for all methods: only ill-conditioned promises less than rows met to rounding.
+    !> The status, for all methods: only status "ill-conditioned" permits rows not satisfied to
+    !> rounding.
     pure function status_of(result, degenerate) result(status)
         !> The state and its certificate
         type(contact_result), intent(in) :: result
@@ -151,18 +153,19 @@ contains
         end if
     end function status_of
 
-    !> Whether no other state exists.
+    !> Whether the state is unique.
     !>
-    !> For two states (F1 - F2)ᵀ W (g1 - g2) <= 0 with any positive row weights W. With W B = R the
-    !> motions drop out, and what is left is the symmetric part of W K, which is diag(b) A without
-    !> friction: if that is positive definite, both states are the same. One motion has such weights
-    !> where every R_i/B_i > 0; more motions where R = B. Both states hold the same loads, so that
-    !> Rᵀ (F1 - F2) = 0, and W K + ρ R Rᵀ proves as much: K of bodies that are free to move with a
+    !> For two states, (F1 - F2)ᵀ W (g1 - g2) <= 0 with any positive row weights W. With W B = R the
+    !> motions drop out, and the symmetric part of W K remains, which is diag(b) A without friction:
+    !> if it is positive definite, both states are equal. One motion has such weights if every
+    !> R_i/B_i > 0; several motions if R = B. Both states hold the same loads, so that Rᵀ (F1 - F2)
+    !> = 0, and W K + ρ R Rᵀ is sufficient for the proof: K of bodies that can move freely with a
     !> motion may be singular.
     !>
-    !> No proof gets by without all of K: two open pairs that drive each other away strongly enough
-    !> make a second state. So either every pair is factored, or the caller knows that the matrix is
-    !> positive definite, and only the active pairs, which the loop has read, are held against it.
+    !> No proof is possible without all of K: two open pairs that drive each other away strongly
+    !> enough make a second state. Therefore either every pair is factored, or the caller declares
+    !> that the matrix is positive definite, and only the active pairs, which the loop has read, are
+    !> checked against it.
     pure function is_unique(problem, compliance, pairs) result(unique)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -189,14 +192,14 @@ contains
                 end if
             end do
         end if
-        ! The active pairs alone: the Cholesky factor of the loop has shown it already.
+        ! Only the active pairs: the Cholesky factor of the loop has shown it already.
         if (equal .and. problem%symmetric .and. problem%definite) return
         weights = weights(pairs)
         unique = has_factor(problem, compliance, pairs, weights, 0.0_wp)
         if (.not. unique) unique = has_factor(problem, compliance, pairs, weights, hold_loads)
     end function is_unique
 
-    !> Whether the symmetric part of W K + ρ R Rᵀ has a Cholesky factor: it is positive definite.
+    !> Whether W K + ρ R Rᵀ has a symmetric part with a Cholesky factor, i.e. is positive definite.
     pure function has_factor(problem, compliance, pairs, weights, spring) result(definite)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -205,7 +208,7 @@ contains
         integer, intent(in) :: pairs(:)
         !> W of these pairs
         real(wp), intent(in) :: weights(:)
-        !> ρ where the largest of each column of R is one
+        !> ρ if the largest entry of each column of R is one
         real(wp), intent(in) :: spring
         logical :: definite
 
@@ -240,18 +243,18 @@ contains
                 end do
             end do
         end if
-        ! Less what rounding may have added: then the factor's existence is a proof.
+        ! Minus the possible rounding: the existence of the factor is then a proof.
         do j = 1, k
             matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
         end do
         call potrf(k, matrix, info)
-        ! LAPACK takes a NaN on its diagonal for a positive number.
+        ! LAPACK accepts a NaN on its diagonal as a positive number.
         definite = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
     end function has_factor
 
-    !> Pairs that may carry in any state at all: the others prove nothing and need no proof.
+    !> Pairs that may carry load in any state: the others do not matter for the proof.
     !>
-    !> Without negative influences, levers and load no motion goes further than each pair p lets it,
+    !> Without negative influences, levers and load no motion goes further than each pair p permits,
     !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
     pure function possible_pairs(problem, compliance, motion) result(pairs)
         !> The problem and its K, shape (n, n)
@@ -270,7 +273,7 @@ contains
         if (problem%n_motions /= 1 .or. any(problem%loads < 0.0_wp)) return
         if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
         ways = problem%normal_gaps/problem%motions(:, 1)
-        ! no bound lies below what was found
+        ! no bound lies below the motion found
         if (all(ways <= motion(1))) return
         allocate (most(problem%n), negative(problem%n), source=0.0_wp)
         do k = 1, problem%n
@@ -286,8 +289,8 @@ contains
         pairs = pack(pairs, ways <= furthest)
     end function possible_pairs
 
-    !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz demand of a positive
-    !> definite K: what the loop has read of K, held against what the caller knows of it.
+    !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz require of a positive
+    !> definite K: the entries of K read by the loop are checked against the caller's declaration.
     pure function energy_bounds_rows(problem, compliance, forces, recession) result(passed)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem

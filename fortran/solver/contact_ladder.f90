@@ -1,9 +1,9 @@
-!> Which loop answers: the fastest first, a more careful one where it does not settle.
+!> Cascade of contact loops: the fastest first, a more careful one if it does not converge.
 !>
 !>     block  →  single  →  single with rows exchanged at every factorisation  →  load path
 !>
-!> Each rung begins with the pairs that the one before has left. Where these are singular, and only
-!> there, single is tried again with loads that work through springs.
+!> Each level begins with the pairs left by the previous one. Only if these are singular, single is
+!> tried again with loads that act through springs.
 module flankload_contact_ladder
     use flankload_kinds, only: wp
     use flankload_status, only: singular_contact
@@ -22,55 +22,55 @@ module flankload_contact_ladder
     public :: rung_auto, rung_single, rung_paper, rung_block, rung_load_path, rung_pivoted
     public :: rung_cascade, rung_primal
 
-    !> Single for few pairs; cascade for many in flank order with none to begin with; else block.
+    !> Single for few pairs; cascade for many in flank order without start pairs; else block.
     integer, parameter :: rung_auto = 0
-    !> One pair at a time, any may leave.
+    !> Single pairs, any may leave.
     integer, parameter :: rung_single = 1
-    !> The paper's growing loop, no rung of the ladder.
+    !> The paper's growing loop, not a level of the cascade.
     integer, parameter :: rung_paper = 2
     !> Many pairs at once.
     integer, parameter :: rung_block = 3
     !> Lemke's path.
     integer, parameter :: rung_load_path = 4
-    !> One pair at a time, LU with exchange of rows throughout.
+    !> Single pairs, LU with row exchanges throughout.
     integer, parameter :: rung_pivoted = 5
-    !> Blocks that begin where a coarser problem has its contact.
+    !> Blocks that begin with the contact of a coarser problem.
     integer, parameter :: rung_cascade = 6
     !> Another name of single, whose forces hold the loads at every step.
     integer, parameter :: rung_primal = 7
 
-    !> Up to here blocks save nothing.
+    !> Blocks save nothing up to this number of pairs.
     integer, parameter :: few_pairs = 60
-    !> From here on a coarser problem saves more than it costs, with one motion and with several:
-    !> blocks from a cold start then soon lose the pairs that hold all motions.
+    !> From this number on a coarser problem saves more than it costs, with one motion and with
+    !> several: blocks from a cold start then soon lose the pairs that constrain all motions.
     integer, parameter :: many_pairs = 500
     integer, parameter :: many_with_motions = 100
 
-    !> Where the ladder was left.
+    !> Where the cascade ended.
     type :: ladder_end
-        !> The rung that answered, or the last one
+        !> The level that gave the result, or the last one
         integer :: rung = rung_auto
-        !> Without a state: part of the loads that can be held
+        !> Without a state: fraction of the loads that can be held
         real(wp) :: largest_part = 0.0_wp
-        !> Without a state: there is none for certain
+        !> Without a state: it is proven that there is none
         logical :: none_proven = .false.
     end type ladder_end
 
 contains
 
-    !> Go from rung to rung until one answers.
+    !> Try the levels in order until one converges.
     pure subroutine climb(problem, compliance, method, warm_pairs, state, ending, error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Where to begin: a rung, or rung_auto
+        !> The first level, or rung_auto
         integer, intent(in) :: method
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)
         !> The state; without one its motion shows why
         type(loop_state), intent(out) :: state
-        !> Where the ladder was left
+        !> Where the cascade ended
         type(ladder_end), intent(out) :: ending
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
@@ -89,7 +89,8 @@ contains
         if (ending%rung == rung_block .or. ending%rung == rung_cascade) then
             call block_loop(problem, compliance, begin, ending%rung == rung_cascade, state, &
                 & settled, error)
-            ! Before the first pair is in contact a loop only says that no forces hold the loads.
+            ! Before the first pair is in contact, a loop can only find that no forces hold the
+            ! loads.
             ending%none_proven = state%none_proven
             if (settled .or. allocated(error)) return
             call step_down(state, rung_single, ending%rung, pivots, begin)
@@ -99,7 +100,7 @@ contains
             call single_loop(problem, compliance, begin, .false., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
-            ! What fails before the first pair is in contact is no matter of the loop.
+            ! A failure before the first pair is in contact does not depend on the loop.
             ending%none_proven = state%none_proven
             if (.not. allocated(state%system%pairs)) return
             call step_down(state, rung_pivoted, ending%rung, pivots, begin)
@@ -115,19 +116,18 @@ contains
         state%pivots = pivots + state%pivots
     end subroutine climb
 
-    !> One pair at a time with rows exchanged; where the pairs are singular, with loads through
-    !> springs.
+    !> Single pairs with row exchanges; if the pairs are singular, with loads through springs.
     pure subroutine run_pivoted(problem, compliance, begin, pivots, state, rung, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs to begin with, then to go on with
+        !> Pairs to begin with, then to continue with
         integer, allocatable, intent(inout) :: begin(:)
         !> Pivots so far
         integer, intent(inout) :: pivots
         !> The state
         type(loop_state), intent(inout) :: state
-        !> This rung, or the next one
+        !> This level, or the next one
         integer, intent(inout) :: rung
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
@@ -172,13 +172,13 @@ contains
         end if
     end function choose
 
-    !> Hand the pairs on to the next rung.
+    !> Pass the pairs on to the next level.
     pure subroutine step_down(left, next, rung, pivots, begin)
-        !> What the rung before has left
+        !> State left by the previous level
         type(loop_state), intent(in) :: left
-        !> The next rung
+        !> The next level
         integer, intent(in) :: next
-        !> The rung
+        !> The level
         integer, intent(out) :: rung
         !> Pivots so far
         integer, intent(out) :: pivots

@@ -1,7 +1,7 @@
-!> One contact problem under several loads, followed from the least load to the largest.
+!> One contact problem under several loads, solved from the smallest load to the largest.
 !>
-!> Where it can, each state goes on from the pairs and the factor of the one before: along the load
-!> path few pairs join or leave between neighbours, and nothing is factored anew.
+!> If possible, each state starts from the pairs and the factor of the previous one: along the load
+!> path few pairs enter or leave between neighbours, and nothing is factored again.
 module flankload_contact_loads
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -17,7 +17,7 @@ module flankload_contact_loads
 
     public :: solve_contact_loads
 
-    !> Loads this far from those that set the scales are scaled for themselves.
+    !> Loads that differ from those that set the scales by more than this get their own scales.
     real(wp), parameter :: far_load = 1.0e3_wp
 
 contains
@@ -41,7 +41,7 @@ contains
         integer, intent(in) :: warm_pairs(:)
         !> The states, in the order of the loads, shape (n_loads)
         type(contact_result), intent(inout) :: results(:)
-        !> 0, or the code of why there is no state, shape (n_loads)
+        !> 0, or the status that gives the reason why there is no state, shape (n_loads)
         integer, intent(out) :: codes(:)
 
         type(contact_problem) :: problem
@@ -72,7 +72,7 @@ contains
         end do
     end subroutine solve_contact_loads
 
-    !> Numbers of the loads, from the least to the largest.
+    !> Numbers of the loads, from the smallest to the largest.
     pure function ascending(loads) result(order)
         !> Q, shape (n_motions, n_loads)
         real(wp), intent(in) :: loads(:, :)
@@ -91,7 +91,7 @@ contains
         end do
     end function ascending
 
-    !> Go on to another load with the pairs and the factor that are there.
+    !> Continue to another load with the current pairs and factor.
     pure subroutine go_on(problem, compliance, loads, state, result, done)
         !> The problem, then with these loads
         type(contact_problem), intent(inout) :: problem
@@ -99,9 +99,9 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Where the loop stands
+        !> Current state of the loop
         type(loop_state), intent(inout) :: state
-        !> What the caller sees of the state
+        !> The state in the caller's units
         type(contact_result), intent(inout) :: result
         !> False where the loop gave up
         logical, intent(out) :: done
@@ -119,7 +119,7 @@ contains
         if (.not. done) return
         result%rung = method_block
         call report_state(problem, compliance, state, result)
-        ! What the kept factor has lost a new one wins back.
+        ! A new factor recovers the accuracy that the updated factor has lost.
         done = result%backward_error <= row_tolerance
         if (done) done = is_in_range(problem, state%forces, state%motion, result)
     end subroutine go_on

@@ -1,6 +1,6 @@
-!> Which pairs touch and what they carry: (20), (25)–(34), Fig. 6, in the general form.
+!> Pairs in contact and their forces: (20), (25)–(34), Fig. 6, in the general form.
 !>
-!> Sees only K, B, R, gaps and loads, never geometry.
+!> Uses only K, B, R, gaps and loads, no geometry.
 module flankload_contact_loop
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input, negative_force, no_contact_state, pivot_limit, &
@@ -28,7 +28,8 @@ module flankload_contact_loop
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
 
-    !> No rounding leaves this much of a row: a state that lacks it is none, whatever found it.
+    !> No rounding leaves a residual this large in a row: a state with such a residual is rejected,
+    !> whatever method found it.
     real(wp), parameter :: unmet = 1.0e-8_wp
 
 contains
@@ -36,25 +37,25 @@ contains
     !> Find the state of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
     pure subroutine solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
         & structure, method, warm_pairs, result, error)
-        !> K, recession along the normal of row i for a unit force on pair j [mm/N], shape (n, n)
+        !> K, normal displacement of row i for a unit force on pair j [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> g0, gaps along the normals before any motion [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
         !> B, gap closed by a unit of each motion, shape (n, n_motions)
         real(wp), intent(in) :: motions(:, :)
-        !> R, part of a unit force in each load, shape (n, n_motions)
+        !> R, contribution of a unit force to each load, shape (n, n_motions)
         real(wp), intent(in) :: load_rows(:, :)
         !> Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> What is known of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix or
-        !> definite_part (no proof of uniqueness from the whole matrix is wanted)
+        !> Known properties of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix
+        !> or definite_part (no proof of uniqueness from the whole matrix)
         integer, intent(in) :: structure
         !> One of the methods above
         integer, intent(in) :: method
         !> Pairs to begin with, from 1; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
-        !> The state; on error NaN, but for the motion that shows why there is no state and for the
-        !> final state of the paper's loop with negative forces
+        !> The state; on error NaN, except for the motion that shows why there is no state and for
+        !> the final state of the paper's loop with negative forces
         type(contact_result), intent(out) :: result
         !> Why there is no state
         type(error_type), allocatable, intent(out) :: error
@@ -66,7 +67,7 @@ contains
             & warm_pairs, problem, state, result, error)
     end subroutine solve_contact_problem
 
-    !> The same, with what another load may go on from.
+    !> The same, with the data from which another load can start.
     pure subroutine solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, &
         & method, warm_pairs, problem, state, result, error)
         !> K, g0, B, R and Q
@@ -81,9 +82,9 @@ contains
         integer, intent(in) :: warm_pairs(:)
         !> The scaled problem
         type(contact_problem), intent(out) :: problem
-        !> Where its loop ended
+        !> Final state of the loop
         type(loop_state), intent(out) :: state
-        !> What the caller sees of it
+        !> The state in the caller's units
         type(contact_result), intent(out) :: result
         !> Why there is no state
         type(error_type), allocatable, intent(out) :: error
@@ -106,14 +107,14 @@ contains
         if (.not. allocated(error)) then
             if (all(abs(result%gaps) <= huge(1.0_wp))) return
         end if
-        ! The loops read the columns that they need; the others matter only where they failed.
+        ! The loops read the columns that they need; the others matter only if the loops failed.
         if (.not. is_finite_matrix(compliance)) then
             call blank(result, size(normal_gaps), size(loads))
             call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
         end if
     end subroutine solve_and_keep
 
-    !> A known structure and method, warm pairs that exist and differ.
+    !> Check that structure and method are known, and that the start pairs exist and are distinct.
     pure subroutine check_choice(n, structure, method, warm_pairs, error)
         !> Number of pairs
         integer, intent(in) :: n
@@ -123,7 +124,7 @@ contains
         integer, intent(in) :: method
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)
-        !> What is wrong
+        !> The error found
         type(error_type), allocatable, intent(out) :: error
 
         logical, allocatable :: seen(:)
@@ -149,8 +150,8 @@ contains
         end do
     end subroutine check_choice
 
-    !> The ladder from the given rung down. Where what a rung has found misses its equations by more
-    !> than rounding, more careful rungs begin afresh; the best of what they find is the answer.
+    !> The cascade from the given level on. If the state of a level does not satisfy its equations
+    !> to rounding, more careful levels begin afresh; the best of their states is the result.
     pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
@@ -159,9 +160,9 @@ contains
         integer, intent(in) :: method
         !> Pairs to begin with
         integer, intent(in) :: warm_pairs(:)
-        !> Where the loop ended
+        !> Final state of the loop
         type(loop_state), intent(out) :: state
-        !> What the caller sees of it
+        !> The state in the caller's units
         type(contact_result), intent(inout) :: result
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
@@ -184,14 +185,14 @@ contains
             return
         end if
         result%pivots = state%pivots
-        ! Of the rungs only the choice of the first pairs ends in the latter: a motion is loose.
+        ! Among the levels, only the choice of the first pairs ends so: a motion is unconstrained.
         if (error%code == no_contact_state .or. error%code == singular_contact) then
             result%motion = problem%load_row_scale*state%motion
         end if
         if (error%code == no_contact_state) result%largest_part = ending%largest_part
     end subroutine run_ladder
 
-    !> Other rungs, where what was found misses its equations.
+    !> Other levels, if the state found does not satisfy its equations.
     pure subroutine begin_afresh(problem, compliance, method, symmetric, state, result, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
@@ -200,11 +201,11 @@ contains
         integer, intent(in) :: method
         !> K is symmetric
         logical, intent(in) :: symmetric
-        !> Where a loop ended, the best one in the end
+        !> Final states of the loops; on return the best one
         type(loop_state), intent(inout) :: state
-        !> What the caller sees of it
+        !> The state in the caller's units
         type(contact_result), intent(inout) :: result
-        !> None has found a state
+        !> No level has found a state
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: other
@@ -216,7 +217,7 @@ contains
 
         pivots = state%pivots
         afresh = rungs_afresh(method)
-        ! No rung mends what is no number.
+        ! No level can repair numbers that are not finite.
         if (.not. result%backward_error <= huge(1.0_wp)) afresh = [integer ::]
         do k = 1, size(afresh)
             other = problem
@@ -244,16 +245,16 @@ contains
         call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
     end subroutine begin_afresh
 
-    !> A state that the caller's units have no room for is none.
+    !> A state that the caller's units cannot represent is an error.
     pure subroutine check_range(problem, forces, motion, result, error)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> Scaled forces (n) and motion from the start (n_motions)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: motion(:)
-        !> What the caller sees of it, blank if there is no room
+        !> The state in the caller's units, blank if it cannot be represented
         type(contact_result), intent(inout) :: result
-        !> No room
+        !> The state cannot be represented
         type(error_type), allocatable, intent(out) :: error
 
         if (is_in_range(problem, forces, motion, result)) return
@@ -261,9 +262,9 @@ contains
         call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
     end subroutine check_range
 
-    !> The rungs that begin afresh, one after the other, where what was found misses its equations.
+    !> The levels that begin afresh, in order, if the state found does not satisfy its equations.
     pure function rungs_afresh(method) result(rungs)
-        !> The method that was asked for
+        !> The requested method
         integer, intent(in) :: method
         integer, allocatable :: rungs(:)
 

@@ -2,8 +2,8 @@
 !>
 !>     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   Rᵀ F = Q
 !>
-!> of which (16), (17) and (20) are the case of one motion: K = diag(b) A, g0 = b ε, B = b, R = m,
-!> q = φ, Q = M. All scales are powers of two, so that scaling rounds nothing.
+!> (16), (17) and (20) are the case of one motion: K = diag(b) A, g0 = b ε, B = b, R = m, q = φ, Q =
+!> M. All scales are powers of two, so that scaling causes no rounding.
 module flankload_contact_problem
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload_kinds, only: wp
@@ -20,7 +20,7 @@ module flankload_contact_problem
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: row_tolerance
 
-    !> A scaled problem; the compliance itself stays where the caller has it.
+    !> A scaled problem; the compliance itself stays in the caller's array.
     !>
     !> With D = row_scale, C = motion_scale, E = load_row_scale and λ = load_scale the scaled
     !> quantities are K' = D K D, F' = F/(λ D), g' = D g/λ, B' = D B C, q' = q/(λ C), R' = D R E
@@ -31,13 +31,14 @@ module flankload_contact_problem
         integer :: n_motions = 0
         !> K is symmetric
         logical :: symmetric = .true.
-        !> The caller knows what uniqueness rests on: K (its symmetric part) is positive definite
+        !> The caller declares that K (its symmetric part) is positive definite, as uniqueness
+        !> requires
         logical :: definite = .false.
-        !> The same of a symmetric K, which stays so where a loop takes K as a general matrix
+        !> The same for a symmetric K, kept if a loop treats K as a general matrix
         logical :: energy_bound = .false.
         !> B = R
         logical :: same_rows = .true.
-        !> Loads work through springs of this compliance where equations are solved, 0: none (see
+        !> Compliance of the springs through which loads act when equations are solved, 0: none (see
         !> `flankload_load_springs`); the problem is the same
         real(wp) :: spring = 0.0_wp
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
@@ -57,14 +58,14 @@ module flankload_contact_problem
         real(wp), allocatable :: start_motion(:)
     end type contact_problem
 
-    !> What the caller says of K: nothing, that it is symmetric, also positive definite (any elastic
-    !> compliance is), or that the symmetric part of W K is positive definite (see `is_unique`).
+    !> Declarations of the caller about K: none, symmetric, also positive definite (any elastic
+    !> compliance is), or the symmetric part of W K is positive definite (see `is_unique`).
     integer, parameter :: general_matrix = 0
     integer, parameter :: symmetric_matrix = 1
     integer, parameter :: definite_matrix = 2
     integer, parameter :: definite_part = 3
 
-    !> What rounding leaves in a row, relative to the row's own size.
+    !> Rounding error of a row, relative to the row's own size.
     real(wp), parameter :: row_tolerance = 10.0_wp*epsilon(1.0_wp)
 
 contains
@@ -72,21 +73,21 @@ contains
     !> Check and scale a problem.
     pure subroutine new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
         & structure, problem, error)
-        !> K [mm/N], shape (n, n); only its diagonal is looked at
+        !> K [mm/N], shape (n, n); only its diagonal is read
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> g0 [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
         !> B, lever of each pair on each motion, shape (n, n_motions)
         real(wp), intent(in) :: motions(:, :)
-        !> R, part of each pair in each load, shape (n, n_motions)
+        !> R, contribution of each pair to each load, shape (n, n_motions)
         real(wp), intent(in) :: load_rows(:, :)
         !> Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> What is known of K: one of the four constants above
+        !> Known properties of K: one of the four constants above
         integer, intent(in) :: structure
         !> The scaled problem
         type(contact_problem), intent(out) :: problem
-        !> Shapes that do not fit, numbers that are none, a diagonal that is not positive
+        !> Shapes that do not match, numbers that are not finite, a diagonal that is not positive
         type(error_type), allocatable, intent(out) :: error
 
         integer :: i, c
@@ -125,7 +126,7 @@ contains
         allocate (problem%start_motion(problem%n_motions), source=0.0_wp)
     end subroutine new_contact_problem
 
-    !> Shapes that fit, finite numbers, a positive diagonal.
+    !> Check that shapes match, numbers are finite and the diagonal is positive.
     pure subroutine check_input(compliance, normal_gaps, motions, load_rows, loads, error)
         !> K
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -137,7 +138,7 @@ contains
         real(wp), intent(in) :: load_rows(:, :)
         !> Q
         real(wp), intent(in) :: loads(:)
-        !> What is wrong
+        !> The error found
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, i
@@ -175,18 +176,18 @@ contains
 
     !> The power of two near 1/size, 1 where the size is zero.
     elemental function power_of_two(size) result(scale_factor)
-        !> What shall be near one after scaling
+        !> Quantity to be scaled to about one
         real(wp), intent(in) :: size
         real(wp) :: scale_factor
 
-        !> Where the exponent stands in a number of 64 bits, its width, and that of one
+        !> Position of the exponent in a 64-bit number, its width, and the exponent of one
         integer, parameter :: place = 52, width = 11
         integer(int64), parameter :: of_one = 1023
         integer(int64) :: field
 
         scale_factor = 1.0_wp
         if (.not. size > 0.0_wp) return
-        ! One of these for every row: in bits it takes a tenth of the time of scale and exponent.
+        ! Called once per row: bit operations take a tenth of the time of scale and exponent.
         field = ibits(transfer(size, 0_int64), place, width)
         if (field > 0 .and. field < 2*of_one) then
             scale_factor = transfer(shiftl(2*of_one - field, place), 1.0_wp)
@@ -205,7 +206,7 @@ contains
         integer, intent(in) :: touching(:)
 
         problem%start_motion = problem%start_motion + motion
-        ! From the caller's gaps each time: an earlier start that was far off leaves no rounding.
+        ! From the caller's gaps each time: an earlier, distant start leaves no rounding.
         problem%gaps = problem%normal_gaps - matmul(problem%motions, problem%start_motion)
         problem%gaps(touching) = 0.0_wp
     end subroutine shift_gaps
@@ -219,7 +220,7 @@ contains
         problem%start_motion = 0.0_wp
     end subroutine measure_from_zero
 
-    !> Scaled gaps, corrected (34): all of Σ a_ij F_j belongs in it.
+    !> Scaled gaps, (34) corrected: with all of Σ a_ij F_j.
     pure subroutine contact_gaps(problem, compliance, forces, motion, gaps)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -241,8 +242,8 @@ contains
         end do
     end subroutine contact_gaps
 
-    !> Scaled recession K F. One product per run of active columns, since active pairs are mostly
-    !> neighbours.
+    !> Scaled normal displacement K F. One product per run of active columns, since active pairs are
+    !> mostly neighbours.
     pure subroutine find_recession(problem, compliance, forces, recession)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -250,7 +251,7 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, zero for pairs that are not active, shape (n)
         real(wp), intent(in) :: forces(:)
-        !> Scaled recession, shape (n)
+        !> Scaled normal displacement, shape (n)
         real(wp), contiguous, intent(out) :: recession(:)
 
         integer :: first, last
@@ -276,8 +277,9 @@ contains
         recession = problem%row_scale*recession
     end subroutine find_recession
 
-    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, motions measured from the start or from
-    !> zero, whichever is less: small loads at large gaps are resolved, large starts excuse nothing.
+    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, with motions measured from the start or
+    !> from zero, whichever is smaller: small loads at large gaps are resolved, and a distant start
+    !> does not excuse residuals.
     pure function row_size(problem, compliance, forces, motion, pairs, i) result(total)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -297,7 +299,7 @@ contains
 
         total = 0.0_wp
         do k = 1, size(pairs)
-            ! In this order nothing overflows that is small when scaled.
+            ! In this order no quantity overflows that is small when scaled.
             total = total + abs(compliance(i, pairs(k)) &
                 & *(forces(pairs(k))*problem%row_scale(pairs(k))))
         end do
@@ -307,8 +309,8 @@ contains
             & abs(problem%start_motion + motion)))
     end function row_size
 
-    !> Lower bounds of all row sizes without a look at K: |Σ K_ij F_j|, which the gaps contain, in
-    !> place of Σ|K_ij| F_j. Equal where no influence is negative.
+    !> Lower bounds of all row sizes without reading K: |Σ K_ij F_j|, which the gaps contain,
+    !> instead of Σ|K_ij| F_j. Equal if no influence is negative.
     pure subroutine least_row_sizes(problem, gaps, motion, sizes)
         !> The problem
         type(contact_problem), intent(in) :: problem

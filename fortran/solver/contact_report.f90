@@ -1,4 +1,4 @@
-!> A state as the caller sees it: in his units, with its certificate, if his numbers can hold it.
+!> A state in the caller's units, with its certificate, if these units can represent it.
 module flankload_contact_report
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
@@ -17,9 +17,9 @@ contains
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Where the loop ended
+        !> Final state of the loop
         type(loop_state), intent(in) :: state
-        !> What the caller sees of it; its rung is known already
+        !> The state in the caller's units; its level is known already
         type(contact_result), intent(inout) :: result
 
         result%pivots = state%pivots
@@ -52,10 +52,10 @@ contains
 
         q = problem%n_motions
         result%forces = problem%load_scale*problem%row_scale*forces
-        ! What is left of a closed gap is rounding, already in the backward error.
+        ! The remainder of a closed gap is rounding, already in the backward error.
         result%gaps = problem%load_scale*gaps/problem%row_scale
         result%gaps(pairs) = 0.0_wp
-        ! A NaN must not be taken for a closed gap.
+        ! A NaN must not count as a closed gap.
         where (abs(result%gaps) <= huge(1.0_wp)) result%gaps = max(result%gaps, 0.0_wp)
         result%motion = problem%load_scale*problem%motion_scale*(problem%start_motion + motion)
         result%tangent = tangent*spread(problem%motion_scale, 2, q) &
@@ -63,7 +63,7 @@ contains
         result%active_pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
     end subroutine unscale
 
-    !> Whether scaling has kept the problem: no number too large for a double, no load lost.
+    !> Whether scaling has preserved the problem: no number overflows, no load is lost.
     pure function same_loads(problem, loads) result(same)
         !> The scaled problem
         type(contact_problem), intent(in) :: problem
@@ -77,8 +77,8 @@ contains
             & .and. all(abs(problem%loads) >= tiny(1.0_wp) .or. .not. abs(loads) > 0.0_wp)
     end function same_loads
 
-    !> Whether the caller's units have room for a state: no number too large for a double, and none
-    !> that counts too small.
+    !> Whether the caller's units can represent a state: no number overflows, and no significant
+    !> number underflows.
     pure function is_in_range(problem, forces, motion, result) result(in_range)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -86,7 +86,7 @@ contains
         real(wp), intent(in) :: forces(:)
         !> Scaled motion from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> What the caller sees of them
+        !> The state in the caller's units
         type(contact_result), intent(in) :: result
         logical :: in_range
 

@@ -1,4 +1,4 @@
-!> The state of contact as the caller sees it, and what is said of it.
+!> The state of contact in the caller's units, with its certificate.
 module flankload_contact_result
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use flankload_kinds, only: wp
@@ -14,7 +14,7 @@ module flankload_contact_result
         real(wp), allocatable :: forces(:)
         !> Final gaps along the normals [mm], shape (n)
         real(wp), allocatable :: gaps(:)
-        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows why
+        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows the reason
         real(wp), allocatable :: motion(:)
         !> Pairs that carry a force, ascending, from 1
         integer, allocatable :: active_pairs(:)
@@ -22,24 +22,24 @@ module flankload_contact_result
         integer :: status = 0
         !> The method that found it
         integer :: rung = 0
-        !> Pairs that joined or left
+        !> Number of pairs that entered or left
         integer :: pivots = 0
-        !> Factorisations as a whole (the block of a warm start is none)
+        !> Number of complete factorisations (the block of a warm start is not counted)
         integer :: refactorisations = 0
-        !> Condition of the equilibrated equations of the active pairs, 1-norm
+        !> Condition number of the equilibrated equations of the active pairs, 1-norm
         real(wp) :: condition = 1.0_wp
-        !> Growth of the entries in elimination without exchange
+        !> Growth of the entries in elimination without row exchanges
         real(wp) :: growth = 1.0_wp
         !> Largest error of a row of the problem, relative to the row's own size
         real(wp) :: backward_error = 0.0_wp
-        !> Distance to the nearest change of the active pairs: the least of force over largest force
-        !> (active) and gap over the row's own size (others)
+        !> Distance to the nearest change of the active pairs: the minimum of force over largest
+        !> force (active) and gap over the row's own size (others)
         real(wp) :: margin = 0.0_wp
         !> No other state exists
         logical :: unique = .false.
-        !> Without a state: part of the loads that can be held on the way there
+        !> Without a state: fraction of the loads that can be held on the load path
         real(wp) :: largest_part = 0.0_wp
-        !> Without a state: there is none for certain, rather than none that was found
+        !> Without a state: it is proven that there is none, rather than that none was found
         logical :: none_proven = .false.
         !> d motion / d load, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
@@ -69,8 +69,8 @@ contains
         result%largest_part = nan
     end subroutine blank
 
-    !> Counters in the order of the flat door: pivots, refactorisations, 1 where the state is
-    !> unique, the method that found it, 1 where there is none for certain.
+    !> Counters in the order of the flat interface: pivots, refactorisations, 1 if the state is
+    !> unique, the method that found it, 1 if it is proven that there is none.
     pure function counters_of(result) result(counters)
         !> A state
         type(contact_result), intent(in) :: result
@@ -80,8 +80,8 @@ contains
             & result%rung, merge(1, 0, result%none_proven)]
     end function counters_of
 
-    !> Certificate in the order of the flat door: condition, growth, backward error, margin, part of
-    !> the loads that can be held.
+    !> Certificate in the order of the flat interface: condition number, growth, backward error,
+    !> margin, fraction of the loads that can be held.
     pure function certificate_of(result) result(certificate)
         !> A state
         type(contact_result), intent(in) :: result

@@ -1,9 +1,9 @@
-!> Many contact problems in one call: a pair of bodies in many positions, each under many loads.
+!> Many contact problems in one call: two bodies in many positions, each under many loads.
 !>
-!> A problem begins with the pairs that carried in the one before it, known again by their keys
-!> (such as their place from the point of contact). Problems are parted into runs of fixed length
-!> that know nothing of each other; threads share the runs, so that the answer is bitwise the same
-!> whatever their number.
+!> A problem begins with the pairs that carried load in the previous one, identified by their keys
+!> (such as their distance from the contact point). Problems are divided into runs of fixed length
+!> that are independent of each other; threads share the runs, so that the result is bitwise the
+!> same for any number of threads.
 module flankload_contact_sequence
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
@@ -13,7 +13,7 @@ module flankload_contact_sequence
 
     public :: solve_contact_sequence
 
-    !> Problems of a run; its first one has nothing to begin with.
+    !> Problems per run; the first one starts cold.
     integer, parameter :: run_length = 8
 
 contains
@@ -32,14 +32,14 @@ contains
         !> B and R of one problem after the other, each column by column, shape (Σ n n_motions)
         real(wp), intent(in) :: motions(sum(sizes)*size(loads, 1))
         real(wp), intent(in) :: load_rows(sum(sizes)*size(loads, 1))
-        !> What a pair of one problem is known by in the next, shape (Σ n)
+        !> Key that identifies a pair in the next problem, shape (Σ n)
         integer, intent(in) :: keys(:)
         !> Structure of each K, shape (n_problems), and method, as of solve_contact_problem
         integer, intent(in) :: structures(:)
         integer, intent(in) :: method
         !> States, shape (n_loads, n_problems)
         type(contact_result), intent(inout) :: results(:, :)
-        !> 0, or the code of why there is no state, shape (n_loads, n_problems)
+        !> 0, or the status that gives the reason why there is no state, shape (n_loads, n_problems)
         integer, intent(out) :: codes(:, :)
 
         integer :: p, first_of_run
@@ -81,7 +81,7 @@ contains
 
     end subroutine solve_contact_sequence
 
-    !> A problem within packed arrays; explicit shapes, so that its part is handed on in place.
+    !> A problem within packed arrays; explicit shapes, so that its part is passed in place.
     pure subroutine solve_packed(n, n_motions, n_loads, compliance, normal_gaps, motions, &
         & load_rows, loads, structure, method, warm_pairs, results, codes)
         !> Number of pairs, motions and loads

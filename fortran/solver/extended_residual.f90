@@ -1,6 +1,6 @@
-!> What the equations of the pairs in contact lack, in twice the working precision.
+!> Residual of the equations of the pairs in contact, in twice the working precision.
 !>
-!> The refinement of an ill-conditioned state needs it for the active pairs alone.
+!> The refinement of an ill-conditioned state needs it for the active pairs only.
 module flankload_extended_residual
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -12,7 +12,7 @@ module flankload_extended_residual
 
 contains
 
-    !> Right-hand sides that the forces and the motion still lack.
+    !> Remaining right-hand sides for given forces and motion.
     pure subroutine extended_lack(problem, compliance, pairs, forces, motion, r, s)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem

@@ -1,4 +1,4 @@
-!> A kept factor that gains and loses several rows and columns at once, by BLAS-3.
+!> Updates of a factor by several rows and columns at once, by BLAS-3.
 module flankload_factor_block
     use flankload_kinds, only: wp
     use flankload_kept_factor, only: kept_factor, reserve, dependent
@@ -19,8 +19,7 @@ contains
         type(kept_factor), intent(inout) :: factor
         !> New columns, their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
-        !> New rows left of their own columns, shape (b, order); not looked at where the matrix is
-        !> symmetric
+        !> New rows left of their own columns, shape (b, order); not read if the matrix is symmetric
         real(wp), intent(in) :: rows(:, :)
         !> False if a row depends on the others to rounding; the factor is then as before
         logical, intent(out) :: accepted
@@ -82,7 +81,7 @@ contains
         factor%order = k + b
         associate (a => factor%matrix)
             do first = 1, k + b
-                ! Old columns have gained rows of L, new ones are new as a whole.
+                ! Old columns have gained rows of L; new ones are completely new.
                 last = merge(k + 1, 1, first <= k)
                 factor%growth = max(factor%growth, &
                     & maxval(abs(a(max(last, first + 1):k + b, first))), &
@@ -92,7 +91,7 @@ contains
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
     end subroutine extend_lu
 
-    !> Elimination without exchange inside a diagonal block.
+    !> Elimination without row exchanges inside a diagonal block.
     pure subroutine eliminate(matrix, first, last, least_pivot, accepted)
         !> Holds the block
         real(wp), intent(inout) :: matrix(:, :)
@@ -117,11 +116,11 @@ contains
         end do
     end subroutine eliminate
 
-    !> Let the last rows and columns go: what stands before them needs no work.
+    !> Remove the last rows and columns: those before them need no work.
     pure subroutine cut(factor, order)
-        !> The factor, its first rows not factored with exchange beyond the order
+        !> The factor; rows factored with exchanges must not extend beyond the order that remains
         type(kept_factor), intent(inout) :: factor
-        !> Rows that stay
+        !> Rows that remain
         integer, intent(in) :: order
 
         factor%order = order

@@ -1,4 +1,4 @@
-!> The end of a contact loop: is a pair open, and what do the final equations still lack.
+!> The end of a contact loop: check for penetrating pairs, and refine the final equations.
 module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
@@ -15,36 +15,36 @@ module flankload_final_refinement
 
     public :: first_to_vanish, most_open_pair, is_open, finish
 
-    !> A start this many times as far as the end is too far to measure from.
+    !> A start further from the end than this factor times the end is too far to measure from.
     real(wp), parameter :: far_start = 1.5_wp
-    !> Refinements of the final equations, one always, more where the rows are not yet met
+    !> Refinements of the final equations, one always, more if the rows are not yet satisfied
     integer, parameter :: max_refinements = 3
-    !> From this condition on, and where rows or loads are not met, the residual is taken in twice
-    !> the working precision, so many times at most.
+    !> From this condition number on, and if rows or loads are not satisfied, the residual is
+    !> computed in twice the working precision, at most this many times.
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
-    !> What rows and loads may lack here: half of what the certificate allows, which is summed up
-    !> with rounding itself
+    !> Accepted residual of rows and loads: half of that in the certificate, whose sums have
+    !> rounding errors themselves
     real(wp), parameter :: met_tolerance = 0.5_wp*row_tolerance
-    !> Forces below this part of the largest are not refined for their own sake.
+    !> Forces below this fraction of the largest are not refined for their own sake.
     real(wp), parameter :: least_part = epsilon(1.0_wp)**2
 
 contains
 
-    !> Which force first becomes zero on the way to the target.
+    !> The force that first becomes zero on the way to the target.
     pure subroutine first_to_vanish(problem, pairs, forces, target, pinned, leaving, way)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact
         integer, intent(in) :: pairs(:)
-        !> Forces now and at the end of the way
+        !> Current forces and target forces
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: target(:)
         !> Those that may not leave
         logical, intent(in) :: pinned(:)
-        !> Place of that force, 0 if none is negative at the end
+        !> Index of that force, 0 if none is negative at the end
         integer, intent(out) :: leaving
-        !> Part of the way
+        !> Fraction of the way
         real(wp), intent(out) :: way
 
         integer :: k
@@ -66,7 +66,7 @@ contains
         end do
     end subroutine first_to_vanish
 
-    !> The most open pair, (31); 0 if none is open beyond the rounding of its row.
+    !> The most penetrating pair, (31); 0 if none penetrates beyond the rounding of its row.
     pure subroutine most_open_pair(problem, compliance, state, joining)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -114,8 +114,8 @@ contains
             & state%motion, state%system%pairs, i)
     end function is_open
 
-    !> Measure motions from where they are now, where the start was so far off that its size, not
-    !> that of the caller's rows, would set the rounding.
+    !> Measure motions from the current one if the start was so far away that its size, rather than
+    !> that of the caller's rows, would determine the rounding.
     pure subroutine measure_from_here(problem, compliance, state)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
@@ -133,16 +133,16 @@ contains
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
     end subroutine measure_from_here
 
-    !> Refine the final equations: what the gaps of the active pairs and the loads still lack.
+    !> Refine the final equations by the residuals of the gaps of active pairs and of the loads.
     pure subroutine finish(problem, compliance, state, joining, done)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
-        !> A pair that turns out to be open, else 0
+        !> A pair that turns out to penetrate, else 0
         integer, intent(out) :: joining
-        !> False if a pair has to join or leave
+        !> False if a pair has to enter or leave
         logical, intent(out) :: done
 
         integer :: step, k, leaving
@@ -197,9 +197,9 @@ contains
         state%pivots = state%pivots + 1
     end subroutine finish
 
-    !> Refine on in twice the working precision: forces that no equation within rounding of these
-    !> would tell apart get the digits of the very numbers given. Kept only where every force stays
-    !> positive and no pair opens.
+    !> Continue the refinement in twice the working precision: forces that the equations cannot
+    !> distinguish within rounding become accurate for exactly the given numbers. The result is kept
+    !> only if every force stays positive and no pair penetrates.
     pure subroutine refine_extended(problem, compliance, state)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -221,7 +221,7 @@ contains
                 call extended_lack(problem, compliance, pairs, state%forces(pairs), &
                     & state%motion, r, s)
                 call solve_bordered(state%system, problem, r, s, forces, motion, solved)
-                ! Little forces, too: their digits alone meet rows and loads without large ones.
+                ! Small forces, too: rows and loads without large forces depend on their digits.
                 change = maxval(abs(forces)/max(abs(state%forces(pairs)), &
                     & least_part*maxval(state%forces(pairs)), tiny(1.0_wp)))
                 ! Also with NaN

@@ -1,4 +1,4 @@
-!> What rounding has left of forces that are none, at the end of a contact loop.
+!> Removal of forces that are rounding errors at the end of a contact loop.
 module flankload_force_remains
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
@@ -11,15 +11,15 @@ module flankload_force_remains
 
     public :: clear_remains, clear_rounding
 
-    !> A force so much less than the largest (without loads: than what closes the largest gap),
-    !> times the condition, is what refinement leaves of none: rounding of rounding. Never above the
-    !> limit.
+    !> A force below this fraction of the largest (without loads: of the force that closes the
+    !> largest gap), times the condition number, is what refinement leaves of zero: rounding of
+    !> rounding. Never above the limit.
     real(wp), parameter :: no_force = 1.0e-24_wp
     real(wp), parameter :: no_force_limit = 1.0e-18_wp
 
 contains
 
-    !> Pairs that only hold a motion in place, with no load on it, carry nothing.
+    !> Pairs that only hold a motion in place, without a load on it, carry no force.
     pure subroutine clear_remains(problem, state)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -42,8 +42,8 @@ contains
         end associate
     end subroutine clear_remains
 
-    !> Where a load is not held that only little forces work on, these are rounding: the loads on
-    !> which large forces work, too, cannot tell them. They are none if without them the loads are
+    !> If a load is not held on which only small forces act, these forces are rounding: the loads on
+    !> which large forces act, too, cannot resolve them. They are set to zero if the loads are then
     !> held and the pairs still touch, to the rounding of the caller's rows.
     pure subroutine clear_rounding(problem, compliance, state)
         !> The problem and its K

@@ -1,4 +1,4 @@
-!> Whether forces hold the loads, and what is done where cancellation has lost them.
+!> Whether forces hold the loads, and the remedy if cancellation has lost them.
 module flankload_held_loads
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -10,14 +10,14 @@ module flankload_held_loads
 
     public :: holds_loads, hold_loads_again
 
-    !> Forces that hold the loads no better than this are refined before they decide anything.
+    !> Forces that hold the loads less accurately than this are refined before any decision.
     real(wp), parameter :: lost = 1.0e-9_wp
-    !> Refinements at most
+    !> Maximum number of refinements
     integer, parameter :: most_steps = 3
 
 contains
 
-    !> Whether forces hold every load to the rounding of what works on it.
+    !> Whether forces hold every load to the rounding of its terms.
     pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -25,7 +25,7 @@ contains
         integer, intent(in) :: pairs(:)
         !> Their scaled forces
         real(wp), intent(in) :: forces(:)
-        !> Rounding, relative to the size of what works on a load
+        !> Rounding, relative to the size of the terms of a load
         real(wp), intent(in) :: tolerance
         logical :: holds
 
@@ -46,15 +46,15 @@ contains
         end do
     end function holds_loads
 
-    !> Small loads at large gaps: the motions that close these have no digits for what the loads
-    !> press together. With several motions forces found from them are refined.
+    !> Small loads at large gaps: the motions that close the gaps have no digits for the
+    !> displacements under the loads. With several motions, forces computed from them are refined.
     pure subroutine hold_loads_again(problem, compliance, system, forces, motion)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs in contact with their factor
         type(bordered_system), intent(inout) :: system
-        !> Their scaled forces, and the motion from the start, as they were solved for
+        !> Their scaled forces, and the motion from the start, as computed
         real(wp), intent(inout) :: forces(:)
         real(wp), intent(inout) :: motion(:)
 

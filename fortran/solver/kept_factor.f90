@@ -1,8 +1,8 @@
-!> A factored matrix that gains and loses one row and column at a time, never factored anew.
+!> An updatable factor of a matrix that gains and loses one row and column at a time.
 !>
-!> Cholesky (L in the lower triangle) where the matrix is symmetric, else LU in one array. LU goes
-!> without exchange of rows, its growth watched by the owner, who may have it factored anew with
-!> exchange; a block so factored can grow, but not shrink.
+!> Cholesky (L in the lower triangle) if the matrix is symmetric, else LU in one array. LU has no
+!> row exchanges; the caller monitors its growth and may request a new factorisation with exchanges.
+!> A block factored in this way can grow, but not shrink.
 module flankload_kept_factor
     use flankload_kinds, only: wp
     use flankload_lapack, only: potrf, getrf, permute_rows, solve_triangle
@@ -20,21 +20,21 @@ module flankload_kept_factor
         logical :: symmetric = .true.
         !> Order of the matrix
         integer :: order = 0
-        !> Order of the leading block that was factored with exchange of rows (LU), 0 if none
+        !> Order of the leading block that was factored with row exchanges (LU), 0 if none
         integer :: n_exchanged = 0
         !> L, or L and U, shape (capacity, capacity)
         real(wp), allocatable :: matrix(:, :)
         !> Row swapped with each row of that leading block, shape (n_exchanged)
         integer, allocatable :: row_swaps(:)
-        !> Largest entry of the matrix that was ever factored
+        !> Largest matrix entry factored so far
         real(wp) :: largest = 0.0_wp
-        !> Largest entry of L, or of U over `largest`: what elimination without exchange may lose
+        !> Largest entry of L, or of U over `largest`: loss of accuracy without row exchanges
         real(wp) :: growth = 1.0_wp
     end type kept_factor
 
-    !> A pivot this small beside its diagonal entry is rounding: the new row depends on the others.
+    !> A pivot this small relative to its diagonal entry is rounding: the new row is dependent.
     real(wp), parameter :: dependent = 8.0_wp*epsilon(1.0_wp)
-    !> Room for the first rows
+    !> Initial number of rows
     integer, parameter :: first_capacity = 32
 
 contains
@@ -50,11 +50,11 @@ contains
         allocate (factor%row_swaps(0))
     end function new_kept_factor
 
-    !> Make room for a matrix of a given order.
+    !> Allocate space for a matrix of a given order.
     pure subroutine reserve(factor, order)
         !> The factor
         type(kept_factor), intent(inout) :: factor
-        !> Order that must fit
+        !> Required order
         integer, intent(in) :: order
 
         real(wp), allocatable :: larger(:, :)
@@ -73,7 +73,7 @@ contains
         type(kept_factor), intent(inout) :: factor
         !> New column above the diagonal, shape (order)
         real(wp), intent(in) :: column(:)
-        !> New row left of the diagonal, shape (order); not looked at where the matrix is symmetric
+        !> New row left of the diagonal, shape (order); not read if the matrix is symmetric
         real(wp), intent(in) :: row(:)
         !> New entry on the diagonal
         real(wp), intent(in) :: diagonal
@@ -120,10 +120,10 @@ contains
         factor%order = k + 1
     end subroutine extend
 
-    !> Take a row and its column out, with O(order²) work.
+    !> Remove a row and its column, with O(order²) work.
     !>
-    !> What the lost row carried goes back into the rows behind it as a change of rank one. Not for
-    !> a factor with exchange of rows.
+    !> The contribution of the removed row is added to the rows behind it as a rank-one change. Not
+    !> for a factor with row exchanges.
     pure subroutine shrink(factor, index)
         !> The factor
         type(kept_factor), intent(inout) :: factor
@@ -160,7 +160,7 @@ contains
         !> First and last row of the trailing part
         integer, intent(in) :: first
         integer, intent(in) :: last
-        !> Its change, used up, shape (last - first + 1)
+        !> Its change, overwritten, shape (last - first + 1)
         real(wp), intent(inout) :: x(:)
 
         integer :: j, i
@@ -185,9 +185,9 @@ contains
         type(kept_factor), intent(inout) :: factor
         !> First row of the trailing part
         integer, intent(in) :: first
-        !> Column of the change, used up
+        !> Column of the change, overwritten
         real(wp), intent(inout) :: x(:)
-        !> Row of the change, used up
+        !> Row of the change, overwritten
         real(wp), intent(inout) :: y(:)
 
         integer :: j, k, m
@@ -213,18 +213,18 @@ contains
             end do
         end associate
         factor%growth = max(factor%growth, largest_l, largest_u/factor%largest)
-        ! A pivot of zero leaves NaN behind, the last one only itself: growth without bound.
+        ! A pivot of zero leaves NaN behind, the last one only itself: unlimited growth.
         if (k >= first) then
             if (abs(pivot) <= dependent*factor%growth*factor%largest) factor%growth = huge(1.0_wp)
         end if
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
     end subroutine add_rank_one_lu
 
-    !> Factor a matrix as a whole: Cholesky, or LU with exchange of rows.
+    !> Factor the complete matrix: Cholesky, or LU with row exchanges.
     pure subroutine factor_anew(factor, matrix, accepted)
         !> The factor
         type(kept_factor), intent(inout) :: factor
-        !> The matrix; only the lower triangle is looked at where it is symmetric
+        !> The matrix; only the lower triangle is read if it is symmetric
         real(wp), intent(in) :: matrix(:, :)
         !> False if the matrix is singular to rounding
         logical, intent(out) :: accepted
@@ -276,8 +276,8 @@ contains
         end if
     end subroutine solve_factored
 
-    !> Condition of the factored matrix in the 1-norm, from below: two steps of Hager's estimate
-    !> from an oscillating start, which is what the inverse of a smooth kernel answers most.
+    !> Lower bound of the condition number in the 1-norm: two steps of Hager's estimate from an
+    !> oscillating start, to which the inverse of a smooth kernel responds most.
     pure function estimate_condition(factor, norm) result(condition)
         !> The factor
         type(kept_factor), intent(in) :: factor
@@ -295,7 +295,7 @@ contains
             x(i, 1) = merge(1.0_wp, -1.0_wp, mod(i, 2) == 1)*(1.0_wp + (i - 1.0_wp)/max(k - 1, 1))
         end do
         size_before = sum(abs(x))
-        ! Exchange of rows changes no norm of the inverse: the triangles say it all.
+        ! Row exchanges change no norm of the inverse: the triangles are sufficient.
         if (factor%symmetric) then
             call solve_factored(factor, x)
             condition = sum(abs(x))/size_before

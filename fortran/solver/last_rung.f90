@@ -1,9 +1,9 @@
-!> The last rung: the load path, and what can be done where it finds no state.
+!> The last level of the cascade: the load path, and the fallbacks if it finds no state.
 !>
-!> Where K (its weighted symmetric part) is positive definite a state exists whenever forces can
-!> hold the loads. Otherwise a path without end proves nothing: the cases of contact are searched,
-!> which may prove that there is no state, and where they are too many, other paths and other starts
-!> are tried.
+!> If K (its weighted symmetric part) is positive definite, a state exists whenever forces can hold
+!> the loads. Otherwise an unbounded path proves nothing: the cases of contact are searched, which
+!> may prove that there is no state. If there are too many cases, other paths and other starts are
+!> tried.
 module flankload_last_rung
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, pivot_limit
@@ -23,24 +23,24 @@ module flankload_last_rung
 
     public :: take_last_rung
 
-    !> Other starts that are tried, while their pivots times the square of the pairs are no more
-    !> than this, 0.1 s or so, and always for so many pivots.
+    !> Limit of pivots times the square of the number of pairs for other starts, about 0.1 s; this
+    !> many pivots are always allowed.
     integer, parameter :: other_starts = 400
     real(wp), parameter :: most_work = 4.0e7_wp
     integer, parameter :: pivots_at_least = 1000
 
 contains
 
-    !> Find a state, or say why there is none.
+    !> Find a state, or the reason why there is none.
     pure subroutine take_last_rung(problem, compliance, state, largest_part, none_proven, error)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state; without one its motion shows why
+        !> The state; without one its motion shows the reason
         type(loop_state), intent(out) :: state
-        !> Without a state: part of the loads that can be held on the path from no load
+        !> Without a state: fraction of the loads that can be held on the path from zero load
         real(wp), intent(out) :: largest_part
-        !> Without a state: there is none for certain
+        !> Without a state: it is proven that there is none
         logical, intent(out) :: none_proven
         !> No state, or none found
         type(error_type), allocatable, intent(out) :: error
@@ -89,16 +89,16 @@ contains
             return
         end if
         if (path%outcome == path_ray) then
-            ! As a motion for the loads, in whose scales the caller takes it back.
+            ! Returned as a motion for the loads, in the scales of the loads.
             state%motion = path%motion*problem%motion_scale/problem%load_row_scale
             state%motion = state%motion/max(maxval(abs(state%motion)), tiny(1.0_wp))
         end if
         call fatal_error(error, no_contact_state, 'no state was found')
     end subroutine take_last_rung
 
-    !> From the pairs that touch to the state. A symmetric K need not be positive definite among
-    !> them: where its Cholesky factor leads to no state, an LU factor may. And K may be singular
-    !> among them, which loads that work through springs do not mind.
+    !> From the touching pairs to the state. A symmetric K need not be positive definite among them:
+    !> if its Cholesky factor leads to no state, an LU factor may. K may also be singular among
+    !> them; this does not affect loads that act through springs.
     pure subroutine settle_pairs(problem, compliance, pairs, state, settled)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
@@ -107,7 +107,7 @@ contains
         integer, intent(in) :: pairs(:)
         !> The state
         type(loop_state), intent(out) :: state
-        !> False if they lead to none
+        !> False if they lead to no state
         logical, intent(out) :: settled
 
         logical :: symmetric
@@ -137,7 +137,7 @@ contains
         integer, intent(in) :: pairs(:)
         !> The state
         type(loop_state), intent(out) :: state
-        !> False if they lead to none
+        !> False if they lead to no state
         logical, intent(out) :: settled
 
         type(error_type), allocatable :: error
@@ -154,13 +154,13 @@ contains
         if (settled .and. joining == 0) call finish(problem, compliance, state, joining, settled)
         settled = settled .and. joining == 0
         if (settled) return
-        ! What was decided with ties broken may have to be decided again.
+        ! Decisions made with ties broken may have to be made again.
         call single_loop(problem, compliance, pairs, .true., state, error)
         settled = .not. allocated(error)
     end subroutine settle_factored
 
-    !> Loops and paths from other starts, first of all from none: the rungs before have begun with
-    !> what others left.
+    !> Loops and paths from other starts, first from no pairs: the previous levels have begun with
+    !> pairs left by others.
     pure subroutine try_other_starts(touching, compliance, problem, state, pivots, settled)
         !> The problem to start from
         type(contact_problem), intent(in) :: touching
@@ -186,7 +186,7 @@ contains
         settled = .not. allocated(error)
         if (settled) return
         pivots = pivots + state%pivots
-        ! The methods that begin with single pairs have not seen where blocks lead to.
+        ! The methods that begin with single pairs have not tried the result of blocks.
         problem = touching
         call block_loop(problem, compliance, nothing, .false., state, settled, error)
         if (settled) return

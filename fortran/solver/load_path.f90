@@ -1,9 +1,10 @@
-!> Lemke's path: the state is followed from one that is known to the loads asked for.
+!> Lemke's path: the state is followed from a known one to the required loads.
 !>
-!> Along g = K F + g0 + (1 - λ) c - B q, Rᵀ F = Q0 + λ Q1 just the active pairs touch; where a force
-!> or a gap becomes zero, its pair changes sides and its partner (gap or force) drives on. No set
-!> comes twice, whatever K is. λ may fall on the way. λ = 1 is the state; a way without end means
-!> that the path leads to none, and the largest λ on it is the part of the loads that can be held.
+!> Along g = K F + g0 + (1 - λ) c - B q, Rᵀ F = Q0 + λ Q1 just the active pairs touch. When a force
+!> or a gap becomes zero, its pair changes sides and its complement (gap or force) becomes the
+!> driving variable. No set occurs twice, for any K. λ may decrease on the way. λ = 1 is the state;
+!> an unbounded path leads to no state, and the largest λ on it is the fraction of the loads that
+!> can be held.
 module flankload_load_path
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -19,12 +20,12 @@ module flankload_load_path
 
     !> λ = 1 was reached.
     integer, parameter :: path_solved = 0
-    !> The way has no end: no state on this path.
+    !> The path is unbounded: no state on it.
     integer, parameter :: path_ray = 1
     !> Too many pivots, or singular equations.
     integer, parameter :: path_lost = 2
 
-    !> Where the path ends.
+    !> End of the path.
     type :: path_end
         !> One of the codes above
         integer :: outcome = path_lost
@@ -32,16 +33,16 @@ module flankload_load_path
         integer, allocatable :: pairs(:)
         !> Motion along the ray, shape (n_motions)
         real(wp), allocatable :: motion(:)
-        !> Largest λ on the way if the loads alone change on it, else 0
+        !> Largest λ on the path if only the loads change on it, else 0
         real(wp) :: largest_part = 0.0_wp
         integer :: pivots = 0
     end type path_end
 
-    !> Parts of the loads below this are ties that were broken.
+    !> Fractions of the loads below this are broken ties.
     real(wp), parameter :: least_part = 1.0e-7_wp
-    !> Changes below this part of the largest are rounding: they block no way.
+    !> Changes below this fraction of the largest are rounding: they do not block the path.
     real(wp), parameter :: least_change = 1.0e-12_wp
-    !> Pivots: problems of machines need few a pair, tailored ones 2ⁿ.
+    !> Limit of pivots: engineering problems need a few per pair, constructed ones 2ⁿ.
     integer, parameter :: pivots_per_pair = 20
     integer, parameter :: pivots_at_least = 100
     integer, parameter :: few_pairs = 15
@@ -54,7 +55,7 @@ contains
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> 0: from no load; else the number of a start that is made up
+        !> 0: from zero load; else the number of a generated start
         integer, intent(in) :: start
         !> Its end
         type(path_end), intent(out) :: path
@@ -103,15 +104,15 @@ contains
         path%pairs = pack([(i, i=1, problem%n)], factor%active)
     end subroutine follow_load_path
 
-    !> Where a force or a gap first becomes zero on a line.
+    !> The point of a line at which a force or a gap first becomes zero.
     pure subroutine first_block(line, driver, blocking, step)
         !> The line
         type(path_line), intent(in) :: line
-        !> The variable that drives
+        !> The driving variable
         integer, intent(in) :: driver
         !> Its pair, 0 if there is none
         integer, intent(out) :: blocking
-        !> How far that is
+        !> Distance to that point
         real(wp), intent(out) :: step
 
         integer :: i

@@ -1,12 +1,13 @@
-!> Loads that work through springs, for pairs among which K is singular.
+!> Loads that act through springs, for pairs among which K is singular.
 !>
-!> They may hold every motion all the same, as those of rigid bodies on few springs. With a spring
-!> of compliance ρ between each load and its motion the far end of the spring moves by q + ρ Q, and
+!> Such pairs may still constrain every motion, as those of rigid bodies on few springs do. With a
+!> spring of compliance ρ between each load and its motion, the far end of the spring moves by q + ρ
+!> Q, and
 !>
 !>     K F - B q = (K + ρ B Rᵀ) F - B (q + ρ Q),
 !>
-!> so that K + ρ B Rᵀ may be factored in place of K: it is regular wherever the bordered equations
-!> are, but for a few ρ. Forces and gaps are the same.
+!> so that K + ρ B Rᵀ may be factored instead of K: it is regular wherever the bordered equations
+!> are, except for a few ρ. Forces and gaps are the same.
 module flankload_load_springs
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -17,13 +18,13 @@ module flankload_load_springs
     public :: spring_column, spring_row, spring_norm
     public :: leave_springs, at_far_ends
 
-    !> ρ on the scale of the problem, where K has a diagonal of one and the largest lever is one. No
-    !> root of a polynomial with whole coefficients, as matrices of whole numbers make them.
+    !> ρ on the scale of the problem, where K has a diagonal of one and the largest lever is one.
+    !> Not a root of a polynomial with integer coefficients, which integer matrices produce.
     real(wp), parameter :: spring_compliance = 1.7724538509055161_wp
 
 contains
 
-    !> Let the loads work through springs from now on: the pairs have to be factored anew.
+    !> Let the loads act through springs from now on: the pairs have to be factored again.
     pure subroutine loads_through_springs(problem)
         !> The problem
         type(contact_problem), intent(inout) :: problem
@@ -32,7 +33,7 @@ contains
         problem%symmetric = problem%symmetric .and. problem%same_rows
     end subroutine loads_through_springs
 
-    !> What the springs add to a column of the factored matrix.
+    !> Contribution of the springs to a column of the factored matrix.
     pure function spring_column(problem, pairs, loaded) result(column)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -45,7 +46,7 @@ contains
         column = problem%spring*matmul(problem%motions(pairs, :), problem%load_rows(loaded, :))
     end function spring_column
 
-    !> What they add to a row.
+    !> Contribution of the springs to a row.
     pure function spring_row(problem, pair, loaded) result(row)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -58,7 +59,7 @@ contains
         row = problem%spring*matmul(problem%load_rows(loaded, :), problem%motions(pair, :))
     end function spring_row
 
-    !> How much they add to the 1-norm of the matrix at most.
+    !> Upper bound of the contribution of the springs to the 1-norm of the matrix.
     pure function spring_norm(problem, pairs) result(norm)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -70,7 +71,7 @@ contains
             & sum(abs(problem%motions(pairs, :)), dim=1)))
     end function spring_norm
 
-    !> From the far ends of the springs to the bodies.
+    !> Convert the motion of the far ends of the springs to that of the bodies.
     pure subroutine leave_springs(problem, loads, motion, tangent)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -89,7 +90,7 @@ contains
         end do
     end subroutine leave_springs
 
-    !> What the far ends do when the loads grow.
+    !> Change of the motion of the far ends with the loads.
     pure function at_far_ends(problem, tangent) result(flexibility)
         !> The problem
         type(contact_problem), intent(in) :: problem

@@ -1,7 +1,8 @@
-!> Where the contact loop starts: as few pairs as motions, whose forces hold the loads.
+!> Feasible start of the contact loop: as many pairs as motions, whose forces hold the loads.
 !>
-!> For one motion that is the pair that touches first among those that can carry the load; for more,
-!> a vertex of {F >= 0, Rᵀ F = Q}, found by the first phase of the simplex method (Bland's rule).
+!> For one motion, this is the pair that touches first among those that can carry the load; for
+!> several, a vertex of {F >= 0, Rᵀ F = Q}, found by the first phase of the simplex method (Bland's
+!> rule).
 module flankload_load_vertex
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -16,21 +17,21 @@ module flankload_load_vertex
     integer, parameter :: vertex_found = 0
     !> No forces >= 0 hold the loads.
     integer, parameter :: vertex_infeasible = 1
-    !> A motion is held by no pair at all.
+    !> A motion is constrained by no pair at all.
     integer, parameter :: vertex_loose = 2
 
-    !> The load rows are scaled to one: what is smaller than this is rounding.
+    !> The load rows are scaled to one: smaller values are rounding.
     real(wp), parameter :: tolerance = 1.0e4_wp*epsilon(1.0_wp)
-    !> The same beside the terms of each sum alone, where no vertex is found so: levers over many
+    !> The same relative to the terms of each sum, if no vertex is found otherwise: levers over many
     !> decades, narrow cones.
     real(wp), parameter :: graded_tolerance = 64.0_wp*epsilon(1.0_wp)
-    !> Pairs with smaller rows (a normal that meets the axis but for rounding) hold loads only with
-    !> forces beyond all others: they are taken where no other pairs hold the loads.
+    !> Pairs with smaller rows (a normal that passes through the axis except for rounding) hold
+    !> loads only with extremely large forces: they are used if no other pairs hold the loads.
     real(wp), parameter :: small_row = 1.0e-8_wp
-    !> Forces that pull by more of the largest are none of a vertex: what was taken for rounding of
-    !> a load is held by large forces along a narrow cone.
+    !> Tensile forces above this fraction of the largest do not belong to a vertex: the neglected
+    !> part of a load is held by large forces along a narrow cone.
     real(wp), parameter :: no_pull = 1.0e-8_wp
-    !> Steps of the simplex method per row; in exact numbers a few would do.
+    !> Steps of the simplex method per row; in exact arithmetic a few would be sufficient.
     integer, parameter :: steps_per_row = 50
 
 contains
@@ -43,8 +44,8 @@ contains
         integer, allocatable, intent(out) :: pairs(:)
         !> Their scaled forces, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion at which these pairs just touch; where the loads cannot be held: a motion
-        !> that opens no gap less and on which the loads do work, where one is loose: that motion,
+        !> Scaled motion at which these pairs just touch; if the loads cannot be held: a motion that
+        !> reduces no gap and on which the loads do work; if a motion is unconstrained: that motion,
         !> shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
@@ -65,7 +66,7 @@ contains
         if (solved) motion = matmul(touching, problem%gaps(pairs))
     end subroutine load_vertex
 
-    !> One motion: the pair with the least gap on its way, among those that can carry the load.
+    !> One motion: the pair that it closes first, among those that can carry the load.
     pure subroutine first_pair(problem, pairs, forces, motion, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -83,7 +84,7 @@ contains
 
         load = problem%loads(1)
         sense = merge(-1.0_wp, 1.0_wp, load < 0.0_wp)
-        ! Without load either sense will do; pairs may stand in the way of one only.
+        ! Without load either direction is possible; pairs may block only one.
         if (.not. abs(load) > 0.0_wp .and. all(problem%load_rows(:, 1) <= 0.0_wp)) sense = -sense
         allocate (pairs(0), forces(0))
         allocate (motion(1), source=sense)
@@ -103,7 +104,7 @@ contains
 
         !> The pair that touches first among those with load rows larger than this; 0 if none.
         pure function touching_first(least) result(first)
-            !> Least load row
+            !> Minimum load row
             real(wp), intent(in) :: least
             integer :: first
 
@@ -133,8 +134,8 @@ contains
 
     end subroutine first_pair
 
-    !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}; loads are made positive and rows
-    !> scaled to one, which changes neither what can be held nor the motion that shows it.
+    !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}. Loads are made positive and rows
+    !> scaled to one, which changes neither the loads that can be held nor the motion that shows it.
     pure subroutine first_phase(problem, pairs, forces, motion, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -142,7 +143,7 @@ contains
         integer, allocatable, intent(out) :: pairs(:)
         !> Their scaled forces, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, or that is loose, else zero
+        !> A motion that shows that the loads cannot be held, or that is unconstrained, else zero
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
         integer, intent(out) :: outcome
@@ -180,7 +181,7 @@ contains
 
         !> The rows of at least this size, scaled to one; the others are zero.
         pure function unit_rows(least) result(rows)
-            !> Least size
+            !> Minimum size
             real(wp), intent(in) :: least
             real(wp), allocatable :: rows(:, :)
 
@@ -196,20 +197,20 @@ contains
 
     end subroutine first_phase
 
-    !> Artificial forces hold the loads at the start and are driven out. Bland's rule cannot cycle,
-    !> but for rounding.
+    !> Artificial forces hold the loads at the start and are eliminated. Bland's rule cannot cycle,
+    !> except for rounding.
     pure subroutine hold_loads(rows, loads, graded, pairs, forces, motion, outcome)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> Loads >= 0, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Rounding is measured by the terms of each sum, not by one
+        !> Rounding is relative to the terms of each sum, not to one
         logical, intent(in) :: graded
         !> The pairs, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Their forces, below zero by rounding, shape (n_motions)
+        !> Their forces, below zero by rounding only, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, or that is loose, else zero
+        !> A motion that shows that the loads cannot be held, or that is unconstrained, else zero
         real(wp), allocatable, intent(out) :: motion(:)
         !> One of the codes above
         integer, intent(out) :: outcome
@@ -251,13 +252,13 @@ contains
         end do
     end subroutine hold_loads
 
-    !> Whether the artificial forces left are no more than rounding.
+    !> Whether the remaining artificial forces are only rounding.
     pure function are_held(inverse, loads, graded, basis, forces) result(held)
         !> Inverse of the load rows of the basis
         real(wp), intent(in) :: inverse(:, :)
         !> Loads >= 0
         real(wp), intent(in) :: loads(:)
-        !> Rounding is measured by the terms of each sum, not by one
+        !> Rounding is relative to the terms of each sum, not to one
         logical, intent(in) :: graded
         !> The basis
         integer, intent(in) :: basis(:)
@@ -275,12 +276,12 @@ contains
         end if
     end function are_held
 
-    !> What of a product of vectors is rounding.
+    !> Rounding error of a product of vectors.
     pure function rounding(a, b, graded) result(limit)
         !> The vectors
         real(wp), intent(in) :: a(:)
         real(wp), intent(in) :: b(:)
-        !> Measured by the terms of the sum, not by one
+        !> Relative to the terms of the sum, not to one
         logical, intent(in) :: graded
         real(wp) :: limit
 
@@ -288,11 +289,11 @@ contains
         if (graded) limit = graded_tolerance*dot_product(abs(a), abs(b))
     end function rounding
 
-    !> Row of the basis whose force first becomes zero; among equal ones the lowest number.
+    !> Row of the basis whose force first becomes zero; the lowest number if several do.
     pure function blocking_row(forces, entering, basis) result(leaving)
         !> Forces of the basis
         real(wp), intent(in) :: forces(:)
-        !> Their loss for a unit of the entering force, not above zero where that is rounding
+        !> Their decrease per unit of the entering force, not above zero if it is rounding
         real(wp), intent(in) :: entering(:)
         !> The basis
         integer, intent(in) :: basis(:)
@@ -316,19 +317,19 @@ contains
         end do
     end function blocking_row
 
-    !> Put pairs without force in the place of artificial forces that are zero.
+    !> Replace artificial forces that are zero by pairs without force.
     pure subroutine fill_basis(rows, graded, basis, inverse, motion, outcome)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
-        !> Rounding is measured by the terms of each sum, not by one
+        !> Rounding is relative to the terms of each sum, not to one
         logical, intent(in) :: graded
         !> The basis
         integer, intent(inout) :: basis(:)
         !> Inverse of its load rows
         real(wp), allocatable, intent(inout) :: inverse(:, :)
-        !> A motion that is loose: only the artificial force works on it; else as it was
+        !> A motion that is unconstrained: only the artificial force acts on it; otherwise unchanged
         real(wp), intent(inout) :: motion(:)
-        !> Found, or loose where no pair can take the place
+        !> Found, or unconstrained if no pair can replace the artificial force
         integer, intent(out) :: outcome
 
         integer :: c, j, best

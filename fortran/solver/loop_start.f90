@@ -1,4 +1,4 @@
-!> How the contact loop begins: cold with the first pairs, or warm with a given set.
+!> Start of the contact loop: cold with the first pairs, or warm with a given set.
 module flankload_loop_start
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, singular_contact
@@ -17,7 +17,7 @@ module flankload_loop_start
     public :: loop_state
     public :: start_loop, start_cold, start_warm, shed_pulling
 
-    !> What the loop works on; all scaled.
+    !> State of the loop; all scaled.
     type :: loop_state
         type(bordered_system) :: system
         !> Forces (n), gaps (n), motion from the start (n_motions)
@@ -28,17 +28,17 @@ module flankload_loop_start
         real(wp), allocatable :: tangent(:, :)
         !> Rows are exchanged at every factorisation
         logical :: pivoted = .false.
-        !> Condition of the final equations
+        !> Condition number of the final equations
         real(wp) :: condition = 1.0_wp
-        !> Pairs that joined or left
+        !> Number of pairs that entered or left
         integer :: pivots = 0
-        !> Pairs that joined and had to leave at once; they wait until the forces have changed
+        !> Pairs that entered and had to leave at once; they wait until the forces have changed
         logical, allocatable :: waiting(:)
-        !> The pair that left last, 0 if it may not come back
+        !> The pair that left last, 0 if it may return
         integer :: left_last = 0
-        !> Pairs without which a motion would be loose: the loads alone say what they carry
+        !> Pairs without which a motion would be unconstrained: the loads determine their forces
         logical, allocatable :: pinned(:)
-        !> No forces hold the loads for certain
+        !> It is proven that no forces hold the loads
         logical :: none_proven = .false.
     end type loop_state
 
@@ -53,7 +53,7 @@ contains
         real(wp), allocatable, intent(out) :: first_forces(:)
         !> The state, without pairs
         type(loop_state), intent(out) :: state
-        !> The loads cannot be held, or a motion is loose
+        !> The loads cannot be held, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
         integer :: outcome
@@ -71,7 +71,8 @@ contains
             state%motion = motion
             call fatal_error(error, singular_contact, 'a motion is held by no pair')
         else
-            ! Where a pair of them has no lever that closes it, the motion takes it to no contact.
+            ! If one of these pairs has no lever that closes it, the motion does not bring it into
+            ! contact.
             missed = problem%gaps(first) - matmul(problem%motions(first, :), motion)
             sizes = abs(problem%gaps(first)) + matmul(abs(problem%motions(first, :)), abs(motion))
             call shift_gaps(problem, motion, pack(first, abs(missed) <= row_tolerance*sizes))
@@ -103,7 +104,7 @@ contains
         state%pivots = state%pivots + size(first)
     end subroutine start_cold
 
-    !> Begin with a given set: factor it as a block and let pairs go until no force is negative.
+    !> Begin with a given set: factor it as a block and remove pairs until no force is negative.
     pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -122,7 +123,7 @@ contains
         if (ready) call shed_pulling(problem, compliance, state, n_left, ready)
     end subroutine start_warm
 
-    !> Solve for the pairs of the system and let those that pull leave, until none does.
+    !> Solve for the pairs of the system and remove those with tensile forces, until none is left.
     pure subroutine shed_pulling(problem, compliance, state, n_left, ready)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem

@@ -1,8 +1,8 @@
-!> The paper's own loop (section 3.3, Fig. 6): pairs only join, φ is eliminated by the first row.
+!> The paper's own loop (section 3.3, Fig. 6): pairs only enter, φ is eliminated by the first row.
 !>
-!> Three departures from the print, without which it is silently wrong: the least gap angle is
-!> subtracted first and put back into φ, row 1 of (32) and (26) take the torque row m, and (34)
-!> keeps Σ a_ij F_j. A negative force in the final state is reported by the caller.
+!> It departs from the printed loop in three points, without which the result is wrong: the least
+!> gap angle is subtracted first and added to φ again, row 1 of (32) and (26) use the torque row m,
+!> and (34) keeps Σ a_ij F_j. The caller reports a negative force in the final state.
 module flankload_paper_loop
     use flankload_kinds, only: wp
     use flankload_status, only: singular_contact, invalid_input, invalid_scale
@@ -17,11 +17,11 @@ module flankload_paper_loop
     public :: paper_state
     public :: paper_loop
 
-    !> What the loop works on; all scaled.
+    !> State of the loop; all scaled.
     type :: paper_state
         !> Factor of the matrix of (32)
         type(kept_factor) :: factor
-        !> Pairs in contact s_1, s_2, … in the order in which they joined
+        !> Pairs in contact s_1, s_2, … in the order in which they entered
         integer, allocatable :: pairs(:)
         !> Forces (n), gaps (n), motion from the start (1)
         real(wp), allocatable :: forces(:)
@@ -29,7 +29,7 @@ module flankload_paper_loop
         real(wp), allocatable :: motion(:)
         !> dφ/dM, shape (1, 1)
         real(wp), allocatable :: tangent(:, :)
-        !> Condition of (32), its rows scaled
+        !> Condition number of (32), with scaled rows
         real(wp) :: condition = 1.0_wp
         integer :: refactorisations = 0
     end type paper_state
@@ -152,7 +152,7 @@ contains
         call solve_factored(state%factor, x)  ! Eq. (26), (32)
         state%forces(state%pairs) = x(:, 1)
         state%motion = rotation(problem, compliance, state, x(:, 1))   ! Eq. (27), (33)
-        ! Eq. (34) with the sum that the print drops
+        ! Eq. (34) with the sum omitted in print
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
     end subroutine solve_equations
 
@@ -175,7 +175,7 @@ contains
             & /problem%motions(first, 1)
     end function rotation
 
-    !> The pair with the least final gap angle, 0 if none is negative beyond rounding.
+    !> The pair with the smallest final gap angle, 0 if none is negative beyond rounding.
     pure function least_gap_angle(problem, compliance, state) result(joining)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -197,7 +197,7 @@ contains
         end do
     end function least_gap_angle
 
-    !> One refinement of the final equations, their condition and dφ/dM.
+    !> One refinement of the final equations, their condition number and dφ/dM.
     pure subroutine refine(problem, compliance, state)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem

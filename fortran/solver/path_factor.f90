@@ -1,12 +1,12 @@
-!> The equations of one step of a load path, kept factored while pairs change sides.
+!> The equations of one step of a load path, with an updated factor while pairs change sides.
 !>
 !>     [ K_aa  -B_a  -c_a ] [F]   [ -g_a ]
 !>     [ R_aᵀ    0   -Q1  ] [q] = [  Q0  ]
 !>     [     driver       ] [λ]   [  t   ]
 !>
-!> The factor, with exchange of rows, is that of an earlier set. It is bordered by what has changed
-!> since: a pair that joined brings its force and the condition gap = 0, one that left brings its
-!> gap and the condition force = 0, and the present driver takes the place of the kept one.
+!> The factor, with row exchanges, is that of an earlier set. It is bordered by the changes since: a
+!> pair that entered adds its force and the condition gap = 0, one that left adds its gap and the
+!> condition force = 0, and the present driving variable replaces the stored one.
 module flankload_path_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -17,11 +17,11 @@ module flankload_path_factor
     public :: path_problem, path_factor, path_unknowns
     public :: change_sides, factor_line, border_line
 
-    !> So many pairs may change sides before the present set is factored.
+    !> Number of pairs that may change sides before the present set is factored.
     integer, parameter :: most_changes = 16
-    !> Fewer equations than this are quicker factored than bordered.
+    !> Fewer equations than this are factored faster than bordered.
     integer, parameter :: few_equations = 16
-    !> What is followed: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
+    !> Problem along the path: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
     type :: path_problem
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: cover(:)
@@ -29,23 +29,23 @@ module flankload_path_factor
         real(wp), allocatable :: loads(:)
     end type path_problem
 
-    !> The factored equations of an earlier set, and what has changed since.
+    !> The factored equations of an earlier set, and the changes since.
     type :: path_factor
-        !> What is followed
+        !> Problem along the path
         type(path_problem) :: way
-        !> The variable that drives, zero at the start of a line and one at a unit from it: 0 for λ,
+        !> The driving variable, zero at the start of a line and one at a unit from it: 0 for λ,
         !> else force (pair active) or gap of that pair
         integer :: driver = 0
         !> Pairs that are active now, shape (n)
         logical, allocatable :: active(:)
-        !> The kept set, its factor and its solutions for both right-hand sides; the second is also
-        !> what a unit of its driver brings
+        !> The stored set, its factor and its solutions for both right-hand sides; the second is
+        !> also the response to a unit of its driving variable
         integer, allocatable :: pairs(:)
         real(wp), allocatable :: matrix(:, :)
         integer, allocatable :: swaps(:)
         real(wp), allocatable :: solution(:, :)
-        !> Pairs that have changed sides since, -1 of them: too many. For each: what a unit of its
-        !> new unknown takes from the kept unknowns, and the row that its condition puts on these.
+        !> Pairs that have changed sides since, -1 of them: too many. For each: the effect of a unit
+        !> of its new unknown on the stored unknowns, and the row of its condition.
         integer :: n_changed = -1
         integer :: changed(most_changes) = 0
         real(wp), allocatable :: columns(:, :)
@@ -63,7 +63,7 @@ module flankload_path_factor
 
 contains
 
-    !> Let a pair join the active ones or leave them.
+    !> Add a pair to the active ones, or remove it.
     pure subroutine change_sides(problem, compliance, pair, factor)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
@@ -80,7 +80,7 @@ contains
         if (factor%n_changed < 0) return
         j = findloc(factor%changed(:factor%n_changed), pair, dim=1)
         if (j > 0) then
-            ! Back to where it was: the last change takes the place of this one.
+            ! Back to its original side: the last change replaces this one.
             factor%changed(j) = factor%changed(factor%n_changed)
             factor%columns(:, j) = factor%columns(:, factor%n_changed)
             factor%rows(:, j) = factor%rows(:, factor%n_changed)
@@ -111,7 +111,7 @@ contains
         factor%columns(:, j) = column(:, 1)
     end subroutine change_sides
 
-    !> Factor the equations of the present set and driver.
+    !> Factor the equations of the present set and driving variable.
     pure subroutine factor_line(problem, compliance, factor, solved)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -170,7 +170,7 @@ contains
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
+        !> Problem along the path
         type(path_problem), intent(in) :: way
         !> The pair
         integer, intent(in) :: pair
@@ -182,7 +182,7 @@ contains
             & -problem%motions(pair, :), -way%cover(pair)]
     end function gap_row
 
-    !> Solve with the kept factor.
+    !> Solve with the stored factor.
     pure subroutine solve_kept(factor, x)
         !> The factor
         type(path_factor), intent(in) :: factor
@@ -197,9 +197,10 @@ contains
         call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
     end subroutine solve_kept
 
-    !> The line from the kept factor: z = z0 - C y for the kept unknowns z, where y holds the kept
-    !> driver, now free, and for each change the force of the pair that joined or the gap of the one
-    !> that left. Their conditions D z + E y = s and the present driver give (E - D C) y = s - D z0.
+    !> The line from the stored factor: z = z0 - C y for the stored unknowns z, where y holds the
+    !> stored driving variable, now free, and for each change the force of the pair that entered or
+    !> the gap of the one that left. Their conditions D z + E y = s and the present driving variable
+    !> give (E - D C) y = s - D z0.
     pure subroutine border_line(problem, compliance, factor, unknowns, solved)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -218,7 +219,7 @@ contains
         s = factor%n_changed
         m = size(factor%matrix, 1)
         k = size(factor%pairs)
-        ! The kept driver takes what a unit of it brings.
+        ! The stored driving variable acts by the response to its unit.
         columns = reshape([factor%columns(:, :s), -factor%solution(:, 2)], [m, s + 1])
         call border_rows(problem, compliance, factor, rows, matrix, right)
         matrix = matrix - matmul(rows, columns)
@@ -245,14 +246,14 @@ contains
         unknowns%part = kept(m, :)
     end subroutine border_line
 
-    !> D, E and s: the conditions of the changes and of the driver.
+    !> D, E and s: the conditions of the changes and of the driving variable.
     pure subroutine border_rows(problem, compliance, factor, rows, matrix, right)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
         type(path_factor), intent(in) :: factor
-        !> D on the kept unknowns, E on those of the changes, s
+        !> D on the stored unknowns, E on those of the changes, s
         real(wp), allocatable, intent(out) :: rows(:, :)
         real(wp), allocatable, intent(out) :: matrix(:, :)
         real(wp), allocatable, intent(out) :: right(:, :)
@@ -289,7 +290,7 @@ contains
         rows = transpose(rows)
     end subroutine border_rows
 
-    !> What the forces of joined pairs add to the gap of a pair.
+    !> Contribution of the forces of entered pairs to the gap of a pair.
     pure subroutine add_joined(problem, compliance, factor, pair, row)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem

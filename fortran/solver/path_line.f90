@@ -1,8 +1,8 @@
 !> One step of a load path: the line of states on which just the active pairs touch.
 !>
-!> Solved from a kept factor; nothing accumulates, since every line is solved as a whole and its
-!> rows are computed from the matrix itself. Where they are not met to rounding, or many pairs have
-!> changed sides, the present set is factored anew.
+!> It is solved from an updated factor. Errors do not accumulate, since every line is solved
+!> completely and its rows are computed from the matrix itself. If they are not satisfied to
+!> rounding, or many pairs have changed sides, the present set is factored again.
 module flankload_path_line
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, find_recession
@@ -22,7 +22,7 @@ module flankload_path_line
         real(wp) :: part = 0.0_wp, part_change = 0.0_wp
     end type path_line
 
-    !> What rounding may leave in a row of the line, relative to the largest term of any row.
+    !> Rounding allowed in a row of the line, relative to the largest term of any row.
     real(wp), parameter :: line_tolerance = 512.0_wp*epsilon(1.0_wp)
 
 contains
@@ -62,7 +62,7 @@ contains
         call complete_line(problem, compliance, factor, unknowns, line, accurate)
     end subroutine find_line
 
-    !> Gaps of the line, and whether its equations are met to rounding.
+    !> Gaps of the line, and whether its equations are satisfied to rounding.
     pure subroutine complete_line(problem, compliance, factor, unknowns, line, accurate)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -73,7 +73,7 @@ contains
         type(path_unknowns), intent(in) :: unknowns
         !> The line
         type(path_line), intent(out) :: line
-        !> What the rows lack is rounding
+        !> The residuals are rounding
         logical, intent(out) :: accurate
 
         integer :: c

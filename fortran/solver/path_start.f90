@@ -1,7 +1,8 @@
-!> Where a load path begins: a state that is known, of the problem with some gaps opened.
+!> Start of a load path: a known state of the problem with some gaps opened.
 !>
-!> With one motion it begins without load; else where forces hold the loads with the obstacles
-!> pushed back. Further starts are made up: other pairs, forces and gaps, the same in every run.
+!> With one motion, the path starts without load; otherwise where forces hold the loads with the
+!> obstacles moved back. Further starts are generated: other pairs, forces and gaps, the same in
+!> every run.
 module flankload_path_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, find_recession
@@ -13,7 +14,7 @@ module flankload_path_start
 
     public :: begin_path, begin_elsewhere, made_up_pairs
 
-    !> Ties of gaps are broken by this part of the scale of gaps and recessions.
+    !> Ties of gaps are broken by this fraction of the scale of gaps and displacements.
     real(wp), parameter :: tie_breaker = 1.0e-11_wp
 
     !> Park and Miller's recurrence: x := 16807 x modulo 2³¹ - 1.
@@ -23,17 +24,17 @@ module flankload_path_start
 
 contains
 
-    !> A state to begin with and the variable that drives: 0 for λ, else force (pair active) or gap
-    !> of that pair; negative if nothing holds the loads.
+    !> A state to begin with and the driving variable: 0 for λ, else force (pair active) or gap of
+    !> that pair; negative if nothing holds the loads.
     pure subroutine begin_path(problem, compliance, way, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> What is followed
+        !> Problem along the path
         type(path_problem), intent(out) :: way
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
-        !> The variable that drives
+        !> The driving variable
         integer, intent(out) :: driver
 
         integer :: first, outcome
@@ -45,7 +46,7 @@ contains
         allocate (way%cover(problem%n), source=0.0_wp)
         way%gaps = untied_gaps(problem)
         if (problem%n_motions == 1 .and. abs(problem%loads(1)) > 0.0_wp) then
-            ! One motion, which first goes as far as the nearest pair lets it without any load.
+            ! One motion: it first moves without load as far as the nearest pair permits.
             sense = sign(1.0_wp, problem%loads(1))
             allocate (ways(problem%n), source=huge(1.0_wp))
             where (sense*problem%motions(:, 1) > 0.0_wp)
@@ -73,26 +74,26 @@ contains
         way%loads = 0.0_wp*problem%loads
         allocate (recession(problem%n))
         call find_recession(problem, compliance, at_pairs(problem%n, pairs, forces), recession)
-        ! The pairs of the vertex touch where the motion takes them with their recession left out.
+        ! The pairs of the vertex touch at the motion computed without their displacements.
         way%cover = max(0.0_wp, matmul(problem%motions, motion) - way%gaps - recession)
         way%cover(pairs) = -recession(pairs) + matmul(problem%motions(pairs, :), motion) &
             & - way%gaps(pairs)
         way%gaps = way%gaps + way%cover
     end subroutine begin_path
 
-    !> A start that is made up: some pairs share the loads with those of the vertex, all of them
-    !> touch, and the others have gaps of the size of what there is.
+    !> A generated start: some pairs share the loads with those of the vertex, all of them touch,
+    !> and the others have gaps of the size of the existing ones.
     pure subroutine begin_elsewhere(problem, compliance, number, way, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the start, from 1
         integer, intent(in) :: number
-        !> What is followed
+        !> Problem along the path
         type(path_problem), intent(out) :: way
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
-        !> The variable that drives, negative if nothing holds the loads
+        !> The driving variable, negative if nothing holds the loads
         integer, intent(out) :: driver
 
         integer :: c, outcome
@@ -111,7 +112,7 @@ contains
         active(pairs) = .false.
         drawn = random_numbers(problem%n, number + 1)
         drawn = merge(drawn, 0.0_wp, active)
-        ! The pairs of the vertex hold what the others leave, and not less than nothing.
+        ! The pairs of the vertex hold the remainder, which is not negative.
         inverse = transpose(problem%load_rows(pairs, :))
         call invert_small(inverse, solved)
         if (.not. solved) then
@@ -130,7 +131,7 @@ contains
         way%gaps = untied_gaps(problem)
         way%base_loads = problem%loads
         way%loads = 0.0_wp*problem%loads
-        ! Cover is what turns the gaps of these forces into those made up.
+        ! The cover turns the gaps of these forces into the generated ones.
         way%cover = recession + way%gaps - matmul(problem%motions, motion)
         open = max(maxval(abs(recession)), tie_breaker*maxval(abs(way%cover)))
         where (active)
@@ -141,7 +142,7 @@ contains
         way%gaps = way%gaps + way%cover
     end subroutine begin_elsewhere
 
-    !> Some of the pairs, with another number others: few of them first, then more.
+    !> Some of the pairs, different ones for each number: first a few of them, then more.
     pure function made_up_pairs(n, number) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
@@ -156,7 +157,7 @@ contains
         pairs = pack([(i, i=1, n)], random_numbers(n, number) < part)
     end function made_up_pairs
 
-    !> Numbers between 0 and 1 that look random and are the same in every run.
+    !> Pseudo-random numbers between 0 and 1, the same in every run.
     pure function random_numbers(n, seed) result(numbers)
         !> How many
         integer, intent(in) :: n
@@ -175,7 +176,7 @@ contains
         end do
     end function random_numbers
 
-    !> The gaps, ties among them broken.
+    !> The gaps, with ties among them broken.
     pure function untied_gaps(problem) result(gaps)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -193,13 +194,13 @@ contains
         end do
     end function untied_gaps
 
-    !> Numbers of some pairs among zeros for all.
+    !> Values of some pairs, zero for all others.
     pure function at_pairs(n, pairs, numbers) result(all_pairs)
         !> Number of pairs
         integer, intent(in) :: n
         !> Some of them
         integer, intent(in) :: pairs(:)
-        !> Their numbers
+        !> Their values
         real(wp), intent(in) :: numbers(:)
         real(wp), allocatable :: all_pairs(:)
 

@@ -1,5 +1,5 @@
 !> Passes over a whole matrix: from the flexibility matrix A [rad/N] to the compliance along the
-!> normals diag(b) A [mm/N], and what its form is.
+!> normals diag(b) A [mm/N], and the form of the matrix.
 module flankload_row_scaling
     use flankload_kinds, only: wp
     implicit none
@@ -8,32 +8,33 @@ module flankload_row_scaling
     public :: matrix_form
     public :: scale_rows, form_of, is_finite_matrix
 
-    !> What one pass finds out about a square matrix.
+    !> Properties of a square matrix found in one pass.
     type :: matrix_form
         !> Symmetric to the rounding of its assembly, and then without NaN or infinity
         logical :: symmetric = .true.
-        !> Also no entry is larger than those of its row and column on the diagonal allow in a
-        !> positive definite matrix: a sign of an elastic compliance, not a proof
+        !> No entry exceeds the limit that the diagonal entries of its row and column set in a
+        !> positive definite matrix: an indication of an elastic compliance, not a proof
         logical :: elastic = .true.
-        !> Each entry equals its mirror image to the last bit
+        !> Each entry is bitwise equal to its mirror image
         logical :: mirrored = .true.
         !> Without NaN or infinity
         logical :: finite = .true.
     end type matrix_form
 
-    !> Rows and columns of a tile, which fits in the nearest store together with its mirror image,
-    !> and of a block of tiles, which fits in the next one.
+    !> Rows and columns of a tile, which fits in the L1 cache together with its mirror image, and of
+    !> a block of tiles, which fits in the next level of cache.
     integer, parameter :: tile = 40
     integer, parameter :: block = 4*tile
-    !> Matrices with more rows come from further off: their blocks are fetched before they are read.
+    !> Larger matrices come from main memory: their blocks are fetched before they are read.
     integer, parameter :: near_rows = 4*block
-    !> Numbers of a line of the store
+    !> Numbers per cache line
     integer, parameter :: line = 8
-    !> Columns that are compared at once: so many neighbours in a row of the mirror image.
+    !> Columns that are compared at once: the same number of neighbours in a row of the mirror
+    !> image.
     integer, parameter :: width = 4
     !> Numbers that are added at once
     integer, parameter :: stride = 16
-    !> Asymmetry that assembly leaves in a symmetric matrix, relative to its diagonal.
+    !> Asymmetry of a symmetric matrix due to rounding in its assembly, relative to its diagonal.
     real(wp), parameter :: asymmetry = 1.0e-12_wp
 
 contains
@@ -95,7 +96,7 @@ contains
         form%finite = is_finite_matrix(matrix)
     end function form_of
 
-    !> Fetch a block: one number of each line, which can all be on their way at once. Their sum.
+    !> Fetch a block: one number of each cache line, all in parallel. Returns their sum.
     pure function fetched(matrix, first_row, first_column) result(seen)
         !> The matrix
         real(wp), contiguous, intent(in) :: matrix(:, :)
@@ -125,7 +126,7 @@ contains
         !> First row and column of the block below the diagonal
         integer, intent(in) :: first_row
         integer, intent(in) :: first_column
-        !> What is known so far
+        !> Properties found so far
         type(matrix_form), intent(inout) :: form
 
         integer :: i, j
@@ -137,8 +138,8 @@ contains
         end do
     end subroutine compare_blocks
 
-    !> A tile and its mirror image: the tile as a whole against the least bound of its entries, its
-    !> entries one by one only where that does not decide.
+    !> A tile and its mirror image: first the tile as a whole is compared with the smallest bound of
+    !> its entries, then entry by entry only if that is not decisive.
     pure subroutine compare_tiles(matrix, root, first_row, first_column, form)
         !> The matrix
         real(wp), contiguous, intent(in) :: matrix(:, :)
@@ -147,7 +148,7 @@ contains
         !> First row and column of the tile below the diagonal
         integer, intent(in) :: first_row
         integer, intent(in) :: first_column
-        !> What is known so far
+        !> Properties found so far
         type(matrix_form), intent(inout) :: form
 
         integer :: r, c, last_row, last_column
@@ -169,8 +170,8 @@ contains
         end do
     end subroutine compare_tiles
 
-    !> Sum of what a tile and its mirror image differ by, NaN wherever one is, and the largest entry
-    !> of the tile; in fixed numbers of sums, which compilers keep in registers.
+    !> Sum of the differences between a tile and its mirror image, NaN if any is NaN, and the
+    !> largest entry of the tile; in a fixed number of sums, which compilers keep in registers.
     pure subroutine measure_tiles(matrix, first_row, last_row, first_column, last_column, apart, &
         & largest)
         !> The matrix
@@ -182,7 +183,7 @@ contains
         integer, intent(in) :: last_column
         !> Sum of the differences
         real(wp), intent(out) :: apart
-        !> Largest entry, where the sum is a number
+        !> Largest entry, if the sum is finite
         real(wp), intent(out) :: largest
 
         integer :: r, c
@@ -207,7 +208,7 @@ contains
         largest = maxval(most)
     end subroutine measure_tiles
 
-    !> No entry is NaN or infinite: their sum is, or else each one is looked at.
+    !> No entry is NaN or infinite: their sum is finite, or else each entry is checked.
     pure function is_finite_matrix(matrix) result(finite)
         !> Any matrix
         real(wp), contiguous, intent(in) :: matrix(:, :)

@@ -1,11 +1,11 @@
-!> The contact loop one pair at a time, in which any pair may leave; (20), (30), (31).
+!> The contact loop with single pairs, in which any pair may leave; (20), (30), (31).
 !>
-!> The forces hold the loads and are not negative at every step; each step goes towards the state in
-!> which just the active pairs touch, stops where a force becomes zero and lets that pair go, or
-!> else lets the most open pair join. With a symmetric positive definite K the stored energy falls
-!> at every step, so that no set of pairs comes twice. With another K the loop may go in circles: it
-!> gives up where neither energy nor the number of open pairs has fallen for some steps. The paper's
-!> loop (Fig. 6) is the case in which no pair ever leaves.
+!> The forces hold the loads and are not negative at every step. Each step moves towards the state
+!> in which just the active pairs touch; it stops where a force becomes zero and removes that pair,
+!> or else adds the most penetrating pair. With a symmetric positive definite K the stored energy
+!> decreases at every step, so that no set of pairs occurs twice. With another K the loop may cycle:
+!> it gives up if neither energy nor the number of penetrating pairs has decreased for some steps.
+!> The paper's loop (Fig. 6) is the case in which no pair ever leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_status, only: pivot_limit, singular_contact
@@ -22,18 +22,18 @@ module flankload_single_loop
     public :: loop_state
     public :: single_loop
 
-    !> Gear and spline problems need 1.1 pivots a pair; nothing that ends needs this many.
+    !> Gear and spline problems need 1.1 pivots per pair; a loop that ends never needs this many.
     integer, parameter :: pivots_per_pair = 20
     integer, parameter :: pivots_at_least = 100
-    !> A pair that has to wait may stay open by this much of its row's size: rounding of the forces.
+    !> Penetration allowed for a waiting pair, relative to its row's size: rounding of the forces.
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
 
-    !> How near to a state the loop has come.
+    !> Progress of the loop towards a state.
     type :: loop_progress
-        !> Fewest open pairs and least stored energy so far
+        !> Fewest penetrating pairs and least stored energy so far
         integer :: fewest = huge(1)
         real(wp) :: least_energy = huge(1.0_wp)
-        !> Steps without less of either
+        !> Steps without a decrease of either
         integer :: steps_without = 0
     end type loop_progress
 
@@ -50,11 +50,11 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with; none: the pair that touches first
         integer, intent(in) :: warm_pairs(:)
-        !> Exchange rows at every factorisation: slow, and as accurate as can be
+        !> Exchange rows at every factorisation: slow, with the highest accuracy
         logical, intent(in) :: pivoted
-        !> The state; where the loads cannot be held only its motion, which shows why
+        !> The state; if the loads cannot be held only its motion, which shows the reason
         type(loop_state), intent(out) :: state
-        !> No state, no end, or singular equations
+        !> No state, no termination, or singular equations
         type(error_type), allocatable, intent(out) :: error
 
         integer, allocatable :: first(:)
@@ -94,13 +94,14 @@ contains
         if (any(state%waiting)) call judge_waiting(problem, compliance, state, error)
     end subroutine single_loop
 
-    !> Note whether fewer pairs are open than ever or, with a symmetric K, less energy is stored.
+    !> Record whether the number of penetrating pairs or, with a symmetric K, the energy is at a
+    !> minimum.
     pure subroutine watch_progress(problem, state, progress)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The state, with just the active pairs touching
         type(loop_state), intent(in) :: state
-        !> How near it is
+        !> Progress
         type(loop_progress), intent(inout) :: progress
 
         integer :: open
@@ -122,15 +123,15 @@ contains
         end if
     end subroutine watch_progress
 
-    !> Go towards the state in which just the active pairs touch; pairs whose force becomes zero on
-    !> the way leave.
+    !> Move towards the state in which just the active pairs touch; pairs whose force becomes zero
+    !> on the way leave.
     pure subroutine settle(problem, compliance, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
-        !> No end, or singular equations
+        !> No termination, or singular equations
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), allocatable :: target(:), forces(:), motion(:)
@@ -168,7 +169,8 @@ contains
             if (way > 0.0_wp) then
                 state%waiting = .false.
             else if (leaving == size(forces)) then
-                ! The pair that just joined wants to pull: without a change it would join again.
+                ! The pair that just entered has a tensile force: without a change it would enter
+                ! again.
                 bounced = .true.
                 state%waiting(pair) = .true.
             end if
@@ -180,15 +182,15 @@ contains
         call fatal_error(error, singular_contact, 'the pairs in contact are singular')
     end subroutine settle
 
-    !> The pair that left last held a motion that no other holds: what it carries follows from the
-    !> loads, and only rounding has made it negative.
+    !> The pair that left last constrained a motion that no other one does: its force follows from
+    !> the loads, and only rounding has made it negative.
     pure subroutine take_back(problem, compliance, state, taken)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
-        !> False if the equations are singular with it too
+        !> False if the equations are singular with it, too
         logical, intent(out) :: taken
 
         call append_pair(state%system, problem, compliance, state%left_last, taken)
@@ -198,7 +200,7 @@ contains
         state%pivots = state%pivots + 1
     end subroutine take_back
 
-    !> Let a pair join; where its row depends on those in contact, another pair makes room.
+    !> Add a pair; if its row depends on those in contact, it replaces another pair.
     pure subroutine let_join(problem, compliance, joining, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -225,7 +227,7 @@ contains
             state%left_last = 0
             state%pinned = .false.
             if (accepted) return
-            ! The force of the joining pair grows without resistance until another has become zero.
+            ! The force of the entering pair grows without resistance until another has become zero.
             associate (pairs => state%system%pairs)
                 column = problem%row_scale(pairs)*problem%row_scale(joining) &
                     & *compliance(pairs, joining)
@@ -248,14 +250,14 @@ contains
         call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
     end subroutine let_join
 
-    !> Pairs that still wait must be open by no more than rounding; else the loop goes in circles.
+    !> Waiting pairs may penetrate only by rounding; otherwise the loop cycles.
     pure subroutine judge_waiting(problem, compliance, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(in) :: state
-        !> A pair is open and would pull when it joins
+        !> A pair penetrates and would have a tensile force if it entered
         type(error_type), allocatable, intent(out) :: error
 
         integer :: i

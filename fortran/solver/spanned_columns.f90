@@ -1,4 +1,4 @@
-!> Columns that nearly depend on each other as columns that do not, and a triangle.
+!> Nearly dependent columns as the product of independent columns and a triangle.
 module flankload_spanned_columns
     use flankload_kinds, only: wp
     implicit none
@@ -6,10 +6,10 @@ module flankload_spanned_columns
 
     public :: spanned, span_columns, solve_triangular
 
-    !> Columns = columns' M, where M is a triangle but for the order of its columns.
+    !> Columns = columns' M, where M is a triangle except for the order of its columns.
     type :: spanned
-        !> Columns', whose largest entries are one, each in a row in which those after it are zero,
-        !> shape (k, q)
+        !> Columns', whose largest entries are one, each in a row in which the following columns are
+        !> zero, shape (k, q)
         real(wp), allocatable :: columns(:, :)
         !> M, shape (q, q), and its column in which each row has its pivot
         real(wp), allocatable :: triangle(:, :)
@@ -18,13 +18,13 @@ module flankload_spanned_columns
         logical :: independent = .false.
     end type spanned
 
-    !> What elimination leaves of an entry, beside the sizes of its terms, where it is zero but for
-    !> rounding. Measured in each row by itself, since rows may be many decades apart.
+    !> Remainder of an entry after elimination, relative to the sizes of its terms, if it is zero
+    !> except for rounding. Measured in each row individually, since rows may be many decades apart.
     real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Elimination by the largest entry that is left.
+    !> Elimination by the largest remaining entry.
     pure function span_columns(columns) result(span)
         !> The columns, shape (k, q)
         real(wp), intent(in) :: columns(:, :)
@@ -67,11 +67,11 @@ contains
         end do
     end function outer
 
-    !> M x = b or Mᵀ x = b for each column of b.
+    !> Solve M x = b or Mᵀ x = b for each column of b.
     pure subroutine solve_triangular(span, transposed, x)
         !> M
         type(spanned), intent(in) :: span
-        !> Mᵀ in place of M
+        !> Mᵀ instead of M
         logical, intent(in) :: transposed
         !> Right-hand sides, then solutions, shape (q, any)
         real(wp), intent(inout) :: x(:, :)

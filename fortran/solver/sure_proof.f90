@@ -1,13 +1,13 @@
-!> The proof that nothing >= 0 meets the equations of a case of contact, beyond rounding.
+!> Proof that the equations of a case of contact have no solution >= 0, beyond rounding.
 !>
 !> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
 !>
 !>     0 = v + Σ c_j F_j - y g,    v = y g0 + z Q,    c = Kᵀ y - R z,    Bᵀ y = 0.
 !>
-!> With v < 0, c <= 0 and y >= 0, but for forces and gaps that are zero in this case, no state meets
-!> it. A table or a basis gives y and z in double precision, where sums that are zero leave rounding
-!> of either sign: here the factors are refined until these sums vanish in twice the precision, and
-!> the signs are those of sums in twice the precision.
+!> With v < 0, c <= 0 and y >= 0, except for forces and gaps that are zero in this case, no state
+!> satisfies it. A tableau or a basis gives y and z in double precision, where sums that are zero
+!> have rounding errors of either sign. Here the factors are refined until these sums vanish in
+!> twice the precision, and the signs are those of sums in twice the precision.
 module flankload_sure_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -24,10 +24,10 @@ module flankload_sure_proof
         !> Factors of rows and loads, shapes (n) and (n_motions)
         real(wp), allocatable :: y(:)
         real(wp), allocatable :: z(:)
-        !> Rows and loads whose factors follow from the sums that are known; the others are exact
+        !> Rows and loads whose factors follow from the known sums; the others are exact
         integer, allocatable :: rows(:)
         integer, allocatable :: loads(:)
-        !> Forces and motions whose sums are known, as many as factors that follow; the sums of the
+        !> Forces and motions whose sums are known, as many as the unknown factors; the sums of the
         !> motions are zero
         integer, allocatable :: forces(:)
         real(wp), allocatable :: known(:)
@@ -37,17 +37,17 @@ module flankload_sure_proof
         logical, allocatable :: no_gap(:)
     end type equation_sum
 
-    !> Factors below this part of the largest are zero: what the condition of the equations leaves
-    !> of twice the precision. Any factors prove, if their sums do.
+    !> Factors below this fraction of the largest are zero: the accuracy that the condition number
+    !> leaves of twice the precision. Any factors give a proof if their sums do.
     real(wp), parameter :: no_factor = 1.0e-26_wp
-    !> What sums may leave of zero, relative to their terms. Only forces the inverse of this times
-    !> those that v calls for could use it.
+    !> Accepted deviation of zero sums, relative to their terms. Only forces larger than those
+    !> required by v by the inverse of this factor could make a difference.
     real(wp), parameter :: nothing_left = 1.0e-24_wp
-    !> So much less than zero v has to be, relative to its terms.
+    !> v must be less than zero by this amount, relative to its terms.
     real(wp), parameter :: least_lack = 1.0e-16_wp
-    !> Terms that are smaller may have lost parts that a double cannot hold.
+    !> Smaller terms may have lost parts that a double cannot represent.
     real(wp), parameter :: least_terms = 1.0e-240_wp
-    !> Refinements, each of which gains the digits that the condition leaves of sixteen
+    !> Refinements, each of which gains the digits that the condition number leaves of sixteen
     integer, parameter :: most_refinements = 8
 
 contains
@@ -56,7 +56,7 @@ contains
     pure function is_sure(problem, compliance, given) result(sure)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n); not looked at where no row has a factor
+        !> K, shape (n, n); not read if no row has a factor
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The sum, to working precision
         type(equation_sum), intent(in) :: given
@@ -96,7 +96,8 @@ contains
         sure = .true.
     end function is_sure
 
-    !> Whether no forces >= 0 hold the loads for certain: the equations of the loads alone.
+    !> Whether it is proven that no forces >= 0 hold the loads, from the equations of the loads
+    !> only.
     pure function loads_are_too_much(problem, basis, motion) result(sure)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -127,14 +128,14 @@ contains
     pure function is_nothing(total, terms) result(nothing)
         !> The sum
         real(wp), intent(in) :: total
-        !> Sum of the sizes of its terms
+        !> Sum of the magnitudes of its terms
         real(wp), intent(in) :: terms
         logical :: nothing
 
         nothing = total <= nothing_left*terms .and. (terms > least_terms .or. terms <= 0.0_wp)
     end function is_nothing
 
-    !> Refine the factors that follow from the sums that are known.
+    !> Refine the factors that follow from the known sums.
     pure subroutine refine(problem, compliance, given, y, z)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
@@ -207,7 +208,7 @@ contains
         type(two_part), intent(in) :: z(:)
         !> Number of the pair
         integer, intent(in) :: j
-        !> The sum, and that of the sizes of its terms
+        !> The sum, and the sum of the magnitudes of its terms
         type(two_part), intent(out) :: total
         real(wp), intent(out) :: terms
 
@@ -224,7 +225,7 @@ contains
         end do
     end subroutine sum_of_force
 
-    !> What Bᵀ y leaves of a motion.
+    !> Remainder of Bᵀ y for a motion.
     pure subroutine sum_of_motion(problem, y, c, total, terms)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -232,7 +233,7 @@ contains
         type(two_part), intent(in) :: y(:)
         !> Number of the motion
         integer, intent(in) :: c
-        !> The sum, and that of the sizes of its terms
+        !> The sum, and the sum of the magnitudes of its terms
         type(two_part), intent(out) :: total
         real(wp), intent(out) :: terms
 
@@ -246,7 +247,7 @@ contains
 
     !> total := total + a b
     pure subroutine add_term(total, terms, a, b)
-        !> The sum, and that of the sizes of its terms
+        !> The sum, and the sum of the magnitudes of its terms
         type(two_part), intent(inout) :: total
         real(wp), intent(inout) :: terms
         !> Factors

@@ -1,7 +1,7 @@
-!> Which forces are no more than rounding.
+!> Forces that are only rounding.
 !>
-!> What is little beside the largest force may be much in a load that the others hardly work on, as
-!> where their levers are rounding: set to zero it would leave that load unmet.
+!> A force that is small relative to the largest may be significant in a load on which the others
+!> hardly act, for instance if their levers are rounding: without it that load would not be held.
 module flankload_zero_force
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, row_tolerance
@@ -12,7 +12,7 @@ module flankload_zero_force
 
 contains
 
-    !> Which forces are negative beyond rounding.
+    !> Pairs whose forces are negative beyond rounding.
     pure function pulls(problem, pairs, forces) result(negative)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -31,7 +31,7 @@ contains
         end if
     end function pulls
 
-    !> Which little forces are more than rounding in a load on which the others work.
+    !> Small forces that are more than rounding in a load on which the others act.
     pure function is_noticed(problem, pairs, forces, little) result(noticed)
         !> The problem
         type(contact_problem), intent(in) :: problem
@@ -39,7 +39,7 @@ contains
         integer, intent(in) :: pairs(:)
         !> Their scaled forces, shape (k)
         real(wp), intent(in) :: forces(:)
-        !> Forces that are little, shape (k)
+        !> Forces that are small, shape (k)
         logical, intent(in) :: little(:)
         logical, allocatable :: noticed(:)
 

@@ -1,4 +1,4 @@
-"""The belt of the examples as a scene, its keys changed table by table."""
+"""The belt of the examples as a scene with changed keys, table by table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tests.support.gear_scenes import example
 from tests.support.paths import SCENES
 
 EXAMPLE = SCENES / "belt.toml"
-#: Large elements on few teeth: soon solved.
+#: Large elements on few teeth, for short run times.
 SMALL: dict[str, Any] = {
     "body_2": {"wrapped_teeth": 5},
     "accuracy": {"flank_element_mm": 1.25, "estimate": False},

@@ -1,4 +1,4 @@
-"""Timing belts: T10 and HTD 8M as plane strips, their response and shares of the load."""
+"""Timing belts: T10 and HTD 8M as plane strips, their response and load shares."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from flankload.mechanisms.belt.contact import BeltState
 from flankload.mechanisms.belt.row import BeltRow, StripResponse
 
 CORD, FORCE = 25e3, 40.0
-#: Of shares between a row of springs and the elements from which it comes, points.
+#: Difference of load shares between a spring row and its elements, percentage points.
 ROW = 0.2
-#: The same, where the last tooth touches with a part of its flank and nothing holds the cord
-#: straight: its sharp corner at the land recedes, which a spring does not know. Finer elements, and
-#: such that are finer at the corners, come to 0.28, with lands held at nodes, by hats, and with
-#: free corners alike.
+#: The same if the last tooth touches with a part of its flank and nothing holds the cord straight:
+#: its sharp corner at the land recedes, which a spring cannot represent. Finer elements, elements
+#: refined at the corners, lands held at nodes or by linear shape functions, and free corners all
+#: give about 0.28.
 ROW_AT_THE_EDGE = 0.3
 T10 = Strip(
     pulley_teeth=24,

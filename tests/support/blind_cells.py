@@ -1,8 +1,8 @@
-"""Seeded random pairs of external gears, and a reference that lays its cells blindly.
+"""Seeded random pairs of external gears, and a reference with cells over whole flanks.
 
 The reference has its own pairing (polar angles interpolated over radius) and its own influence
-numbers (numpy), and puts equal cells over all flanks that could touch: it knows nothing of places
-of least gap, of the widths of contacts, or of corners.
+coefficients (numpy), and places equal cells over all flanks that could touch: it does not use
+points of least gap, contact widths or corners.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tests.support.random_scenes import ANGLE, STEEL, inv
 
 
 def draw(rng: np.random.Generator) -> dict | None:
-    """One scene; None where the draw makes no pair (pointed, or a contact ratio off the range)."""
+    """One scene; None if the drawn keys give no pair (pointed, or a contact ratio out of range)."""
     teeth = [int(rng.integers(8, 30)), int(rng.integers(8, 121))]
     module, working = rng.uniform(1, 10), radians(rng.uniform(17, 27))
     pitch_radius = [module * z / 2 * cos(ANGLE) / cos(working) for z in teeth]
@@ -77,7 +77,7 @@ def draw(rng: np.random.Generator) -> dict | None:
 
 @cache
 def scenes(seed: int, wanted: int) -> list[dict]:
-    """So many scenes that make a pair."""
+    """The given number of scenes with a valid pair."""
     found: list[dict] = []
     rng = np.random.default_rng(seed)
     while len(found) < wanted:
@@ -93,7 +93,7 @@ def scenes(seed: int, wanted: int) -> list[dict]:
 
 
 class Job:
-    """A scene with its finite elements solved, to be swept at any positions."""
+    """A scene with its finite-element solution, for sweeps at any positions."""
 
     def __init__(self, scene: dict, angles_deg: tuple[float, ...] | None = None) -> None:
         positions = {"count": 8} if angles_deg is None else {"angles_deg": list(angles_deg)}
@@ -125,7 +125,7 @@ def job(seed: int, wanted: int, k: int) -> Job:
 
 
 def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[float, np.ndarray]:
-    """Rotation and force of each site; pairs with a gap well beyond the rotation are left out."""
+    """Rotation and force of each site; pairs with a gap well beyond the rotation are omitted."""
     columns: list[np.ndarray] = []
     turns = [t[0] for t in job.pairing.turns(np.array([position]))]
     axes = (np.zeros(2), np.array([job.pairing.center_distance_mm, 0.0]))

@@ -1,4 +1,4 @@
-"""Cams and followers whose geometry is known in closed form, as scenes."""
+"""Scenes of cams and followers whose geometry is known in closed form."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def disc(step_deg: float = 5.0) -> list[list[float]]:
 
 
 def waves(step_deg: float = 1.0) -> list[list[float]]:
-    """Four noses with hollows between them."""
+    """Four lobes with hollows between them."""
     angle = np.arange(0.0, 360.0, step_deg)
     return np.stack([angle, 32.0 + 3.0 * np.cos(np.radians(4 * angle))], axis=1).tolist()
 
@@ -53,7 +53,7 @@ def cam_scene(
     cam: dict | None = None,
     **keys: object,
 ) -> dict:
-    """A scene; keys of the follower come on top of the roller's, or are a whole table."""
+    """A scene; follower keys are added to those of the roller, or replace the whole table."""
     first = follower or {}
     return {
         "body_1": first if "kind" in first else {**ROLLER_FOLLOWER, **first},

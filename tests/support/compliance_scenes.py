@@ -42,6 +42,6 @@ def toml_of(scene: dict[str, Any]) -> str:
 
 
 def assert_same(found: fl.Result, expected: fl.Result) -> None:
-    """Bit by bit."""
+    """Check bitwise equality."""
     for name in ("rotation_rad", "site_force_N", "peak_pressure_MPa", "sites"):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))

@@ -1,4 +1,4 @@
-"""Fuzz of the contact loop: random problems, every answer held against its equations."""
+"""Fuzz of the contact loop: random problems, every result checked against its equations."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from tests.support.tally import Tally
 EPS = float(np.finfo(float).eps)
 ROW_TOLERANCE = 10 * EPS
 METHODS = ("auto", "single", "block", "load_path", "cascade", "primal")
-#: Up to so many pairs a refusal is held against all contact sets.
+#: Up to this number of pairs, an error is checked against all contact sets.
 FEW_PAIRS = 9
-#: Two states that are the same differ by no more than this part of the largest force.
+#: Relative difference of forces (to the largest) up to which two states are equal.
 SAME = 1e-6
-#: Terms that count for nothing beside the largest, rows over sqrt(K_ii).
+#: Terms that are negligible relative to the largest, rows over sqrt(K_ii).
 REMAINS = 1e-28
-#: So far from a change a state that was tried out has to be to count as one.
+#: Minimum distance from a change of contact for a state found by trial.
 CERTAIN = 1e-9
 
 
 def fuzz_contact(seed: int, count: int) -> Tally:
-    """Try `count` random problems; trial k of a seed is that of ``default_rng([seed, k])``."""
+    """Try `count` random problems; trial k of a seed uses ``default_rng([seed, k])``."""
     tally = Tally("contact problems")
     for k in range(count):
         rng = np.random.default_rng([seed, k])
@@ -46,7 +46,7 @@ def fuzz_contact(seed: int, count: int) -> Tally:
 
 
 def faults(trial: Trial, method: str, warm: np.ndarray | None) -> list[str]:
-    """What is wrong with the answer to a problem."""
+    """The fault in the result of a problem."""
     problem = trial.problem
     try:
         state = solve(problem, method, warm)
@@ -59,7 +59,7 @@ def faults(trial: Trial, method: str, warm: np.ndarray | None) -> list[str]:
 
 
 def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.ContactState:
-    """Through the Python door."""
+    """Solve through the Python interface."""
     return fl.solve_contact_general(
         problem.compliance,
         problem.gaps,
@@ -72,7 +72,7 @@ def solve(problem: Problem, method: str, warm: np.ndarray | None = None) -> fl.C
 
 
 def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
-    """Rows, loads and signs of a state, and its word for them."""
+    """Rows, loads and signs of a state, and the reported status."""
     lacking = backward_error(problem, state.normal_forces, state.motions)
     said = state.info.backward_error
     wrong = {
@@ -89,10 +89,10 @@ def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
 
 
 def backward_error(problem: Problem, forces: np.ndarray, motions: np.ndarray) -> float:
-    """Largest lack of a row or load, relative to the sum of its terms, in extended precision.
+    """Largest residual of a row or load, relative to the sum of its terms, in extended precision.
 
-    Terms below `REMAINS` of the largest of their kind are rounding of rounding: a row that has no
-    other would be off by all of its size.
+    Terms below `REMAINS` of the largest of their kind are rounding of rounding: a row with no other
+    terms would have a residual of its full size.
     """
     gap, size = rows_of(problem, forces, motions)
     root = np.sqrt(problem.compliance.diagonal())
@@ -108,7 +108,7 @@ def backward_error(problem: Problem, forces: np.ndarray, motions: np.ndarray) ->
 def rows_of(
     problem: Problem, forces: np.ndarray, motions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gaps and the sums of the sizes of their terms."""
+    """Gaps and the sums of the magnitudes of their terms."""
     pressed = problem.compliance.astype(np.longdouble) * forces
     moved = problem.motions.astype(np.longdouble) * motions
     gap = pressed.sum(axis=1) + problem.gaps - moved.sum(axis=1)
@@ -117,9 +117,9 @@ def rows_of(
 
 
 def gaps_agree(problem: Problem, state: fl.ContactState) -> bool:
-    """Whether the gaps handed back are those of the forces and motions handed back.
+    """Whether the returned gaps are those of the returned forces and motions.
 
-    A motion has no more digits than the largest rows give it: a closed gap is zero all the same.
+    A motion has only the digits that the largest rows give it: a closed gap is still zero.
     """
     gap, size = rows_of(problem, state.normal_forces, state.motions)
     root = np.sqrt(problem.compliance.diagonal())
@@ -129,7 +129,7 @@ def gaps_agree(problem: Problem, state: fl.ContactState) -> bool:
 
 
 def faults_of_uniqueness(problem: Problem, state: fl.ContactState, method: str) -> list[str]:
-    """Another method that ends in another state disproves it, but for what hangs on rounding."""
+    """Another method with another state disproves uniqueness, except for effects of rounding."""
     if state.status != 0:
         return []
     other = next(name for name in ("load_path", "single") if name != method)
@@ -148,7 +148,7 @@ def faults_of_uniqueness(problem: Problem, state: fl.ContactState, method: str) 
 
 
 def faults_of_refusal(trial: Trial, method: str, error: errors.ContactError) -> list[str]:
-    """A refusal is wrong where a state exists: known, found by another method or by brute force."""
+    """An error is wrong if a state exists: known, found by another method or by brute force."""
     problem = trial.problem
     name = type(error).__name__
     if getattr(error, "proven", False):
@@ -170,7 +170,7 @@ def faults_of_refusal(trial: Trial, method: str, error: errors.ContactError) -> 
 
 
 def certain_states(problem: Problem) -> Iterator[np.ndarray]:
-    """Forces of the states that are found by trying all contact sets, far from any change."""
+    """Forces of the states found by trying all contact sets, far from any change."""
     n, q = problem.motions.shape
     for size in range(q, n + 1):
         for pairs in map(list, itertools.combinations(range(n), size)):

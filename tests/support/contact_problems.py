@@ -13,7 +13,7 @@ FOUR = np.array([[10.0, 7, 5, 4], [7, 10, 7, 5], [5, 7, 10, 8], [4, 5, 8, 10]])
 def brute_force(
     compliance: np.ndarray, gaps: np.ndarray, levers: np.ndarray, row: np.ndarray, load: float
 ) -> list[tuple[np.ndarray, float]]:
-    """Every state of contact, by trying all contact sets."""
+    """All states of contact, found by trying all contact sets."""
     n = gaps.size
     states = []
     for size in range(1, n + 1):
@@ -39,7 +39,7 @@ def brute_force(
 def random_problem(
     rng: np.random.Generator, *, unsymmetric: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
-    """A, m, b, gap angles and torque of a small problem of gear kind."""
+    """A, m, b, gap angles and torque of a small gear-like problem."""
     n = int(rng.integers(1, 9))
     place = np.sort(rng.uniform(0.0, 1.0, n))
     compliance = np.exp(-3.0 * np.abs(place[:, None] - place)) + 0.05 * np.eye(n)
@@ -56,7 +56,7 @@ def random_problem(
 def flank_problem(
     n: int, rng: np.random.Generator, *, friction: float = 0.0, pairs_of_flanks: int = 2
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """A, m, gap angles and torque of a few flanks that press like cylinders on half-planes."""
+    """A, m, gap angles and torque of a few flanks in contact like cylinders on half-planes."""
     flank = np.arange(n) * pairs_of_flanks // n
     place = (np.arange(n) * pairs_of_flanks / n) % 1.0
     step = pairs_of_flanks / n

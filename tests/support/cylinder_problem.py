@@ -1,4 +1,4 @@
-"""The problem that the benches of the contact loop solve, and how exactly an answer meets it."""
+"""The problem of the contact loop benchmarks, and the residual of its solution."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ Vector = NDArray[np.float64]
 
 ARM = 30.0
 YOUNG_MPA, POISSON = 206000.0, 0.3
-#: Compliance that all pairs share [mm/N]: a tooth that bends.
+#: Compliance common to all pairs [mm/N]: bending of the tooth.
 BENDING = 4e-5
-#: Forces up to this part of the largest count as none where closed gaps are asked for.
+#: Forces up to this fraction of the largest count as zero in the check of closed gaps.
 NO_FORCE = 1e-9
 
 
@@ -30,7 +30,7 @@ class Problem:
     levers : ndarray of shape (n,)
         b [mm], gap closed by a unit of rotation.
     row : ndarray of shape (n,)
-        m [mm], torque of a unit force; b where there is no friction.
+        m [mm], torque of a unit force; equal to b without friction.
     torque : float
         M [N mm].
     """
@@ -45,8 +45,9 @@ class Problem:
 def cylinder(n: int, friction: float = 0.0) -> Problem:
     """A cylinder pressed on an elastic half-plane that also bends; about a fifth of n pairs touch.
 
-    Friction adds to every column what its tangential force recedes (bending, and the half-plane
-    that rises before and sinks behind a tangential force) and to the torque row its lever.
+    Friction adds to every column the normal displacement due to its tangential force (bending, and
+    the half-plane that rises in front of a tangential force and sinks behind it), and to the torque
+    row its lever.
     """
     spacing = 2.0 / n
     place = (np.arange(n) - 0.5 * (n - 1)) * spacing
@@ -73,7 +74,7 @@ def cylinder(n: int, friction: float = 0.0) -> Problem:
 
 
 def residual(problem: Problem, forces: Vector, rotation: float | None = None) -> float:
-    """Largest error of a row of the problem, relative to the row's own size.
+    """Largest residual of a row of the problem, relative to the row's own size.
 
     Parameters
     ----------
@@ -81,14 +82,14 @@ def residual(problem: Problem, forces: Vector, rotation: float | None = None) ->
     forces : ndarray of shape (n,)
         Normal forces [N].
     rotation : float, optional
-        Rotation [rad]; without it the mean of what the rows demand, weighted with their forces.
+        Rotation [rad]; by default the mean over all rows, weighted with their forces.
 
     Returns
     -------
     float
-        The largest of: overlap, and force across a gap, over Σ|K|F + |g0| + |b φ|; tension over
-        the largest force; torque not held over Σ|m|F + M. Computed in extended precision. A force
-        counts where it exceeds 1e-9 of the largest; inf where a force is no number.
+        The largest of: penetration, and force across a gap, over Σ|K|F + |g0| + |b φ|; tension over
+        the largest force; residual torque over Σ|m|F + M. Computed in extended precision. A force
+        counts if it exceeds 1e-9 of the largest; inf if a force is not finite.
     """
     if not np.isfinite(forces).all():
         return float(np.inf)

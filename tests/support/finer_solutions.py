@@ -1,7 +1,7 @@
-"""What much finer solutions of the scenes say, kept in files: a changed estimate needs none.
+"""Reference results of much finer solutions, kept in files: a changed estimate needs no new ones.
 
-Each file names the scene it belongs to and how much finer it is; where either has changed it is
-made anew. Of a changed core it knows nothing: then remove the files.
+Each file names its scene and its refinement; if either has changed, the file is computed again.
+A changed core is not detected: remove the files in this case.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: How many times as fine elements, cells and positions are; cells of splines lie along all flanks,
-#: and would take too long.
+#: Refinement factors of elements, cells and positions. Cells of splines cover whole flanks, and
+#: their refinement would take too long.
 FINER, FINER_SPLINE = (8, 4, 4), (8, 2, 2)
-#: Elements eight times as fine (70 and more along a flank) bear these. On elements four times as
-#: fine pressures at the ends of a flank are up to 9 % too high with 12 modes, and 8 modes leave a
-#: third of what the default leaves of some quantities.
+#: Modes for elements eight times as fine (70 and more along a flank). On elements four times as
+#: fine, pressures at the ends of a flank are up to 9 % too high with 12 modes; with 8 modes, the
+#: error of some quantities is still a third of that at the default.
 MODES = 12
-#: What is kept is made anew where a quantity is defined otherwise.
+#: Stored results are computed again if the definition of a quantity changes.
 DEFINED = {"stiffness_secant": "from the state without torque"}
-#: CPU seconds after which a solution is given up.
+#: CPU seconds after which a solution is abandoned.
 MOST_CPU_S = 90.0
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Numbers of a finer solution, as `Result` has them.
+    """Results of a finer solution, as in `Result`.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Truth:
 
 
 def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
-    """Truth of a scene from its file, or made and put there; None where it takes too long."""
+    """Reference of a scene from its file, or computed and stored; None if it takes too long."""
     names = [field.name for field in fields(Truth)]
     key = json.dumps([scene, FINER, FINER_SPLINE, MODES, DEFINED], sort_keys=True)
     if file.exists():
@@ -79,7 +79,7 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
 
 
 def finer_solution(scene: dict[str, Any]) -> Truth:
-    """The scene with all knobs finer."""
+    """The scene with all discretization parameters refined."""
     splined = scene["body_1"]["kind"] == "spline_shaft"
     elements, cells, positions = FINER_SPLINE if splined else FINER
     count = positions * scene["positions"]["count"]
@@ -105,12 +105,12 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
 
 
 class TooLongError(BaseException):  # no `except Exception` on the way stops it
-    """Given up."""
+    """Time limit exceeded."""
 
 
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
-    """Give up what takes more CPU seconds: the core is left like on Ctrl-C."""
+    """Abandon solutions beyond a limit of CPU seconds: the core is interrupted as by Ctrl-C."""
 
     def give_up(*_: object) -> None:
         raise TooLongError
@@ -128,7 +128,7 @@ Errors = dict[str, float]
 
 
 def compared(scene: dict[str, Any], truth: Truth | None = None) -> dict[str, Any]:
-    """What the estimate tells of a scene, what is true, and its part of the run's CPU time."""
+    """Estimated and true errors of a scene, and the share of the estimate in the run's CPU time."""
     result = fl.solve(fl.Scene.from_dict(scene))
     assert isinstance(result, fl.Result)
     assert result.estimate is not None

@@ -1,4 +1,4 @@
-"""Seeded random problems of the kind that gears make, and what may be said of an answer."""
+"""Seeded random problems as they occur in gears, and checks of their solutions."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def gear_like(rng: np.random.Generator) -> GearLike:
 
 
 def outcome(problem: GearLike, method: str) -> str:
-    """Solve: ``solved``, ``none`` (an error says that no state is there) or what is wrong."""
+    """Solve: ``solved``, ``none`` (an error reports that there is no state) or the fault found."""
     try:
         state = fl.solve_contact(
             problem.flexibility,

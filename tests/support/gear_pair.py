@@ -28,7 +28,7 @@ GEARS = {
 
 
 def solved(one: dict | None = None, two: dict | None = None, **tables: dict) -> fl.Result:
-    """Result of the pair with other keys of its bodies and other tables."""
+    """Result of the pair with changed keys of its bodies and other tables."""
     scene = {
         **GEARS,
         "body_1": {**ONE, **(one or {})},

@@ -1,4 +1,4 @@
-"""A pair of gears as a scene, its keys changed one by one, and what a refusal says."""
+"""A gear pair as a scene with keys changed one by one, and checks of the error lines."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def example(name: str) -> dict[str, Any]:
 
 
 def changed(**changes: Any) -> dict[str, Any]:
-    """The valid scene with keys (dots written as two underscores) set, or taken away if ABSENT."""
+    """The valid scene with keys (dots written as two underscores) set, or removed if ABSENT."""
     scene = deepcopy(SCENE)
     for path, value in changes.items():
         *tables, key = path.split("__")
@@ -60,7 +60,7 @@ def refusal(scene: Any) -> SceneError:
 
 
 def one_line(changes: dict[str, Any], key: str, expected: str, found: str) -> None:
-    """Check that a changed scene gets this one line."""
+    """Check that a changed scene gives this single error line."""
     error = refusal(changed(**changes))
     assert str(error) == f"a.toml: {key}: expected {expected}, found {found}"
     assert (error.key, error.expected, error.found) == (key, expected, found)
@@ -68,9 +68,9 @@ def one_line(changes: dict[str, Any], key: str, expected: str, found: str) -> No
 
 
 def usable_contact_ratio(pair: BodyPair) -> float:
-    """Part of the path of contact where both radii lie between form circle and tip rounding.
+    """Part of the path of contact at which both radii lie between form circle and tip rounding.
 
-    Place by place along the path, to 1e-5 of it.
+    Sampled along the path, to 1e-5 of it.
     """
     mesh, sense = pair.pairing.mesh, pair.body_2.outward
     assert mesh is not None

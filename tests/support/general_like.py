@@ -1,4 +1,4 @@
-"""Seeded random problems of the general form, and whether forces can hold their loads at all."""
+"""Seeded random problems of the general form, and whether any forces can hold their loads."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from tests.support.oracle import Problem
 def general_like(rng: np.random.Generator) -> tuple[Problem, bool]:
     """One to four motions, up to 59 pairs; also whether some forces >= 0 hold the loads.
 
-    K is symmetric, or a skew part and weights of the rows make it unsymmetric and R another one
-    than B; its symmetric part stays positive definite, so that a state exists, and only one,
-    exactly where the loads can be held. Rows without lever, overlaps (preload), scales of rows from
-    1e-8 to 1e8, loads inside, on a face of and outside the cone of the load rows, no load.
+    K is symmetric, or unsymmetric due to a skew part and row weights, with R different from B. Its
+    symmetric part is positive definite, so that a unique state exists exactly if the loads can be
+    held. Rows without lever, overlaps (preload), row scales from 1e-8 to 1e8, loads inside, on a
+    face of and outside the cone of the load rows, zero load.
     """
     q = int(rng.integers(1, 5))
     n = int(rng.integers(q + 1, 60))
@@ -32,7 +32,7 @@ def general_like(rng: np.random.Generator) -> tuple[Problem, bool]:
         compliance = (compliance + rng.uniform(0, 3) * (skew - skew.T)) / weights[:, None]
         gaps, levers = gaps / weights, levers / weights[:, None]
     loads = _loads(rng, rows)
-    # Neither scales of rows nor the size of the loads change what the cone of the rows holds.
+    # Neither row scales nor the size of the loads change the cone of the rows.
     unit = loads / (np.abs(loads).max() or 1.0)
     held = linprog(np.zeros(n), A_eq=rows.T, b_eq=unit, method="highs").status == 0
     if rng.random() < 0.3:
@@ -46,13 +46,13 @@ def general_like(rng: np.random.Generator) -> tuple[Problem, bool]:
 
 
 def _loads(rng: np.random.Generator, rows: np.ndarray) -> np.ndarray:
-    """Loads that forces hold, any loads, or none, on any scale."""
+    """Loads that forces hold, arbitrary loads, or zero, on any scale."""
     kind = rng.random()
     size = 10.0 ** rng.uniform(-6, 6)
     if kind < 0.05:
         return np.zeros(rows.shape[1])
     if kind < 0.1:
-        # At most q - 1 pairs: often a face of the cone.
+        # At most q - 1 pairs: often on a face of the cone.
         few = rng.permutation(len(rows))[: int(rng.integers(1, rows.shape[1] + 1))]
         return size * rows[few].T @ np.abs(rng.standard_normal(few.size))
     if kind < 0.7:

@@ -1,4 +1,4 @@
-"""Solved scenes of several kinds of pairs, and what is counted in them."""
+"""Solved scenes of several kinds of pairs, and the counters of their work."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def counted(result: fl.Result) -> dict[str, int]:
 
 
 def pairs_in_contact() -> dict[str, dict[str, Any]]:
-    """Small runs of several kinds: a pair with corners at work, a ring, a spline."""
+    """Small runs of several kinds: a pair with corner contact, a ring, a spline."""
     few = {"flank_element_mm": 3.0, "modes": 3, "estimate": False}
     return {
         "external": changed(positions__count=6, accuracy={**few, "strips_per_half_width": 15}),

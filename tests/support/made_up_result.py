@@ -1,7 +1,8 @@
-"""A result with plausible numbers and a real picture, made without solving anything.
+"""A result with plausible numbers for plots and reports, created without a solution.
 
-An involute pair of FZG type C size; the load is shared by springs that grow from the path's ends,
-pressures are Hertzian. A pair with little load at an end of the path counts as on a sharp corner.
+An involute pair of FZG type C size; the load is shared by springs whose stiffness grows from the
+ends of the path, pressures are Hertzian. A lightly loaded pair at an end of the path counts as
+contact on a sharp corner.
 """
 
 from math import acos, atan2, cos, pi, sin, sqrt, tan
@@ -24,7 +25,7 @@ SITES = np.array([-1, 0, 1])
 def made_up_result(
     *, count: int = 32, torque_Nm: float = 302.0, closed: bool = True, **changes: object
 ) -> Result:
-    """Result of `count` positions over a period; `changes` replace single arguments."""
+    """Result of `count` positions over a period; `changes` replace individual arguments."""
     period = 2 * pi / TEETH[0]
     position = period * np.arange(count) / count
     forces = np.array([_site_forces(x / period, torque_Nm) for x in position])
@@ -93,7 +94,7 @@ def made_up_result(
 
 
 def _site_forces(fraction: float, torque_Nm: float) -> np.ndarray:
-    """Springs in parallel that fade over the ends of a path of 1.55 base pitches."""
+    """Parallel springs that fade out over the ends of a path of 1.55 base pitches."""
     places = SITES + fraction
     springs = np.clip(0.775 - np.abs(places), 0.0, 0.25)
     total = 1000 * torque_Nm / BASE_RADII[0]

@@ -1,4 +1,4 @@
-"""Meshes for tests: whole bodies from the FZG pair's sectors, and a mesher of another kind."""
+"""Meshes for tests: whole bodies from the FZG pair's sectors, and another kind of mesher."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.support.paths import MESHES, TEST_MESHES
 
 PINION = MESHES / "fzg_c_pinion.msh"
 WHEEL = MESHES / "fzg_c_wheel.msh"
-#: The same pair with larger elements on its flanks, for tests of whole bodies.
+#: The same pair with larger elements on its flanks, for tests of bodies meshed as a whole.
 COARSE_MM = 2.5
 COARSE_PINION = TEST_MESHES / "pinion_coarse.msh"
 COARSE_WHEEL = TEST_MESHES / "wheel_coarse.msh"
@@ -34,7 +34,7 @@ def edges_of(raw: RawMesh, name: str) -> np.ndarray:
 
 
 def whole_of(raw: RawMesh, teeth: int) -> tuple[np.ndarray, Cells, dict[str, np.ndarray]]:
-    """Nodes, cells and edge sets of the body that a sector with FLANK and BORE is one of."""
+    """Nodes, cells and edge sets of the whole body of a sector with the sets FLANK and BORE."""
     count = len(raw.nodes)
     every = np.vstack([turned(raw.nodes, 2 * np.pi * k / teeth) for k in range(teeth)])
     _, first, number = np.unique(np.round(every, 6), axis=0, return_index=True, return_inverse=True)
@@ -52,9 +52,9 @@ def whole_of(raw: RawMesh, teeth: int) -> tuple[np.ndarray, Cells, dict[str, np.
 def delaunay_sector(
     body: Body, size: float, turn: float
 ) -> tuple[np.ndarray, Cells, dict[str, np.ndarray]]:
-    """Six-node triangles in a sector of a gear, as another mesher would make them.
+    """Six-node triangles in a sector of a gear, as from another mesher.
 
-    Corner and middle nodes of the contour stand on the true profile.
+    Corner and mid-side nodes of the contour lie on the true profile.
     """
     involute = body.involute
     assert involute is not None
@@ -62,7 +62,7 @@ def delaunay_sector(
     half = np.pi / body.teeth
     mirror = np.array([1.0, -1.0])
     at_root, at_tip = body.curve.point([0.0, body.curve.length_mm])
-    # the body's own frame has tooth 0 about the x axis
+    # the body's own frame has tooth 0 centred on the x axis
     root, tip = (float(np.arctan2(place[1], place[0])) for place in (at_root, at_tip))
 
     def arc(radius: float, start: float, end: float):
@@ -136,7 +136,7 @@ def write_gmsh_41(path: Path, nodes: np.ndarray, cells: Cells, sets: dict[str, n
     lines += ["$EndPhysicalNames", "$Entities", f"0 {len(sets)} 1 0"]
     lines += [f"{k} 0 0 0 1 1 0 1 {k} 0" for k in range(2, 2 + len(sets))]
     lines += ["1 0 0 0 1 1 0 1 1 0", "$EndEntities"]
-    # node numbers with a gap, so that number and place differ
+    # node numbers with a gap, so that number and index differ
     number = np.arange(len(nodes)) + 11
     lines += ["$Nodes", f"1 {len(nodes)} 11 {number[-1]}", f"2 1 0 {len(nodes)}"]
     lines += [str(k) for k in number]

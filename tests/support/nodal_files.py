@@ -1,4 +1,4 @@
-"""Compliance files as another program would write them: nodes of our own elements, no modes."""
+"""Compliance files as written by another program: nodes of the project's elements, no modes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flankload.elasticity.sector_closure import close_ring, condense
 
 
 def flank_order(body: Body) -> np.ndarray:
-    """Nodes of the flank from root to tip, middle nodes included."""
+    """Nodes of the flank from root to tip, mid-side nodes included."""
     assert body.mesh is not None
     edges = body.mesh.flank_edges
     return np.append(edges[:, [0, 2]].ravel(), edges[-1, 1])
@@ -35,7 +35,7 @@ def nodal_response(body: Body, plane: str = "strain") -> np.ndarray:
 
 
 def nodal_arrays(body: Body, turn_rad: float, **changes: Any) -> dict[str, Any]:
-    """The plain format, the body turned as it stands at position zero."""
+    """The plain format, with the body at position zero."""
     assert body.mesh is not None
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     arrays = {
@@ -58,7 +58,7 @@ def nodal_arrays(body: Body, turn_rad: float, **changes: Any) -> dict[str, Any]:
 
 
 def to_pressures(arrays: dict[str, Any]) -> dict[str, Any]:
-    """The same with columns for nodal pressures: loads spread by Simpson-like element integrals.
+    """The same with columns for nodal pressures, by Simpson-like element integrals.
 
     Written out for quadratic elements of three nodes: the consistent mass matrix of each is
     length/30 [[4, 2, -1], [2, 16, 2], [-1, 2, 4]] in the order first, middle, last.

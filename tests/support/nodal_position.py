@@ -1,6 +1,6 @@
-"""One position of a scene as an old program has it: points of flanks, a compliance between them.
+"""One position of a scene as data of an old program: points of flanks and their compliance.
 
-``python -m tests.support.nodal_position`` writes the data file of the examples anew.
+``python -m tests.support.nodal_position`` regenerates the data file of the examples.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from tests.support.paths import ROOT, SCENES
 
 DATA = ROOT / "examples" / "legacy_fortran" / "pair.dat"
 SCENE = SCENES / "external_gear.toml"
-#: Half a pitch on, two tooth pairs carry.
+#: Half a pitch further, two tooth pairs carry load.
 POSITION, OF_POSITIONS = 16, 32
-#: Points of the example: so many on each flank, over that length to both sides of the contact.
+#: Points of the example: number per flank, and length to both sides of the contact.
 POINTS, HALF_LENGTH_MM = 17, 0.6
 TITLE = "FZG TYPE C, HALF A PITCH ON: FLANKS, TORQUE, AXES; EACH BODY: SIZES, POINTS, COMPLIANCE"
-#: Digits of the file: half a last one is 5e-10 of a compliance, far below what the spacing leaves.
+#: Digits in the file: half of the last one is 5e-10 of a compliance, far below the spacing error.
 DIGITS = 9
 
 
 @dataclass(frozen=True)
 class NodalPosition:
-    """What goes into `flankload_position`, and a torque.
+    """Arguments of `flankload_position`, and a torque.
 
     Attributes
     ----------
@@ -42,13 +42,13 @@ class NodalPosition:
     axes : two (2,) arrays
         O1 and O2, mm.
     sizes : two (f,) arrays
-        Points of each flank of a body.
+        Number of points of each flank of a body.
     points : two (n, 2) arrays
         Common frame, mm.
     compliances : two (n, n) arrays
         mm/N over the face width.
     rotation_rad, site_force_N
-        What the scene itself gives there.
+        Results of the scene at this position.
     """
 
     torque_Nmm: float
@@ -80,9 +80,9 @@ class NodalPosition:
 def compliance_between(
     body: Body, scene: fl.Scene, places: list[np.ndarray], teeth: np.ndarray
 ) -> np.ndarray:
-    """Compliance (n, n) between even points of flanks, mm/N over the face width.
+    """Compliance (n, n) between evenly spaced points of flanks, mm/N over the face width.
 
-    That of a load spread evenly over a strip as wide as the spacing of the points.
+    Each load is distributed evenly over a strip as wide as the spacing of the points.
     """
     compliance = compliance_of(body, scene)
     values = [mode_values(s, compliance.mode_range_mm, compliance.smooth.shape[1]) for s in places]
@@ -99,7 +99,7 @@ def compliance_between(
 
 
 def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM) -> NodalPosition:
-    """The position half a pitch on, its flanks as points around the contact."""
+    """The position half a pitch further, its flanks as points around the contact."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
     tree["accuracy"] = {"estimate": False}
     scene = fl.Scene.from_dict(tree)
@@ -142,7 +142,7 @@ def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM)
 
 
 def write_data(position: NodalPosition, path: Path) -> None:
-    """Numbers alone, as a Fortran program reads them; a line in front says what they are."""
+    """Numbers only, as a Fortran program reads them; the first line describes them."""
     lines = [
         TITLE,
         f"{position.sizes[0].size} {position.torque_Nmm:.1f}",
@@ -193,7 +193,7 @@ def read_body(numbers: Iterator[str], flanks: int) -> tuple[np.ndarray, np.ndarr
 
 
 def spoilt(values: np.ndarray, bad: float = np.nan) -> np.ndarray:
-    """The same with a last number that is none."""
+    """The same with a last number that is not finite."""
     values = np.array(values, order="F")
     values[..., -1] = bad
     return values

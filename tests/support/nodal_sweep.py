@@ -1,6 +1,6 @@
-"""Positions over one pitch as an old program has them: points of flanks, compliances, angles.
+"""Positions over one pitch as data of an old program: points of flanks, compliances, angles.
 
-``python -m tests.support.nodal_sweep`` writes the data file of the examples anew.
+``python -m tests.support.nodal_sweep`` regenerates the data file of the examples.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from tests.support.nodal_position import (
 )
 
 SWEEP_DATA = DATA.with_name("sweep.dat")
-#: Positions over one pitch, and parts of the torque of the scene.
+#: Positions over one pitch, and fractions of the torque of the scene.
 POSITIONS, PARTS = 8, (0.25, 0.5, 1.0)
-#: Between points, and from the last place that carries to the last point (or the end of the flank).
+#: Spacing of points, and distance from the last loaded point to the last point (or flank end).
 SPACING_MM, BEYOND_MM = 0.15, 0.3
 TITLE = (
     "FZG TYPE C, ONE PITCH: FLANKS POSITIONS TORQUES, THE TORQUES, AXES, ANGLES OF BOTH BODIES AT "
@@ -37,17 +37,17 @@ TITLE = (
 
 @dataclass(frozen=True)
 class NodalSweep:
-    """What goes into `flankload_sweep_points`.
+    """Arguments of `flankload_sweep_points`.
 
     Attributes
     ----------
     still : NodalPosition
-        The bodies where their angles are 0, and the largest torque.
+        The bodies at angles 0, and the largest torque.
     angles_rad : (2, P) array
         Angles of both bodies at each position.
     torques_Nmm : (T,) array
     results : T Results
-        What the scene itself gives; none of data from a file.
+        Results of the scene; none for data from a file.
     """
 
     still: NodalPosition
@@ -56,7 +56,7 @@ class NodalSweep:
     results: tuple[fl.Result, ...] = ()
 
     def solve(self, **changes: Any) -> dict[str, Any]:
-        """Call the core; arguments by name may be changed."""
+        """Call the core; arguments can be changed by name."""
         arguments: dict[str, Any] = {
             "n_circles": 0,
             "max_pairs": int(self.still.sizes[0].sum()),
@@ -78,7 +78,7 @@ class NodalSweep:
         return dict(zip(NAMES, found, strict=True))
 
     def at(self, position: int) -> NodalPosition:
-        """The bodies turned to a position."""
+        """The bodies rotated to a position."""
         turned = []
         for points, axis, angle in zip(
             self.still.points, self.still.axes, self.angles_rad[:, position], strict=True
@@ -88,7 +88,7 @@ class NodalSweep:
         return replace(self.still, points=(turned[0], turned[1]))
 
 
-#: What `flankload_sweep_points` returns.
+#: Results of `flankload_sweep_points`.
 NAMES = (
     "status",
     "rotation",
@@ -111,7 +111,7 @@ def nodal_sweep(
     positions: int = POSITIONS,
     parts: tuple[float, ...] = PARTS,
 ) -> NodalSweep:
-    """One pitch of the external gear pair, its flanks as points where they ever carry."""
+    """One pitch of the external gear pair, with points wherever its flanks carry load."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
     tree["accuracy"] = {"estimate": False}
     tree["positions"] = {"count": positions}
@@ -165,7 +165,7 @@ def nodal_sweep(
 
 
 def write_sweep(sweep: NodalSweep, path: Path) -> None:
-    """Numbers alone, as a Fortran program reads them; a line in front says what they are."""
+    """Numbers only, as a Fortran program reads them; the first line describes them."""
     still = sweep.still
     lines = [
         TITLE,

@@ -1,4 +1,4 @@
-"""An independent judge of a state of contact: its own set of pairs solved in 60 digits."""
+"""Independent check of a state of contact: its own set of pairs solved in 60 digits."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ import flankload as fl
 
 EPS = float(np.finfo(float).eps)
 DIGITS = 60
-# The exact solution is refined until its last correction is below this part of it.
+# The exact solution is refined until its last correction is below this fraction of it.
 SETTLED = mp.mpf(10) ** -40
 MAX_REFINEMENTS = 60
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What 60-digit arithmetic says of a state.
+    """Assessment of a state in 60-digit arithmetic.
 
     Attributes
     ----------
     forward_error : float
-        Largest error of a force, relative to the largest force, both times sqrt(K_ii); NaN where
-        the active pairs leave a motion free.
+        Largest error of a force, relative to the largest force, both times sqrt(K_ii); NaN if the
+        active pairs do not constrain every motion.
     motion_error : float
         Largest error of a motion, relative to the largest motion, gap or force, each on the scale
         of the pairs (motions by their largest lever, rows over sqrt(K_ii)); NaN as above.
     backward_error : float
-        Largest error of a row, gaps and forces of the wrong sign included, relative to its size.
+        Largest residual of a row, gaps and forces of the wrong sign included, relative to its size.
     exact_violation : float
-        The same for the exact solution of this set of pairs: wrong signs only. Where the active
-        pairs leave a motion free, that of the state itself.
+        The same for the exact solution of this set of pairs: wrong signs only. If the active pairs
+        do not constrain every motion, that of the state itself.
     """
 
     forward_error: float
@@ -45,7 +45,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Problem:
-    """The general form: K (n, n), g0 (n), B and R (n, q), Q (q); the numbers are taken as exact."""
+    """The general form: K (n, n), g0 (n), B and R (n, q), Q (q); the numbers count as exact."""
 
     compliance: np.ndarray
     gaps: np.ndarray
@@ -57,7 +57,7 @@ class Problem:
 def judge(
     matrix: ArrayLike, row: ArrayLike, gaps: ArrayLike, torque: float, state: fl.ContactState
 ) -> Verdict:
-    """Judge a state of the angle form; row levers drop out of its equations."""
+    """Check a state of the angle form; row levers cancel in its equations."""
     matrix = np.asarray(matrix, dtype=float)
     return judge_general(matrix, gaps, np.ones(len(matrix)), torque, state, load_rows=row)
 
@@ -71,7 +71,7 @@ def judge_general(
     *,
     load_rows: ArrayLike | None = None,
 ) -> Verdict:
-    """Solve and check the set of pairs of a state; the numbers given are taken as exact."""
+    """Solve and check the set of pairs of a state; the given numbers count as exact."""
     force_scale = np.atleast_1d(np.asarray(loads, dtype=float))
     shape = (np.size(gaps), force_scale.size)
     levers = np.asarray(motions, dtype=float).reshape(shape)
@@ -123,7 +123,7 @@ def _size(numbers: list, weight: np.ndarray) -> float:
 
 
 def _distance(given: list, exact: list, weight: np.ndarray, size: float) -> float:
-    """Largest weighted difference relative to the size, or to the largest entry if that is more."""
+    """Largest weighted difference relative to the size, or to the largest entry if it is larger."""
     wrong = _size([y - x for x, y in zip(exact, given, strict=True)], weight)
     size = max(size, _size(exact, weight))
     if not wrong:
@@ -134,11 +134,11 @@ def _distance(given: list, exact: list, weight: np.ndarray, size: float) -> floa
 def _worst_row(
     problem: Problem, columns: list, active: np.ndarray, forces: list, motion: list, *, closed: bool
 ) -> mp.mpf:
-    """Largest error of a row relative to its size Σ|K_ij|F_j + |g0_i| + Σ|B_ic q_c|.
+    """Largest residual of a row relative to its size Σ|K_ij|F_j + |g0_i| + Σ|B_ic q_c|.
 
-    A gap must not be negative, with `closed` that of an active pair must be zero; no force may be
-    negative, on the scale of the largest, both times sqrt(K_ii). Errors are taken in 60 digits; for
-    sizes double precision will do.
+    A gap must not be negative; with `closed` that of an active pair must be zero; no force may be
+    negative, on the scale of the largest, both times sqrt(K_ii). Residuals are computed in 60
+    digits; for sizes double precision is sufficient.
     """
     strengths = np.abs(np.array(forces, dtype=float))
     sizes = (
@@ -162,7 +162,7 @@ def _worst_row(
 
 
 def _worst_load(problem: Problem, active: np.ndarray, forces: list) -> mp.mpf:
-    """Largest lack of a load, relative to Σ|R_ic|F_i + |Q_c|."""
+    """Largest residual of a load, relative to Σ|R_ic|F_i + |Q_c|."""
     worst = mp.mpf(0)
     for c, load in enumerate(problem.loads.tolist()):
         parts = problem.load_rows[active, c]
@@ -173,10 +173,10 @@ def _worst_load(problem: Problem, active: np.ndarray, forces: list) -> mp.mpf:
 
 
 def _exact_solution(problem: Problem, active: np.ndarray) -> tuple[list, list] | None:
-    """Forces and motion of the active pairs to 40 digits; None where a motion stays free.
+    """Forces and motion of the active pairs to 40 digits; None if a motion is unconstrained.
 
     Solved in double precision on scales of powers of two, then refined with 60-digit residuals
-    until nothing changes; elimination in 60 digits where that does not settle.
+    until nothing changes; by elimination in 60 digits if that does not converge.
     """
     k, q = active.size, problem.loads.size
     equations = np.zeros((k + q, k + q))
@@ -208,7 +208,7 @@ def _scales(equations: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
 def _refine(
     scaled: np.ndarray, rows: np.ndarray, columns: np.ndarray, exact: list, target: list
 ) -> list | None:
-    """Iterative refinement; None where it does not settle."""
+    """Iterative refinement; None if it does not converge."""
     try:
         factor = lu_factor(scaled)
     except (np.linalg.LinAlgError, RuntimeWarning):

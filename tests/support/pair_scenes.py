@@ -1,4 +1,4 @@
-"""An external pair, a gear in a ring and a spline as scenes, with few positions."""
+"""Scenes of an external pair, a gear in a ring and a spline, with few positions."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ FORTRAN = ROOT / "fortran"
 #: Scenes and meshes of the examples.
 SCENES = EXAMPLES / "scenes"
 MESHES = EXAMPLES / "meshes"
-#: Data of the tests alone.
+#: Data used by the tests only.
 SUPPORT = ROOT / "tests" / "support"
 TEST_MESHES = SUPPORT / "meshes"
 REFERENCE_SOLUTIONS = SUPPORT / "reference_solutions"

@@ -1,11 +1,12 @@
-"""A plain solution of a pair: fine finite elements with hat loads, blind cells, nothing analytic.
+"""A plain solution of a pair: fine elements, linear shape functions, no analytic parts.
 
-Loads and displacements are hats over the flank nodes (consistent loads, work-conjugate means), so
-there are neither pressure modes nor a near field. The pairing has its own way (polar angles
-interpolated over radius) and puts equal cells over all flanks that could touch.
+Loads and displacements use linear shape functions over the flank nodes (consistent loads,
+work-conjugate means), so there are neither pressure modes nor a near field. The pairing is
+independent (polar angles interpolated over radius), with equal cells over all flanks that could
+touch.
 
-`python -m tests.support.plain_elements` solves the scene of `internal_pair.json` anew and writes
-its numbers there.
+`python -m tests.support.plain_elements` solves the scene of `internal_pair.json` and writes the
+numbers to this file.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ FILE = REFERENCE_SOLUTIONS / "internal_pair.json"
 
 @dataclass(frozen=True)
 class Hats:
-    """Response of the hats on every tooth to those on tooth 0, (z, p, p), and their places (p,)."""
+    """Response of all teeth to the loads on tooth 0, (z, p, p), and their arc lengths (p,)."""
 
     places: np.ndarray
     response: np.ndarray
 
     def weights(self, s: np.ndarray, width: np.ndarray) -> np.ndarray:
-        """Part of each hat (n, p) in even pressure of sum 1 on cells at s (n,)."""
+        """Weight of each shape function (n, p) in uniform pressure of sum 1 on cells at s (n,)."""
         points, weight = np.polynomial.legendre.leggauss(12)
         at = np.clip(s[:, None] + 0.5 * width[:, None] * points, self.places[0], self.places[-1])
         k = np.clip(np.searchsorted(self.places, at, side="right") - 1, 0, self.places.size - 2)
@@ -49,7 +50,7 @@ class Hats:
 
 
 def hat_loads(mesh: SectorMesh, *, along_flank: bool = False) -> np.ndarray:
-    """Consistent loads (2N, p) of hats of sum 1 at the element ends, out of or along the flank."""
+    """Consistent loads (2N, p) of the shape functions of sum 1, normal or tangential."""
     points, weights = np.polynomial.legendre.leggauss(8)
     shape = np.stack([points * (points - 1) / 2, points * (points + 1) / 2, 1 - points**2])
     slope = np.stack([points - 0.5, points + 0.5, -2 * points])
@@ -67,7 +68,7 @@ def hat_loads(mesh: SectorMesh, *, along_flank: bool = False) -> np.ndarray:
 
 
 def hats_of(body: Body, plane: str) -> Hats:
-    """Solve a body's sector for all its hats and close the ring."""
+    """Solve a body's sector for all its shape functions and close the ring."""
     mesh = body.mesh
     assert mesh is not None
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
@@ -77,7 +78,7 @@ def hats_of(body: Body, plane: str) -> Hats:
 
 
 def fine_bodies(scene: dict, element_mm: float, inner_mm: float) -> BodyPair:
-    """Bodies with elements of one length along the flanks that grow to another inside."""
+    """Bodies with elements of equal length along the flanks that grow to another length inside."""
     part = inner_mm / element_mm
     sizes = {"FILLET": 0.4 * part, "FIRST_LAYER": 1.0, "INNER": part, "FIRST_ROW": 0.4 * part}
     accuracy = {"flank_element_mm": element_mm, "estimate": False}
@@ -90,7 +91,7 @@ def solve_plainly(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rotation (P,), forces (P, S) and sites (S,) of a scene.
 
-    Cells cover all places with a gap below 1.3 times the rotations (P,) that are expected.
+    Cells cover all points with a gap below 1.3 times the expected rotations (P,).
     """
     pair = fine_bodies(scene, element_mm, inner_mm)
     hats = [hats_of(body, "strain") for body in (pair.body_1, pair.body_2)]
@@ -129,7 +130,7 @@ def _state(
 
 
 def blind_pairs(pair: BodyPair, site: int, position: float, cell: float) -> np.ndarray:
-    """Site, arc lengths, gap angle, levers of cells on all places that circles have in common."""
+    """Site, arc lengths, gap angle, levers of cells on all circles common to both flanks."""
     turns = pair.pairing.turns(np.array([position]))
     centers = (np.zeros(2), np.array([pair.pairing.center_distance_mm, 0.0]))
     bodies = (pair.body_1, pair.body_2)
@@ -154,7 +155,7 @@ def blind_pairs(pair: BodyPair, site: int, position: float, cell: float) -> np.n
 
 
 def main() -> None:
-    """Solve the stored case with the stored settings and write its numbers."""
+    """Solve the stored case with the stored parameters and write its numbers."""
     case = json.loads(FILE.read_text(encoding="utf-8"))
     result = fl.solve(fl.Scene.from_dict(case["scene"]))
     rotation, force, sites = solve_plainly(

@@ -1,6 +1,6 @@
-"""A plain solution of a pair with friction: as `plain_elements`, with hats along the flanks, too.
+"""A plain solution of a pair with friction: as `plain_elements`, with tangential loads, too.
 
-Which way a flank slides is taken from the radius: inside or outside the pitch circle of body 1.
+The direction of sliding follows from the radius: inside or outside the pitch circle of body 1.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from tests.support.plain_elements import Hats, blind_pairs, fine_bodies, hat_loa
 
 @dataclass(frozen=True)
 class RubbedHats:
-    """Normal displacements of hats under normal hats and under hats along the flank."""
+    """Normal displacements under normal and under tangential loads of the shape functions."""
 
     normal: Hats
     tangent: Hats
 
 
 def rubbed_hats(body: Body) -> RubbedHats:
-    """Solve a body's sector for all its hats in both directions and close the ring."""
+    """Solve a body's sector for all its shape functions in both directions and close the ring."""
     mesh = body.mesh
     assert mesh is not None
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
@@ -49,7 +49,7 @@ def solve_rubbing(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rotation (M, P), forces (M, P, S) and sites (S,) of a scene whose body 1 drives.
 
-    One row for each of M coefficients; the rotations (P,) that are expected bound the cells.
+    One row for each of M coefficients; the expected rotations (P,) limit the cells.
     """
     pair = fine_bodies(scene, element_mm, inner_mm)
     hats = [rubbed_hats(body) for body in (pair.body_1, pair.body_2)]
@@ -86,7 +86,7 @@ def _state(
     ratio = pair.body_1.teeth / (pair.body_1.teeth + pair.body_2.outward * pair.body_2.teeth)
     # body 1 drives: beyond its pitch circle body 2 drags it towards its tip
     rubs = mu * np.sign(radius - pairing.center_distance_mm * abs(ratio))
-    # distance of the base tangent's point, for a force whose lever is lever_1
+    # distance of the base tangent point, for a force with lever lever_1
     torque_lever = lever_1 + rubs * np.sqrt(radius**2 - lever_1**2)
     matrix = np.zeros((site.size, site.size))
     widths = (np.full(site.size, cell), cell * lever_1 / lever_2)

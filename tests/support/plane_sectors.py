@@ -35,7 +35,7 @@ def ring_sector(
             grid = [(0, 0), (0, 2), (2, 2), (2, 0), (0, 1), (1, 2), (2, 1), (1, 0), (1, 1)]
             cells.append([number(j + dj, i + di) for dj, di in grid])
     rim = [number(j, 2 * rows) for j in range(2 * columns + 1)]
-    # material on the right of the way: along falling polar angle
+    # material on the right of the path: along decreasing polar angle
     flank = [(rim[j + 2], rim[j], rim[j + 1]) for j in range(2 * columns - 4, 0, -2)]
     order = [node for first, _, middle in flank for node in (first, middle)] + [flank[-1][1]]
     arc_length = np.full(len(nodes), np.nan)

@@ -1,4 +1,4 @@
-"""Two cylinders pressed together through the whole core."""
+"""Two cylinders pressed together, through the whole core."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LEVER, DISTANCE = 36.0, 90.0
 
 
 def arc(centre: tuple[float, float], radius: float, start: float, end: float):
-    """A circular flank; the material lies on the right of growing arc length."""
+    """A circular flank; the material lies on the right of increasing arc length."""
 
     def place(u):
         direction = np.stack([np.cos(u), np.sin(u)], axis=-1)

@@ -1,4 +1,4 @@
-"""Programs outside of Python, built against the installed library."""
+"""Programs in other languages, built against the installed library."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from tests.support.paths import ROOT
 
 PROGRAMS = ROOT / "tests" / "legacy" / "programs"
 LINKING = [pytest.param(False, id="shared"), pytest.param(True, id="static")]
-#: Kept from run to run: nothing new to compile takes two seconds.
+#: Kept between runs: a build without changes takes two seconds.
 BUILD = ROOT / "build-core"
-#: As they are installed.
+#: Names as installed.
 EXAMPLES = BUILD / "prefix" / "share" / "doc" / "flankload" / "examples"
 
 
@@ -32,7 +32,7 @@ def alone() -> Iterator[None]:
 
 
 def written(path: Path, text: str) -> Path:
-    """A file that other processes of the same test run may be reading already."""
+    """A file that other processes of the same test run may already be reading."""
     with alone():
         if not path.exists() or path.read_text(encoding="ascii") != text:
             path.write_text(text, encoding="ascii")
@@ -40,7 +40,7 @@ def written(path: Path, text: str) -> Path:
 
 
 def built(source: Path, folder: Path, environment: dict[str, str], *, static: bool) -> Path:
-    """Copy a folder with a Makefile out of the tree and make it there."""
+    """Copy a folder with a Makefile out of the tree and build it there."""
     command = ["make", "-C", str(folder), *(["LINK=link_static"] if static else [])]
     with alone():
         folder.mkdir(exist_ok=True)
@@ -57,7 +57,7 @@ def built(source: Path, folder: Path, environment: dict[str, str], *, static: bo
 
 
 def run(program: Path, data: Path | None, environment: dict[str, str], *arguments: str) -> str:
-    """What a program prints; it must end well and complain of nothing."""
+    """Output of a program; it must succeed and print no error."""
     text = data.read_text(encoding="ascii") if data else ""
     done = subprocess.run(
         [program, *arguments],
@@ -74,7 +74,7 @@ def run(program: Path, data: Path | None, environment: dict[str, str], *argument
 
 
 def expect_printed(token: str, number: float) -> None:
-    """A printed number is the number, rounded to its last printed digit."""
+    """Check that a printed number is the number rounded to its last printed digit."""
     found = Decimal(token)
     last_digit = Decimal(1).scaleb(int(found.as_tuple().exponent))
     assert abs(found - Decimal(float(number))) <= last_digit / 2, f"{token} for {number!r}"

@@ -1,4 +1,4 @@
-"""Seeded random contact problems of every kind for the fuzz, with what is known of their states."""
+"""Seeded random contact problems of all kinds for the fuzz, with known facts about their states."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True)
 class Trial:
-    """A problem; `exists` where a state is known to exist, or (False) known not to."""
+    """A problem; `exists` is True if a state is known to exist, False if known not to."""
 
     problem: Problem
     exists: bool | None
@@ -69,7 +69,7 @@ def rubbing(rng: Rng) -> Trial:
 
 
 def decades(rng: Rng) -> Trial:
-    """Each lever on a decade of its own over 9 … 30 decades; forces hold the loads."""
+    """Each lever on its own decade over 9 … 30 decades; forces hold the loads."""
     q = int(rng.integers(1, 5))
     n = int(rng.integers(q + 1, 25))
     root = rng.standard_normal((n, n))
@@ -82,7 +82,7 @@ def decades(rng: Rng) -> Trial:
 
 
 def scales(rng: Rng) -> Trial:
-    """Rows, motions and loads on scales of their own: the problem of other units for each."""
+    """Rows, motions and loads on their own scales: the problem with different units for each."""
     problem, held = general_like(rng)
     n, q = problem.motions.shape
     rows = 10.0 ** rng.uniform(-12, 12, n)
@@ -106,7 +106,7 @@ def scales(rng: Rng) -> Trial:
 
 
 def nearly_dependent(rng: Rng) -> Trial:
-    """A turn and a shift on which nearly the same pairs work, links that press either way."""
+    """A rotation and a shift with nearly the same pairs, links that press either way."""
     n = int(rng.integers(4, 40))
     place = np.linspace(0.0, 1.0, n)
     unit = 10.0 ** rng.uniform(-8, 8)
@@ -121,7 +121,7 @@ def nearly_dependent(rng: Rng) -> Trial:
 
 
 def narrow_cones(rng: Rng) -> Trial:
-    """Load rows that differ by 1e-2 … 1e-12 of their size, some pressing back."""
+    """Load rows that differ by 1e-2 … 1e-12 of their size, some of opposite sign."""
     q = int(rng.integers(2, 5))
     n = int(rng.integers(q + 2, 20))
     root = rng.standard_normal((n, n))
@@ -134,7 +134,7 @@ def narrow_cones(rng: Rng) -> Trial:
 
 
 def twins(rng: Rng) -> Trial:
-    """Pairs that are the same but for 1e-16 … 1e-10 of them, gears of one motion or more."""
+    """Pairs that are equal except for 1e-16 … 1e-10 of them, gears with one motion or more."""
     q = int(rng.integers(1, 4))
     n = int(rng.integers(q + 2, 30))
     root = rng.standard_normal((n, n))
@@ -153,7 +153,7 @@ def twins(rng: Rng) -> Trial:
 
 
 def whole_numbers(rng: Rng) -> Trial:
-    """Ties everywhere: small whole numbers, made around a state so that one exists exactly."""
+    """Ties everywhere: small integers, generated around a state so that one exists exactly."""
     q = int(rng.integers(1, 4))
     n = int(rng.integers(q + 1, 14))
     kind = int(rng.integers(3))
@@ -172,7 +172,7 @@ def whole_numbers(rng: Rng) -> Trial:
     load_rows = columns if rows is levers else rows.astype(float)
     loads = load_rows.T @ forces
     loads[loads == 0] = rng.choice([0.0, -0.0])
-    # Else the state leaves a motion free, which no set of pairs in contact says.
+    # Otherwise the state leaves a motion free, which no set of pairs in contact shows.
     on = forces > 0
     bordered = np.block([[matrix[np.ix_(on, on)], -levers[on]], [rows[on].T, np.zeros((q, q))]])
     held = bool(np.linalg.matrix_rank(bordered) == len(bordered))
@@ -193,7 +193,7 @@ def without_structure(rng: Rng) -> Trial:
 
 
 def no_load(rng: Rng) -> Trial:
-    """Torque 0 or -0.0: gaps, preload or overlap alone; K is positive definite."""
+    """Torque 0 or -0.0: gaps, preload or overlap only; K is positive definite."""
     n = int(rng.integers(1, 30))
     root = rng.standard_normal((n, n))
     levers = rng.uniform(rng.choice([0.1, -1.0]), 1.0, (n, 1))

@@ -1,6 +1,6 @@
-"""Seeded scenes of all kinds of pairs, with geometry as drawings have it.
+"""Seeded scenes of all kinds of pairs, with geometry as on drawings.
 
-Loads are 0.1 to 3 times those of a nominal Hertz pressure; a third of the scenes rubs.
+Loads are 0.1 to 3 times those of a nominal Hertz pressure; a third of the scenes has friction.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 ANGLE = radians(20.0)
 #: c0 in plane strain, mm²/N.
 STEEL = 2 * (1 - 0.3**2) / (pi * 206000.0)
-#: Of the scenes that the factors of the estimate were looked at with.
+#: Seed of the scenes with which the factors of the estimate were determined.
 SEED = 7
 KINDS = ("gears", "ring", "gears", "spline", "gears", "cam")
 
@@ -26,7 +26,7 @@ Scene = dict[str, Any]
 
 
 def scenes(count: int, *, seed: int = SEED) -> list[tuple[str, Scene]]:
-    """So many scenes that can be built, each with its kind."""
+    """The given number of valid scenes, each with its kind."""
     return list(_scenes(count, seed))
 
 
@@ -55,7 +55,7 @@ def inv(angle: float) -> float:
 
 
 def _load_part(rng: np.random.Generator) -> float:
-    """Load over the nominal one."""
+    """Load relative to the nominal one."""
     return float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))
 
 
@@ -76,7 +76,7 @@ def _modified(rng: np.random.Generator, module: float, tip: float, outward: int)
 
 
 def _gears(rng: np.random.Generator) -> Scene | None:
-    """Two external gears; None where the draw makes no pair."""
+    """Two external gears; None if the drawn keys give no pair."""
     teeth = [int(rng.integers(14, 40)), int(rng.integers(14, 90))]
     module, working = float(rng.uniform(1, 8)), radians(rng.uniform(18, 25))
     pitch_radius = [module * z / 2 * cos(ANGLE) / cos(working) for z in teeth]
@@ -123,7 +123,7 @@ def _gears(rng: np.random.Generator) -> Scene | None:
 
 
 def _ring(rng: np.random.Generator) -> Scene:
-    """A pinion in a ring on their reference circles, profile shifts alike."""
+    """A pinion in a ring on their reference circles, with equal profile shifts."""
     module = float(rng.uniform(1.5, 6))
     pinion = int(rng.integers(17, 34))
     ring = pinion + int(rng.integers(26, 70))
@@ -165,7 +165,7 @@ def _ring(rng: np.random.Generator) -> Scene:
 
 
 def _spline(rng: np.random.Generator) -> Scene:
-    """A toothed coupling with rounded tips; half of them with their axes apart."""
+    """A toothed coupling with rounded tips; half of them with offset axes."""
     module, teeth = float(rng.uniform(1, 4)), int(rng.integers(12, 31))
     diameter, width = module * teeth, float(rng.uniform(8, 18)) * module
     reach = float(rng.uniform(0.8, 0.9)) * module
@@ -208,7 +208,7 @@ def _spline(rng: np.random.Generator) -> Scene:
 
 
 def _cam(rng: np.random.Generator) -> Scene:
-    """A disc cam and a follower with a roller, or with a flat where the cam has no hollow."""
+    """A disc cam and a follower with a roller, or with a flat if the cam has no hollow."""
     angle = np.arange(0.0, 360.0, 2.0)
     turn = np.radians(angle)
     radius = float(rng.uniform(22, 34))

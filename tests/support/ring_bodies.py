@@ -1,4 +1,4 @@
-"""A gear and a ring with other keys, meshed gears, the whole ring of which a sector is a part."""
+"""A gear and a ring with changed keys, meshed gears, and the whole ring of a sector."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RING = {
 
 
 def gear(**keys) -> Gear:
-    """The FZG type C pinion, with other keys."""
+    """The FZG type C pinion, with changed keys."""
     given = {
         "teeth": 16,
         "module_mm": 4.5,
@@ -34,7 +34,7 @@ def gear(**keys) -> Gear:
 
 
 def ring(**keys) -> Ring:
-    """A ring of 60 teeth, with other keys."""
+    """A ring of 60 teeth, with changed keys."""
     return Ring(**(RING | keys))
 
 
@@ -43,7 +43,7 @@ def full_ring(
 ) -> np.ndarray:
     """Response of all teeth of the whole meshed ring to the modes on tooth 0, (z, p, p).
 
-    `more` columns (2N, q) of a sector's own frame only read: (z, p + q, p).
+    `more` columns (2N, q) of a sector's own frame are read only: (z, p + q, p).
     """
     pieces, count = [], len(mesh.nodes)
     for tooth in range(mesh.teeth):

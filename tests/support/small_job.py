@@ -1,4 +1,4 @@
-"""A scene file that is soon solved."""
+"""A scene file with a short run time."""
 
 from __future__ import annotations
 

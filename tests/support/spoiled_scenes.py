@@ -1,4 +1,4 @@
-"""Scenes spoiled at random: keys removed, misspelled, of wrong type, out of range."""
+"""Randomly invalid scenes: keys removed, misspelled, of wrong type, out of range."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NUMBERS = (
     0, -1, 1, 2, 3, 0.5, 1e-3, 1e3, 1e5, 1e9, 1e12, 1e-12, 1e300, -1e300, 1e-300, 5e-324, 10**400,
 )  # fmt: skip
 WORDS = ("", " ", "日本語", "$\\frac{1$", "a" * 5000, "\x00", "gear", "../nothing.msh", "−1")
-#: Effects as a user may ask for them, alone and together.
+#: Effects as a user may request them, individually and combined.
 EFFECTS: tuple[Tree, ...] = (
     {"friction_coefficient": 0.08},
     {"friction_coefficient": [[-5.0, 0.05], [5.0, 0.1]]},
@@ -59,7 +59,7 @@ OTHER: tuple[tuple[str, Tree], ...] = (
 
 @cache
 def bases() -> tuple[Tree, ...]:
-    """Example scenes and scenes of the benches, with few positions and coarse elements."""
+    """Scenes of the examples and the benchmarks, with few positions and coarse elements."""
     trees = []
     for file in sorted(SCENES.glob("*.toml")):
         tree = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -81,7 +81,7 @@ def _coarse(tree: Tree) -> Tree:
 
 
 def spoiled(rng: np.random.Generator) -> tuple[Tree, str | None]:
-    """A scene and, where it must be refused whatever else it says, why."""
+    """A scene and, if it must be rejected in any case, the reason."""
     tree = copy.deepcopy(bases()[rng.integers(len(bases()))])
     for _ in range(rng.integers(0, 3)):
         _change(tree, rng)
@@ -123,7 +123,7 @@ def _number(value: float, rng: np.random.Generator) -> float:
 
 
 def _invalidate(tree: Tree, rng: np.random.Generator) -> str | None:
-    """Make a scene that must be refused; why, or None where a word happens to be allowed."""
+    """Make a scene that must be rejected; the reason, or None if a word happens to be allowed."""
     table, key = _place(tree, rng)
     value = table[key]
     match rng.integers(6):

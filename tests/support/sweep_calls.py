@@ -1,4 +1,4 @@
-"""Calls of the sweep with torque lists, of gears and of a spline."""
+"""Calls of the sweep with lists of torques, for gears and a spline."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def run(
 
 
 def assert_same(one: Sweep, other: Sweep) -> None:
-    """To the last bit, pairs included."""
+    """Check bitwise equality, pairs included."""
     names = ("status", "rotation_rad", "tangent_rad_per_Nmm", "certificate", "counters", "n_pairs")
     for name in (*names, "site_force_N", "site_peak_N_per_mm", "site_corner"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)

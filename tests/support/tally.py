@@ -1,4 +1,4 @@
-"""What a fuzz has found, as one line."""
+"""Findings of a fuzz run, as one line."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ class Tally:
     Attributes
     ----------
     name : str
-        Of the kind.
+        Name of the kind.
     tried, wrong, silent, traceback : int
-        Trials; wrong answers or refusals; invalid input accepted without a word; exceptions that
-        are none of the package's own.
+        Trials; wrong results or errors; invalid input accepted silently; exceptions that are not
+        the package's own.
     examples : list of str
-        How to repeat the first faults: seed and what was found.
+        How to reproduce the first faults: seed and finding.
     """
 
     name: str
