@@ -84,7 +84,7 @@ MODES_DROPPED = 2
 #: kink or a rounding takes part, h/L times the third (the pressure there is not told).
 LUMPED = {
     "transmission_error": (0.7, 1e-4, 0.3),
-    "load_share": (0.3, 0.0, 0.2),
+    "load_share": (0.32, 0.0, 0.2),
     "peak_pressure": (3.0, 0.003, 0.0),
 }
 #: Sweeps of an estimate at the most.

@@ -271,7 +271,8 @@ class Body:
         """Where the modes of a tip rounding or chamfer end; None without one."""
         if self.given is not None:
             return self.given.tip
-        if not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
+        rounded = {"tip_radius", "tip_chamfer"}.intersection(self.curve.labels)
+        if not rounded or not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
             return None
         end, high = self.curve.length_mm, self.mode_range_mm[1]
         before = high - FLANK_SIDE * (high - self.mode_range_mm[0])

@@ -218,7 +218,8 @@ def test_compliance_of_a_ring_converges_under_refinement() -> None:
     errors = [np.abs(s - finest).max() / np.abs(finest).max() for s in smooth]
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 1.8
     even = [abs(s[0, 0, 0] / finest[0, 0, 0] - 1) for s in smooth]
-    assert even[1] < 5e-4
+    # 2.5e-4 of this is the angle of the tip corner, which elements of 1 mm have to 0.1 degrees
+    assert even[1] < 7e-4
 
 
 def test_flank_element_sets_the_size() -> None:

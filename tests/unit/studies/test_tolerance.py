@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_cli import SCENE
 from tolerances import ROUND_OFF
 
 import flankload as fl
@@ -43,6 +42,7 @@ from flankload.studies.tolerance_report import (
     tolerance_report,
 )
 from tests.support.paths import SCENES
+from tests.support.small_job import SCENE
 
 #: That the default of `small` misses: its dominant sources are modes and named positions.
 TIGHT = 0.004
