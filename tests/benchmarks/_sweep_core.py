@@ -116,12 +116,12 @@ def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.
     )
     for z, argument in enumerate(arguments):
         # neither nodes nor shifts
-        breaks, coefficients, corners, angles, deviations, span, kernel, smooth, block = (
-            np.asarray(part) for part in argument[:9]
+        breaks, coefficients, corners, angles, deviations, span, kernel, wedge, smooth, block = (
+            np.asarray(part) for part in argument[:10]
         )
         head = [
             *(breaks.size, len(coefficients) - 1, angles.size, len(smooth), smooth.shape[2]),
-            *(z * pair.pairing.center_distance_mm, *span, kernel),
+            *(z * pair.pairing.center_distance_mm, *span, kernel, *wedge),
         ]
         parts += [head, breaks, coefficients, corners, angles, deviations, smooth, block]
     return np.concatenate([np.ravel(part, order="F") for part in parts]).astype(float)

@@ -86,7 +86,7 @@ contains
         type(body_type), intent(out) :: body
 
         integer :: n_breaks, degree, n_sites, n_modes, n_blocks
-        real(wp) :: head(9)
+        real(wp) :: head(14)
         real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), block(:, :)
 
         read (unit) head
@@ -98,7 +98,11 @@ contains
         body%origin = [head(6), 0.0_wp]
         body%compliance%s_low = head(7)
         body%compliance%s_high = head(8)
-        body%compliance%kernel = head(9)
+        body%compliance%s_tip = head(9)
+        body%compliance%tip_power = nint(head(10))
+        body%compliance%tip_turn = head(11)
+        body%compliance%kernel = head(12)
+        body%compliance%wedge = head(13:14)
         allocate (breaks(n_breaks), corners(n_breaks))
         allocate (coefficients(degree + 1, 2, n_breaks - 1))
         allocate (body%site_angles(n_sites), body%deviations(n_sites), block(n_sites, n_sites))

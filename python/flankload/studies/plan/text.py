@@ -57,11 +57,9 @@ def plan_text(plan: Plan) -> str:
 
 def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
     keys = [f"{key} = {value}" for table in picked["keys"].values() for key, value in table.items()]
-    expected = f"expected error {_percent(max(picked['errors'].values()))}"
-    after = "where the estimate of that run exceeds the tolerance, a finer one follows it, once"
     return [
         f"accuracy.tolerance = {tolerance:g} begins with {', '.join(keys) or 'the knobs named'}",
-        f"{expected}, most of it from {picked['dominant_source']}; {after}",
+        "where the estimate of that run exceeds the tolerance, finer ones follow it, two at most",
     ]
 
 
