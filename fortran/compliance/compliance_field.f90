@@ -68,7 +68,8 @@ contains
     !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a
     !> tip rounding or chamfer follows the flank, the last two modes are powers of the part of the
     !> tip that is passed. They follow the direction of the force: on a rounding they are those of
-    !> the place with this normal, at the corner of a chamfer the force has parts along both normals.
+    !> the place with this normal; at the corner of a chamfer the force has parts along both
+    !> normals.
     pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance

@@ -38,14 +38,14 @@ LARGER: dict[str, tuple[int, int]] = {
     "cells/friction.f90: rub_pairs": (35, 9),
     "cells/friction.f90: slide_at": (33, 12),
     "flank/contact_zones.f90: find_zones": (50, 10),
-    "position/lumped_hertz.f90: lumped_contact": (46, 12),
+    "position/lumped_hertz.f90: lumped_contact": (49, 13),
     "position/lumped_pass.f90: solve_pass": (78, 11),
     "position/lumped_place.f90: reach_of": (61, 8),
     "position/lumped_place.f90: rub_place": (40, 9),
     "position/lumped_position.f90: solve_lumped": (67, 6),
     "position/lumped_position.f90: look_at_places": (55, 9),
     "position/position_cells.f90: lay_pairs": (66, 7),
-    "position/position_zones.f90: look_at_position": (86, 7),
+    "position/position_zones.f90: look_at_position": (89, 7),
 }
 
 
