@@ -15,7 +15,7 @@ program test_core
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
         & mean_strip_kernel
-    use flankload_near_field, only: add_near_field
+    use flankload_near_field, only: add_near_field, image_type
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
@@ -697,11 +697,12 @@ contains
         real(wp) :: coupling(1, 1), rotation, approach
         real(wp), allocatable :: forces(:)
         integer :: pivots
+        type(image_type) :: none(2, 1)
         type(error_type), allocatable :: error
 
         coupling = 0.0_wp
         call lumped_contact(coupling, [0.0_wp], [lever], [2.0_wp*force*kernel/half_width**2], &
-            & [1.0_wp], 10.0_wp, kernel, lever*force, forces, rotation, pivots, error)
+            & [1.0_wp], 10.0_wp, kernel, none, lever*force, forces, rotation, pivots, error)
         call expect(.not. allocated(error), 'one place is estimated')
         approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
         call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')
