@@ -14,8 +14,8 @@ program test_core
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
-        & mean_strip_kernel
-    use flankload_near_field, only: add_near_field, image_type
+        & mean_strip_kernel, closed_strip_kernel, strip_jump
+    use flankload_near_field, only: add_near_field, image_type, new_image, image_recession
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
@@ -51,6 +51,9 @@ program test_core
     call test_near_field_of_cells
     call test_modes_of_a_tip
     call test_images_take_up_work
+    call test_strips_of_a_closed_flank
+    call test_jump_over_a_strip
+    call test_image_of_a_contact_beside_its_place
     call test_tables_between_nodes
     call test_place_before_the_second_point
     call test_slope_of_the_mean_sign
@@ -295,7 +298,7 @@ contains
         real(wp), parameter :: wedge(2) = [0.3_wp, 0.9_wp], away(3) = [0.0_wp, 0.3_wp, 3.0_wp]
         integer, parameter :: first = 3
         !> Far images of nearly even cells have the derivatives of a logarithm
-        real(wp), parameter :: series = 1.0e-6_wp
+        real(wp), parameter :: series = 1.0e-7_wp
         real(wp) :: s(n), cell(n), matrix(n + first, n + first), plain(n + first, n + first)
         real(wp) :: wanted, mean, slack
         integer :: way, sense, i, j, k
@@ -336,6 +339,51 @@ contains
             end do
         end do
     end subroutine test_near_field_of_cells
+
+    !> Narrow strips on a closed flank move each other by the logarithm of the chord, near and far.
+    subroutine test_strips_of_a_closed_flank
+        real(wp), parameter :: pi = acos(-1.0_wp), length = 30.0_wp, kernel = 1.7_wp
+        real(wp), parameter :: parts(4) = [0.002_wp, 0.1_wp, 0.25_wp, 0.45_wp], cell = 1.0e-5_wp
+        real(wp) :: wanted
+        integer :: k
+
+        do k = 1, size(parts)
+            wanted = -kernel*log(length/pi*sin(pi*parts(k)))
+            call expect(abs(closed_strip_kernel(parts(k)*length, cell, cell, length, kernel) &
+                & - wanted) <= 1.0e-8_wp*kernel, 'strips of a closed flank')
+            call expect(abs(closed_strip_kernel((parts(k) - 1.0_wp)*length, cell, cell, length, &
+                & kernel) - wanted) <= 1.0e-8_wp*kernel, 'strips a turn further')
+        end do
+    end subroutine test_strips_of_a_closed_flank
+
+    !> A contact that reaches further up flank 1 is nearer to the upper end of flank 1, and further
+    !> from that of flank 2, which runs down.
+    subroutine test_image_of_a_contact_beside_its_place
+        type(compliance_type) :: body
+        type(image_type) :: image(1)
+        real(wp) :: recession, by_reach(2), wanted
+        integer :: flank
+
+        body%kernel = 1.7_wp
+        body%wedge = [0.0_wp, 0.5_wp]
+        body%s_high = 3.0_wp
+        do flank = 1, 2
+            image(1) = new_image(body, 2.0_wp, flank)
+            call image_recession(image, [0.1_wp, 0.3_wp], recession, by_reach)
+            wanted = -1.7_wp*0.5_wp*log(2.0_wp*merge(0.9_wp, 1.1_wp, flank == 1))
+            call expect(abs(recession - wanted) <= round_off, 'image of a contact')
+        end do
+    end subroutine test_image_of_a_contact_beside_its_place
+
+    !> Over a strip that is loaded along the flank the displacement changes linearly.
+    subroutine test_jump_over_a_strip
+        real(wp), parameter :: cell = 0.2_wp, jump = 3.0_wp
+        real(wp), parameter :: places(5) = [-0.3_wp, -0.05_wp, 0.0_wp, 0.025_wp, 0.1_wp]
+        real(wp), parameter :: wanted(5) = jump*[1.0_wp, 0.5_wp, 0.0_wp, -0.25_wp, -1.0_wp]
+
+        call expect(all(abs(strip_jump(places, cell, jump) - wanted) <= round_off*jump), &
+            & 'the jump over a strip')
+    end subroutine test_jump_over_a_strip
 
     !> The modes of a tip follow the direction of the force: it does the same on both sides of a
     !> chamfer's corner, and on a rounding as where the normal has this direction.
