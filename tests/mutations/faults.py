@@ -89,7 +89,8 @@ _FORTRAN = (
     ),
     *_in(
         "compliance_field.f90",
-        "core unit/pairing/test_friction.py physics/test_sliding_cylinder.py physics/test_cam_pair.py "
+        "core unit/pairing/test_friction.py physics/test_sliding_cylinder.py "
+        "physics/test_cam_pair.py "
         "unit/bodies/test_cam.py",
         ("2.0_wp*distance/cell))", "1.0_wp*distance/cell))"),
         ("kernel) - kernel*shortening", "kernel) + kernel*shortening"),
