@@ -113,7 +113,7 @@ _FORTRAN = (
     ),
     *_in(
         "near_field.f90",
-        "physics/test_corner_image.py",
+        "core physics/test_corner_image.py",
         ("if (flank == 2) image%sense = -image%sense", "image%sense = image%sense"),
         ("kernel(end)*slope/distance", "kernel(end)*2.0_wp*slope/distance"),
         ("kernel(end)*log(2.0_wp*distance)", "kernel(end)*log(0.5_wp*distance)"),
