@@ -34,8 +34,8 @@ def stem(name: str) -> str:
 
 def package_of(library: str) -> str:
     """The Debian package that a bundled library came from."""
-    told = subprocess.run(["ldconfig", "-p"], capture_output=True, text=True, check=True).stdout
-    known = [line.split(" => ")[1] for line in told.splitlines() if " => " in line]
+    printed = subprocess.run(["ldconfig", "-p"], capture_output=True, text=True, check=True).stdout
+    known = [line.split(" => ")[1] for line in printed.splitlines() if " => " in line]
     for path in known:
         real = os.path.realpath(path)
         if stem(library) not in (stem(path), stem(real)):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 ELEMENTS, MODES, STRIPS = "flank_element_mm", "modes", "strips_per_half_width"
 #: Parameters on which compliances depend.
 OF_ELEMENTS = (ELEMENTS, MODES)
-#: Parameters by the names of `Discretization`, and the error source that each controls.
+#: Parameters by the names of `NamedDiscretization`, and the error source that each controls.
 SOURCES = {ELEMENTS: "elements", MODES: "modes", STRIPS: "strips", "positions": "positions"}
 #: Range of the number of pressure modes that a scene can name.
 LEAST_MODES, MOST_MODES = 3, 12
