@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ def build_body(
     flank_element_mm: float | None,
     flank_element_parts: float,
     flank_nodes_mm: float | None = None,
+    pair_width_mm: float | None = None,
 ) -> Body:
     """Build the body that a table of a scene describes.
 
@@ -45,6 +48,8 @@ def build_body(
     flank_nodes_mm : float, optional
         Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
+    pair_width_mm : float, optional
+        Face width of bodies without one of their own, in a three-dimensional scene.
 
     Returns
     -------
@@ -69,6 +74,8 @@ def build_body(
         SplineShaft,
         Sprocket,
     )
+
+    from flankload.scene.axial import axial_range
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
     if isinstance(spec, ComplianceBody):
@@ -101,7 +108,11 @@ def build_body(
     if isinstance(spec, Gear):
         from flankload.bodies.involute.gear import build_gear
 
-        return build_gear(spec, key, **lengths)
+        body = build_gear(spec, key, **lengths)
+        if pair_width_mm is None or body.involute is None:
+            return body
+        ends = axial_range(spec, pair_width_mm, key)
+        return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
     if isinstance(spec, Ring):
         from flankload.bodies.involute.ring import build_ring
 

@@ -13,6 +13,7 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.imported.given import GivenCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
@@ -230,6 +231,8 @@ class Body:
         Sense of rotation of a cam.
     active_range_mm : (float, float) or None
         Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
+    axial : AxialShape or None
+        Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
     """
 
     kind: str
@@ -255,6 +258,7 @@ class Body:
     turns_clockwise: bool = False
     active_range_mm: tuple[float, float] | None = None
     mirrored: bool = False
+    axial: AxialShape | None = None
 
     @property
     def is_parametric(self) -> bool:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Discretization
     from flankload.scene.effects import Effects
 
@@ -46,6 +47,8 @@ class BodyPair:
         Thermal and centrifugal expansion of both bodies, if any.
     standing_note : str or None
         Note on the distance of flanks whose angles are given by files.
+    slices : Slices or None
+        Slices of the common face width of three-dimensional bodies.
     """
 
     body_1: Body
@@ -62,6 +65,7 @@ class BodyPair:
     fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
     growth: tuple[Growth | None, Growth | None] = (None, None)
     standing_note: str | None = None
+    slices: Slices | None = None
 
     @property
     def period_rad(self) -> float:

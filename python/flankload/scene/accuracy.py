@@ -40,3 +40,19 @@ class Accuracy(Table, frozen=True, kw_only=True):
         Annotated[float, Meta(gt=1, le=20)] | None,
         about("-", "half-width of the strips' zone in Hertz half-widths"),
     ] = None
+    slices: Annotated[
+        Annotated[int, Meta(ge=1, le=200)] | None,
+        about("-", "three dimensions: slices over the common face width"),
+    ] = None
+    axial_degree: Annotated[
+        Annotated[int, Meta(ge=4, le=16)] | None,
+        about("-", "three dimensions: degree of the displacements along the axis"),
+    ] = None
+    load_degree_z: Annotated[
+        Annotated[int, Meta(ge=0, le=12)] | None,
+        about(
+            "-",
+            "three dimensions: degree of the pressure modes along the axis, at most "
+            "accuracy.axial_degree - 4",
+        ),
+    ] = None

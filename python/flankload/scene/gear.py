@@ -2,11 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import cos, pi, radians
+from math import atan, cos, pi, radians, tan
 from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.axial import (
+    AxialKeys,
+    AxialOffset,
+    EndRelief,
+    EndReliefLength,
+    EndReliefShape,
+    Hand,
+    HelixAngle,
+    HelixSlope,
+    LeadCrowning,
+    OwnWidth,
+)
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_ERRORS,
@@ -85,9 +97,16 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         return "", self
 
     @property
+    def helix_rad(self) -> float:
+        """Helix angle on the reference cylinder, rad; 0 for a spur tooth."""
+        return 0.0
+
+    @property
     def base_pitch_mm(self) -> float:
-        """Distance of neighbouring flanks along the base tangent, mm."""
-        return pi * self.module_mm * cos(radians(self.pressure_angle_deg))
+        """Distance of neighbouring flanks along the base tangent in the transverse section, mm."""
+        normal = radians(self.pressure_angle_deg)
+        transverse = atan(tan(normal) / cos(self.helix_rad)) if self.helix_rad else normal
+        return pi * self.module_mm / cos(self.helix_rad) * cos(transverse)
 
 
 class Geometry(InvoluteKeys, frozen=True, kw_only=True):
@@ -102,8 +121,8 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     ] = 0.38
 
 
-class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
-    """An external spur gear with a generated root fillet, held at its bore."""
+class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
+    """An external spur or helical gear with a generated root fillet, held at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     bore_diameter_mm: Annotated[
@@ -113,6 +132,15 @@ class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
+    helix_angle_deg: HelixAngle = 0.0
+    hand: Hand = None
+    face_width_mm: OwnWidth = None
+    axial_offset_mm: AxialOffset = 0.0
+    lead_crowning_um: LeadCrowning = None
+    helix_slope_um: HelixSlope = None
+    end_relief_um: EndRelief = None
+    end_relief_length_mm: EndReliefLength = None
+    end_relief_shape: EndReliefShape = "linear"
 
     @property
     def number_of_teeth(self) -> int:
@@ -120,9 +148,10 @@ class Gear(Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip and the bore."""
+        """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
+        self.check_axial(key)
         _check_bore(self, key)
 
 

@@ -21,6 +21,9 @@ from flankload.scene.table import (
 LEAST_START = 8
 
 
+Misalignment = Annotated[float, Meta(ge=-100, le=100)]
+
+
 class Pair(Table, frozen=True, kw_only=True):
     """How the bodies stand to each other."""
 
@@ -45,6 +48,28 @@ class Pair(Table, frozen=True, kw_only=True):
     face_width_mm: Annotated[
         Length, about("mm", "width over which the flanks touch", usual=(0.05, 5000.0))
     ]
+
+    inclination_um_per_mm: Annotated[
+        Misalignment,
+        about(
+            "um/mm",
+            "misalignment of axis 2 in the plane of both axes, f_Sigma_delta; positive: the gap "
+            "grows with z",
+        ),
+    ] = 0.0
+    deviation_um_per_mm: Annotated[
+        Misalignment,
+        about(
+            "um/mm",
+            "misalignment of axis 2 across the plane of both axes, f_Sigma_beta; positive: the "
+            "gap grows with z",
+        ),
+    ] = 0.0
+
+    @property
+    def is_misaligned(self) -> bool:
+        """Whether the axes are not parallel."""
+        return bool(self.inclination_um_per_mm or self.deviation_um_per_mm)
 
     @property
     def axes_apart_mm(self) -> float:

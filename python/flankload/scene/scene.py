@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from flankload.errors import SceneError
 from flankload.scene.accuracy import Accuracy
+from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Belt
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import read_table
@@ -170,7 +171,7 @@ class Scene:
             asked.body_1.check(d["body_1"], "body_1")
             asked.body_2.check(d["body_2"], "body_2")
             asked.check(d)
-            asked = _without_repetition(asked, d)
+            asked = _with_slices(_without_repetition(asked, d))
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
         return cls(
@@ -198,3 +199,11 @@ def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile
     if {"count", "angles_deg"} & set(given.get("positions", {})):
         return asked
     return replace(asked, positions=replace(asked.positions, count=1))
+
+
+def _with_slices(asked: SceneFile) -> SceneFile:
+    """Use lumped contact in slices for three-dimensional bodies."""
+    bodies = (asked.body_1, asked.body_2)
+    if three_dimensional_key(bodies, asked.pair, asked.effects.dimension) is None:
+        return asked
+    return replace(asked, effects=replace(asked.effects, contact="lumped"))

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 from flankload.scene.accuracy import Accuracy
+from flankload.scene.axial import check_dimension
 from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
 from flankload.scene.chain import Chain, Sprocket
@@ -56,6 +57,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
         check_drive(self, given)
         if self.pair is not None:
             self.pair.check(self.body_1, self.body_2)
+        check_dimension(self, given)
         check_effects(self, given)
         self.positions.check(given.get("positions", {}))
         if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:

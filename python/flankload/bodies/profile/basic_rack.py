@@ -13,7 +13,7 @@ normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin, tan
+from math import atan, cos, pi, sin, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,6 +50,11 @@ class BasicRack:
     def root_radius_mm(self) -> float:
         """Radius of the gear's root circle, mm."""
         return self.reference_radius_mm + self.center_mm[0] - self.tip_radius_mm
+
+    @property
+    def flank_angle_rad(self) -> float:
+        """Parameter beta at which the fillet meets the involute."""
+        return self.pressure_angle_rad
 
     @property
     def root_half_angle_rad(self) -> float:
@@ -94,6 +99,80 @@ class BasicRack:
         return place, first, second
 
 
+@dataclass(frozen=True)
+class HelicalRack(BasicRack):
+    """The rack of a helical gear in the transverse section, where its tip rounding is an ellipse.
+
+    The ellipse has the half-axes rho in height and rho/cos(helix) along the pitch line; its point
+    at the parameter beta is that of the normal section at the normal -(sin beta, cos beta).
+
+    Attributes
+    ----------
+    helix_cosine : float
+        Cosine of the helix angle on the reference circle.
+    """
+
+    helix_cosine: float
+
+    @property
+    def flank_angle_rad(self) -> float:
+        """Parameter beta at which the fillet meets the involute: the normal pressure angle."""
+        return atan(self.helix_cosine * tan(self.pressure_angle_rad))
+
+    def _roll(self, beta: Floats) -> tuple[Floats, Floats, Floats]:
+        """Roll angle phi at beta and its first two derivatives."""
+        c, rho = self.helix_cosine, self.tip_radius_mm
+        xi, eta = self.center_mm
+        sine, cosine = np.sin(beta), np.cos(beta)
+        slack = rho * (1.0 / c - c)
+        phi = eta - slack * cosine - c * xi * cosine / sine
+        phi_1 = slack * sine + c * xi / sine**2
+        phi_2 = slack * cosine - 2 * c * xi * cosine / sine**3
+        r = self.reference_radius_mm
+        return phi / r, phi_1 / r, phi_2 / r
+
+    def roll_of_form_point(self, base_half_angle_rad: float) -> float:
+        """Roll parameter of the involute where the fillet touches it; negative: undercut."""
+        phi = float(self._roll(np.array([self.flank_angle_rad]))[0][0])
+        return base_half_angle_rad + self.pressure_angle_rad - phi
+
+    def slope(self, beta: Floats) -> Floats:
+        """Length of the fillet per beta, mm/rad; the fillet has a cusp if it is not positive."""
+        _, first, _ = self.fillet(beta)
+        phi = self._roll(np.asarray(beta, dtype=float))[0]
+        # unit tangent, perpendicular to the normal of the ellipse
+        turn = phi - np.arctan2(np.sin(beta), self.helix_cosine * np.cos(beta))
+        return np.asarray(-first[:, 0] * np.cos(turn) - first[:, 1] * np.sin(turn))
+
+    def fillet(self, beta: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (m, 2) of the fillet at beta (m,), mm, and their first two derivatives.
+
+        beta runs from pi/2 (root circle) to the normal pressure angle (start of the involute).
+        """
+        beta = np.atleast_1d(np.asarray(beta, dtype=float))
+        c, rho, center = self.helix_cosine, self.tip_radius_mm, self.center_mm[0]
+        sine, cosine = np.sin(beta), np.cos(beta)
+        phi, phi_1, phi_2 = self._roll(beta)
+        xi, xi_1, xi_2 = center - rho * sine, -rho * cosine, rho * sine
+        eta_1, eta_2 = rho / c * sine, rho / c * cosine
+        # distance from the pitch point along the pitch line, eta - r phi
+        off = c * xi * cosine / sine
+        off_1 = c * (xi_1 * cosine / sine - xi / sine**2)
+        # components along e_r(phi) and e_theta(phi)
+        first = (xi_1 - phi_1 * off, eta_1 + phi_1 * xi)
+        second = (
+            xi_2 - phi_2 * off - phi_1 * off_1 - phi_1 * first[1],
+            eta_2 + phi_2 * xi + phi_1 * xi_1 + phi_1 * first[0],
+        )
+        radial = np.stack([np.cos(phi), np.sin(phi)], axis=1)
+        across = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+
+        def placed(parts: tuple[Floats, Floats]) -> Floats:
+            return np.asarray(parts[0][:, None] * radial + parts[1][:, None] * across)
+
+        return placed((self.reference_radius_mm + xi, off)), placed(first), placed(second)
+
+
 def basic_rack(
     *,
     teeth: int,
@@ -103,13 +182,16 @@ def basic_rack(
     dedendum_factor: float,
     fillet_radius_factor: float,
     key: str,
+    helix_angle_rad: float = 0.0,
 ) -> BasicRack:
     """The generating rack of a gear, checked.
 
     Parameters
     ----------
     teeth, module_mm, pressure_angle_rad, profile_shift, dedendum_factor, fillet_radius_factor
-        Geometry of gear and rack.
+        Geometry of gear and rack, in the normal section.
+    helix_angle_rad : float
+        On the reference circle.
     key : str
         Key of the body in the scene, for messages.
 
@@ -143,13 +225,17 @@ def basic_rack(
     half_thickness = module_mm * (0.25 * pi + profile_shift * slant)
     eta = half_thickness - xi * slant + rounding / cos(pressure_angle_rad)
     rack = BasicRack(0.5 * teeth * module_mm, pressure_angle_rad, (xi, eta), rounding)
+    c = cos(helix_angle_rad)
+    if helix_angle_rad:
+        radius, angle = 0.5 * teeth * module_mm / c, atan(slant / c)
+        rack = HelicalRack(radius, angle, (xi, eta / c), rounding, helix_cosine=c)
     if rack.root_radius_mm <= 0.0:
         raise SceneError(
             key=f"{key}.dedendum_factor",
-            expected=f"less than {0.5 * teeth + profile_shift:.4f}, which leaves no root circle",
+            expected=f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root circle",
             found=f"{dedendum_factor:g}",
         )
-    if not rack.slope(np.linspace(pressure_angle_rad, 0.5 * pi, 200)).min() > 0.0:
+    if not rack.slope(np.linspace(rack.flank_angle_rad, 0.5 * pi, 200)).min() > 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",
             expected="a profile shift at which the rack's tip generates a fillet without a cusp",

@@ -131,19 +131,20 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
-    pressure_angle = radians(spec.pressure_angle_deg)
+    normal_angle = radians(spec.pressure_angle_deg)
     rack = basic_rack(
         teeth=z,
         module_mm=spec.module_mm,
-        pressure_angle_rad=pressure_angle,
+        pressure_angle_rad=normal_angle,
         profile_shift=spec.profile_shift,
         dedendum_factor=spec.dedendum_factor,
         fillet_radius_factor=spec.fillet_radius_factor,
         key=key,
+        helix_angle_rad=spec.helix_rad,
     )
-    base_radius = rack.reference_radius_mm * cos(pressure_angle)
-    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(pressure_angle)) / z
-    base_half_angle += involute_function(pressure_angle)
+    base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
+    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(normal_angle)) / z
+    base_half_angle += involute_function(rack.pressure_angle_rad)
     plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
     start = _form_point(rack, plain)
     involute = Involute(
@@ -172,7 +173,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
 
 def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
     """End of the fillet: it touches the involute there, or cuts it (undercut)."""
-    angle = rack.pressure_angle_rad
+    angle = rack.flank_angle_rad
     roll = rack.roll_of_form_point(flank.base_half_angle_rad)
     if roll > -LEAST_ROLL:
         return FormPoint(max(roll, LEAST_ROLL), angle, False)

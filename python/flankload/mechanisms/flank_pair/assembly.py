@@ -21,8 +21,9 @@ from flankload.pairing.friction import (
     friction_of,
 )
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
-from flankload.pairing.pairing import pair_bodies
+from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.period import Period, period_of
+from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
 from flankload.scene.discretization import (
     DEFAULT,
     Discretization,
@@ -142,7 +143,7 @@ def build_bodies(
             body_1,
             body_2,
             center_distance_mm=scene.pair.axes_apart_mm,
-            position_rad=position_rad,
+            position_rad=reached_positions(position_rad, body_1),
             coast_flanks=effects.coast_flanks,
         )
         pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
@@ -191,7 +192,22 @@ def build_bodies(
         friction=friction,
         fillets=fillets,
         growth=growth_of(scene, pairing),
+        slices=_slices(scene, (body_1, body_2), pairing),
     )
+
+
+def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices | None:
+    """Slices of the common face width; None in a plane scene."""
+    one, two = (body.axial for body in bodies)
+    if one is None or two is None:
+        return None
+    assert pairing.mesh is not None
+    misalignment = gap_by_misalignment(
+        scene.pair.inclination_um_per_mm,
+        scene.pair.deviation_um_per_mm,
+        pairing.mesh.pressure_angle_rad,
+    )
+    return slices_of((one, two), scene.accuracy.slices, misalignment)
 
 
 def _with_file(error: SceneError, scene: Scene) -> SceneError:
@@ -251,6 +267,7 @@ def _body(
         flank_element_mm=element_mm,
         flank_element_parts=discretization.flank_element_parts,
         flank_nodes_mm=nodes_mm,
+        pair_width_mm=scene.pair.face_width_mm if effects_of(scene).three_dimensions else None,
     )
 
 

@@ -31,6 +31,15 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "are as the keys say",
         ),
     ] = None
+    dimension: Annotated[
+        Literal[2, 3] | None,
+        about(
+            "-",
+            "3: the bodies are three-dimensional, even if nothing varies along the axis; absent = "
+            "3 where a helix angle, a lead modification, unequal face widths or a misalignment "
+            "require it, else 2",
+        ),
+    ] = None
     friction_coefficient: Annotated[
         Coefficient | Coefficients | None,
         about(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
+from flankload.scene.axial import LEAD_KEYS
 from flankload.scene.effects.record import Effect, Switch, Work
 from flankload.scene.effects.switches import (
     MODIFICATIONS,
@@ -12,6 +13,7 @@ from flankload.scene.effects.switches import (
     is_elastic,
     is_misplaced,
     is_modified,
+    is_spatial,
 )
 
 if TYPE_CHECKING:
@@ -61,6 +63,20 @@ class Effects:
         work=Work(factorisations=1, normal_loads=1),
         counters=("fe_factorisations", "unit_loads_normal"),
         size_by="compliance",
+    )
+    three_dimensions: bool = _effect(
+        "three-dimensional bodies",
+        keys=(
+            "effects.dimension",
+            "body_*.helix_angle_deg",
+            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm")),
+            "pair.inclination_um_per_mm",
+            "pair.deviation_um_per_mm",
+        ),
+        called_for=is_spatial,
+        stages=(*BODIES, *SWEEPS),
+        counters=("slices",),
+        of_teeth=True,
     )
     segment: bool = _effect(
         "a segment of the teeth with held cuts",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
 
@@ -26,6 +27,13 @@ def is_elastic(number: int) -> Callable[[Scene], Switch]:
         return Switch(not body.rigid, f"body_{number}.rigid {word}", body.rigid)
 
     return switch
+
+
+def is_spatial(scene: Scene) -> Switch:
+    """Whether the bodies are three-dimensional; the reason is the first such key."""
+    bodies, dimension = (scene.body_1, scene.body_2), scene.effects.dimension
+    key = three_dimensional_key(bodies, scene.pair, dimension)
+    return Switch(key is not None, key or "nothing varies along the axis", dimension is not None)
 
 
 def is_modified(scene: Scene) -> Switch:

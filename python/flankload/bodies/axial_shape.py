@@ -1,0 +1,119 @@
+"""Shape of a body along its axis: width, twist of the helix, lead modifications."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.scene.axial import AxialKeys
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LeadModifications:
+    """Metal removed from a flank along its face width, in the direction of the base tangent.
+
+    Attributes
+    ----------
+    crowning_mm : float
+        Parabola: 0 in the middle, this amount at both ends.
+    slope_mm : float
+        Linear: this amount at the end of larger z; negative: its magnitude at the other end.
+    end_relief_mm, end_relief_length_mm : (float, float)
+        Amounts at the ends of smaller and larger z, and the lengths over which they vanish.
+    end_relief_power : int
+        1: linear; 2: parabolic.
+    """
+
+    crowning_mm: float = 0.0
+    slope_mm: float = 0.0
+    end_relief_mm: tuple[float, float] = (0.0, 0.0)
+    end_relief_length_mm: tuple[float, float] = (1.0, 1.0)
+    end_relief_power: int = 1
+
+    def at(self, zeta: Floats, width_mm: float) -> Floats:
+        """Metal removed, mm.
+
+        Parameters
+        ----------
+        zeta : (n,) array
+            Places along the face width: 0 at the end of smaller z, 1 at the other.
+        width_mm : float
+
+        Returns
+        -------
+        (n,) array
+            >= 0.
+        """
+        removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
+        removed += self.slope_mm * zeta if self.slope_mm > 0 else -self.slope_mm * (1.0 - zeta)
+        for amount, length, from_end in zip(
+            self.end_relief_mm, self.end_relief_length_mm, (zeta, 1.0 - zeta), strict=True
+        ):
+            rest = np.maximum(0.0, 1.0 - from_end * width_mm / length)
+            removed += amount * rest**self.end_relief_power
+        return removed
+
+
+@dataclass(frozen=True)
+class AxialShape:
+    """A body along its axis.
+
+    Attributes
+    ----------
+    range_mm : (float, float)
+        Positions of both ends on the common axis direction z.
+    twist_rad_per_mm : float
+        Rotation of the transverse section per length along z, counter-clockwise: tan(beta)/r on
+        the reference circle, positive for a right-hand helix.
+    lead : LeadModifications
+    """
+
+    range_mm: tuple[float, float]
+    twist_rad_per_mm: float = 0.0
+    lead: LeadModifications = LeadModifications()
+
+    @property
+    def width_mm(self) -> float:
+        """Face width, mm."""
+        return self.range_mm[1] - self.range_mm[0]
+
+    def gap_mm(self, z_mm: Floats) -> Floats:
+        """Metal removed by the lead modifications at axial positions (n,), mm."""
+        return self.lead.at((z_mm - self.range_mm[0]) / self.width_mm, self.width_mm)
+
+
+def axial_shape(
+    keys: AxialKeys, range_mm: tuple[float, float], reference_radius_mm: float
+) -> AxialShape:
+    """Shape along the axis from the keys of a body.
+
+    Parameters
+    ----------
+    keys : AxialKeys
+    range_mm : (float, float)
+        Positions of both ends.
+    reference_radius_mm : float
+        Radius of the cylinder on which the helix angle is given.
+
+    Returns
+    -------
+    AxialShape
+    """
+    one, two = keys.end_relief_um or (0.0, 0.0)
+    lengths = keys.end_relief_length_mm or (1.0, 1.0)
+    lead = LeadModifications(
+        crowning_mm=(keys.lead_crowning_um or 0.0) / 1000.0,
+        slope_mm=(keys.helix_slope_um or 0.0) / 1000.0,
+        end_relief_mm=(one / 1000.0, two / 1000.0),
+        end_relief_length_mm=(lengths[0], lengths[1]),
+        end_relief_power=2 if keys.end_relief_shape == "parabolic" else 1,
+    )
+    return AxialShape(range_mm, keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm, lead)

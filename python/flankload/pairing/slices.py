@@ -1,0 +1,134 @@
+"""Slices of the common face width of two bodies: one place of contact on each flank and slice.
+
+The transverse section of a body at the axial position z is that at z = 0, rotated by twist times z:
+the pairs of flanks of a slice are those of the plane pair with the teeth at these angles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.axial_shape import AxialShape
+    from flankload.bodies.body import Body
+
+    Floats = NDArray[np.float64]
+
+#: Slices over the common face width by default.
+SLICES = 28
+
+
+@dataclass(frozen=True)
+class Slices:
+    """J slices of the common face width.
+
+    Attributes
+    ----------
+    z_mm, width_mm : (J,) arrays
+        Middle and width of each slice.
+    turns_rad : two (J,) arrays
+        Angle of each body's section in each slice relative to that at z = 0.
+    removed_mm : two (J,) arrays
+        Metal removed from the flanks of each body in each slice, along the base tangent.
+    """
+
+    z_mm: Floats
+    width_mm: Floats
+    turns_rad: tuple[Floats, Floats]
+    removed_mm: tuple[Floats, Floats]
+
+    @property
+    def count(self) -> int:
+        """J."""
+        return self.z_mm.size
+
+    def site_angles(self, angles_rad: Floats, body: int) -> Floats:
+        """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site."""
+        return np.asarray(np.add.outer(angles_rad, self.turns_rad[body]).ravel())
+
+    def site_deviations(self, deviations_mm: Floats, body: int) -> Floats:
+        """Metal that touches early (S * J,) from that of the sites (S,), mm."""
+        return np.asarray(np.subtract.outer(deviations_mm, self.removed_mm[body]).ravel())
+
+    def by_slice(self, values: Floats) -> Floats:
+        """Values of sites and slices (S * J, ...) with an axis for the slices: (S, J, ...)."""
+        return values.reshape(-1, self.count, *values.shape[1:])
+
+
+def slices_of(
+    shapes: tuple[AxialShape, AxialShape], count: int | None, misalignment_per_mm: float
+) -> Slices:
+    """Equal slices of the common face width.
+
+    Parameters
+    ----------
+    shapes : two AxialShape
+    count : int or None
+        Number of slices, `SLICES` by default.
+    misalignment_per_mm : float
+        Gap per length along z by the misalignment of the axes.
+
+    Returns
+    -------
+    Slices
+    """
+    one, two = shapes
+    low = max(one.range_mm[0], two.range_mm[0])
+    high = min(one.range_mm[1], two.range_mm[1])
+    ends = np.linspace(low, high, (count or SLICES) + 1)
+    z = 0.5 * (ends[1:] + ends[:-1])
+    return Slices(
+        z_mm=z,
+        width_mm=np.diff(ends),
+        turns_rad=(one.twist_rad_per_mm * z, two.twist_rad_per_mm * z),
+        removed_mm=(one.gap_mm(z), two.gap_mm(z) + misalignment_per_mm * z),
+    )
+
+
+def gap_by_misalignment(
+    inclination_um_per_mm: float, deviation_um_per_mm: float, pressure_angle_rad: float
+) -> float:
+    """Gap per length along z by a misalignment of the axes, along the base tangent (ISO 6336-1).
+
+    Parameters
+    ----------
+    inclination_um_per_mm, deviation_um_per_mm : float
+        In the plane of both axes and across it.
+    pressure_angle_rad : float
+        Working transverse pressure angle.
+
+    Returns
+    -------
+    float
+    """
+    gap = inclination_um_per_mm * sin(pressure_angle_rad)
+    gap += deviation_um_per_mm * cos(pressure_angle_rad)
+    return gap / 1000.0
+
+
+def reached_positions(position_rad: Floats, body_1: Body) -> Floats:
+    """Positions at which the sections of body 1 are, over its whole width.
+
+    Parameters
+    ----------
+    position_rad : (P,) array
+        Angles of the section at z = 0.
+    body_1 : Body
+
+    Returns
+    -------
+    (n,) array
+        The same in a plane scene.
+    """
+    if body_1.axial is None or not body_1.axial.twist_rad_per_mm:
+        return position_rad
+    ends = np.asarray(body_1.axial.range_mm) * body_1.axial.twist_rad_per_mm
+    # less than half a pitch apart, so that no pair is passed over
+    steps = 2 + int(np.ptp(ends) * body_1.teeth / pi)
+    return np.unique(np.add.outer(position_rad, np.linspace(*ends, steps)))

@@ -1,0 +1,126 @@
+"""Loads of the slices of the common face width, and the factors derived from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.read_only import KeepsReadOnly
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SliceLoads(KeepsReadOnly):
+    """Loads of J slices at P positions on S sites.
+
+    Attributes
+    ----------
+    z_mm, width_mm : (J,) arrays
+        Axial position of the middle of each slice, and its width.
+    force_N : (P, S, J) array
+        Force normal to the flank.
+    peak_pressure_MPa : (P, S, J) array
+    tangent_helix_base : float
+        Tangent of the helix angle on the base cylinder of body 1, positive for a right hand.
+    cosine_helix_base : float
+        Part of a force normal to the flank that lies in the transverse section.
+    """
+
+    z_mm: Floats
+    width_mm: Floats
+    force_N: Floats
+    peak_pressure_MPa: Floats
+    tangent_helix_base: float
+    cosine_helix_base: float
+
+    @cached_property
+    def line_load_N_per_mm(self) -> Floats:
+        """(P, S, J) Force per mm of face width."""
+        return self.force_N / self.width_mm
+
+    @cached_property
+    def face_load_factor(self) -> float:
+        """K_Hbeta: largest over positions and slices of the line load summed over all sites,
+        divided by its mean over the face width; 1 without load.
+        """
+        summed = self.line_load_N_per_mm.sum(axis=1)
+        mean = self.force_N.sum(axis=(1, 2)) / self.width_mm.sum()
+        factors = np.ones_like(mean)
+        np.divide(summed.max(axis=1), mean, out=factors, where=mean > 0)
+        return float(factors.max())
+
+    @cached_property
+    def flank_face_load_factor(self) -> Floats:
+        """(P, S) Largest line load of a flank divided by its mean; 1 for an unloaded flank."""
+        mean = self.force_N.sum(axis=2) / self.width_mm.sum()
+        factors = np.ones_like(mean)
+        np.divide(self.line_load_N_per_mm.max(axis=2), mean, out=factors, where=mean > 0)
+        return factors
+
+    @cached_property
+    def axial_force_N(self) -> Floats:
+        """(P,) Axial component of the forces on body 1, positive along z."""
+        # the normal out of body 1 leans by the base helix angle
+        sine = self.tangent_helix_base * self.cosine_helix_base
+        return sine * self.force_N.sum(axis=(1, 2))
+
+    @cached_property
+    def tilting_moment_Nm(self) -> Floats:
+        """(P,) Moment of the transverse forces about the middle of the face width.
+
+        Their lever arm is the axial distance; positive if more load is at larger z.
+        """
+        middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
+        transverse = self.cosine_helix_base * self.force_N.sum(axis=1)
+        return transverse @ (self.z_mm - middle) / 1000.0
+
+    def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
+        """The same for some of the sites."""
+        return SliceLoads(
+            self.z_mm,
+            self.width_mm,
+            self.force_N[:, sites],
+            self.peak_pressure_MPa[:, sites],
+            self.tangent_helix_base,
+            self.cosine_helix_base,
+        )
+
+
+def transverse_load_factor(load_share: Floats, contact_ratio: float | None) -> float | None:
+    """K_Halpha: largest load share of a pair relative to the share of equal pairs.
+
+    Parameters
+    ----------
+    load_share : (P, S) array
+    contact_ratio : float or None
+        Mean number of loaded pairs.
+
+    Returns
+    -------
+    float or None
+        None if the contact ratio is unknown.
+    """
+    return None if contact_ratio is None else float(load_share.max() * contact_ratio)
+
+
+def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:
+    """Entries of the summary; none in a plane scene."""
+    if slices is None:
+        return {}
+    p, s, j = np.unravel_index(slices.force_N.argmax(), slices.force_N.shape)
+    del p, s
+    return {
+        "face_load_factor": slices.face_load_factor,
+        "peak_line_load_z_mm": float(slices.z_mm[j]),
+        "axial_force_N": float(np.abs(slices.axial_force_N).max()),
+        "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),
+    }

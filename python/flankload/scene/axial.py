@@ -1,0 +1,294 @@
+"""Keys of a body along its axis: width, position, helix, lead modifications; and their rules."""
+
+from collections.abc import Mapping
+from math import cos, radians
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from msgspec import Meta
+
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import (
+    USUAL_MODIFICATION,
+    Deviation,
+    Length,
+    Relief,
+    Table,
+    about,
+)
+
+if TYPE_CHECKING:
+    from flankload.scene.pair import Pair
+    from flankload.scene.scene_file import SceneFile
+
+#: Larger helix angles have end-face edges below 50 degrees.
+LARGEST_HELIX = 40.0
+#: Bodies of one mesh have the same helix angle; files round it.
+HELIX_TOLERANCE = 1e-6
+#: Degree of the displacements along the axis by default, and by how much it exceeds that of loads.
+AXIAL_DEGREE, DEGREES_ABOVE_LOAD = 8, 4
+#: Effects of plane scenes only, with what is missing in three dimensions.
+PLANE_EFFECTS = {
+    "choose": "no choice of effects for three-dimensional bodies",
+    "friction_coefficient": "no friction of slices",
+    "near_field": "no nodal forces on three-dimensional bodies",
+    "influence": "influence coefficients of small forces for slices",
+    "root_stress": "root stress of plane bodies only",
+    "body": "three-dimensional bodies with all their teeth",
+    "temperature_rise_K": "expansion of plane bodies only",
+    "speed_rpm": "expansion of plane bodies only",
+    "coast_flank": "slices on working flanks only",
+}
+#: Keys that vary along the axis and hence require three dimensions, unless they are 0.
+LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
+BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
+
+
+HelixAngle = Annotated[
+    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
+    about("deg", "helix angle on the reference cylinder; module_mm is then the normal module"),
+]
+Hand = Annotated[
+    Literal["right", "left"] | None, about("", "hand of the helix; required with a helix angle")
+]
+OwnWidth = Annotated[
+    Length | None,
+    about(
+        "mm",
+        "face width of this body; absent = pair.face_width_mm",
+        usual=(0.05, 5000.0),
+    ),
+]
+AxialOffset = Annotated[
+    Annotated[float, Meta(ge=-1e5, le=1e5)],
+    about("mm", "axial position of the middle of the face width"),
+]
+LeadCrowning = Annotated[
+    Relief | None,
+    about(
+        "um",
+        "lead crowning: parabola over the face width, 0 in the middle, this amount of metal "
+        "removed at both ends",
+        usual=USUAL_MODIFICATION,
+    ),
+]
+HelixSlope = Annotated[
+    Deviation | None,
+    about(
+        "um",
+        "helix slope modification: metal removed, linear over the face width; positive: at "
+        "the end of larger z, negative: at the end of smaller z",
+        usual=USUAL_MODIFICATION,
+    ),
+]
+EndRelief = Annotated[
+    BothEnds | None,
+    about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
+]
+EndReliefLength = Annotated[
+    BothLengths | None, about("mm", "length of the end relief at both ends")
+]
+EndReliefShape = Annotated[
+    Literal["linear", "parabolic"], about("", "shape of the end relief along the axis")
+]
+
+
+class AxialKeys:
+    """Mixin of bodies with keys along their axis; end I is the end of smaller z."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        helix_angle_deg: HelixAngle
+        hand: Hand
+        face_width_mm: OwnWidth
+        axial_offset_mm: AxialOffset
+        lead_crowning_um: LeadCrowning
+        helix_slope_um: HelixSlope
+        end_relief_um: EndRelief
+        end_relief_length_mm: EndReliefLength
+        end_relief_shape: EndReliefShape
+
+    @property
+    def helix_rad(self) -> float:
+        """Helix angle on the reference cylinder, rad; positive for both hands."""
+        return radians(self.helix_angle_deg)
+
+    @property
+    def hand_sign(self) -> int:
+        """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
+        return {"right": 1, "left": -1, None: 0}[self.hand]
+
+    @property
+    def transverse_factor(self) -> float:
+        """Transverse module divided by normal module."""
+        return 1.0 / cos(self.helix_rad)
+
+    def check_axial(self, key: str) -> None:
+        """Check that a helix has a hand and an end relief has lengths.
+
+        Raises
+        ------
+        SceneError
+        """
+        if self.helix_angle_deg and self.hand is None:
+            refuse(
+                f"{key}.hand",
+                f"'right' or 'left', since there is a {key}.helix_angle_deg",
+                "nothing",
+            )
+        if self.hand is not None and not self.helix_angle_deg:
+            refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", self.hand)
+        if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
+            given, missing = "end_relief_um", "end_relief_length_mm"
+            if self.end_relief_um is None:
+                given, missing = missing, given
+            refuse(
+                f"{key}.{missing}",
+                f"a list of 2 numbers, since there is a {key}.{given}",
+                "nothing",
+            )
+
+
+def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tuple[float, float]:
+    """Axial positions between which a body has teeth, mm.
+
+    Raises
+    ------
+    SceneError
+        If an end relief is longer than the body.
+    """
+    width = body.face_width_mm or pair_width_mm
+    for k, length in enumerate(body.end_relief_length_mm or ()):
+        if length > width:
+            refuse(
+                f"{key}.end_relief_length_mm[{k}]",
+                f"at most the face width of the body, {width:g}",
+                length,
+            )
+    return body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+
+
+def three_dimensional_key(
+    bodies: tuple[Table, Table], pair: "Pair | None", dimension: int | None
+) -> str | None:
+    """The key for which a pair of bodies needs three dimensions, with its value.
+
+    Parameters
+    ----------
+    bodies : two tables of bodies
+    pair : Pair or None
+    dimension : 2, 3 or None
+        The key `effects.dimension`.
+
+    Returns
+    -------
+    str or None
+        None if nothing varies along the axis.
+    """
+    if dimension == 3:
+        return "effects.dimension = 3"
+    widths = []
+    for number, body in enumerate(bodies, start=1):
+        if not isinstance(body, AxialKeys):
+            continue
+        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm"):
+            value = getattr(body, name)
+            if any(value) if isinstance(value, tuple) else value:
+                return f"body_{number}.{name}"
+        widths.append((number, body.face_width_mm))
+    for number, width in widths:
+        if width is not None and pair is not None and width != pair.face_width_mm:
+            return f"body_{number}.face_width_mm"
+    if pair is not None:
+        for name in ("inclination_um_per_mm", "deviation_um_per_mm"):
+            if getattr(pair, name):
+                return f"pair.{name}"
+    return None
+
+
+def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
+    """Check the keys of a three-dimensional scene, and that a plane scene has none of them.
+
+    Raises
+    ------
+    SceneError
+    """
+    bodies, dimension = (asked.body_1, asked.body_2), asked.effects.dimension
+    needed_by = three_dimensional_key(bodies, asked.pair, None)
+    if dimension == 2 and needed_by is not None:
+        refuse("effects.dimension", f"3 or nothing, since there is a {needed_by}", 2)
+    accuracy = asked.accuracy
+    if needed_by is None and dimension != 3:
+        for name in ("slices", "axial_degree", "load_degree_z"):
+            if getattr(accuracy, name) is not None:
+                refuse(
+                    f"accuracy.{name}",
+                    "nothing in a plane scene (effects.dimension = 3 makes it three-dimensional)",
+                    getattr(accuracy, name),
+                )
+        return
+    why = needed_by or "effects.dimension = 3"
+    one, two = bodies
+    for number, body in enumerate(bodies, start=1):
+        if not isinstance(body, AxialKeys):
+            kinds = "'gear'"
+            refuse(
+                f"body_{number}.kind",
+                f"{kinds}, since {why} requires three dimensions, which this version has for "
+                "these bodies",
+                f"'{body.kind}'",
+            )
+    assert isinstance(one, AxialKeys)
+    assert isinstance(two, AxialKeys)
+    assert asked.pair is not None
+    _check_pair(one, two, asked.pair.face_width_mm)
+    _check_effects(asked, given.get("effects", {}), why)
+    degree = accuracy.axial_degree or AXIAL_DEGREE
+    if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
+        refuse(
+            "accuracy.load_degree_z",
+            f"at most {degree - DEGREES_ABOVE_LOAD}, {DEGREES_ABOVE_LOAD} less than "
+            f"accuracy.axial_degree ({degree})",
+            accuracy.load_degree_z,
+        )
+
+
+def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> None:
+    """Refuse effects and keys that this version has in plane scenes only."""
+    since = f"since {why} requires three dimensions"
+    if given.get("contact") == "pairs":
+        refuse("effects.contact", f"'lumped' or nothing, {since}", "'pairs'")
+    plain = type(asked.effects)()
+    for key, what in PLANE_EFFECTS.items():
+        value = getattr(asked.effects, key)
+        if value != getattr(plain, key):
+            default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
+            refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
+    for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
+        if getattr(asked.accuracy, key) is not None:
+            expected = f"nothing, {since}: their contact has slices instead of cells"
+            refuse(f"accuracy.{key}", expected, getattr(asked.accuracy, key))
+
+
+def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
+    """Check that the helices of two external gears mesh and that their widths overlap."""
+    if abs(one.helix_angle_deg - two.helix_angle_deg) > HELIX_TOLERANCE:
+        refuse(
+            "body_2.helix_angle_deg",
+            f"{one.helix_angle_deg:g}, as in body_1.helix_angle_deg (parallel axes)",
+            two.helix_angle_deg,
+        )
+    if two.hand_sign != -one.hand_sign:
+        wanted = "left" if one.hand == "right" else "right"
+        refuse("body_2.hand", f"'{wanted}', the opposite of body_1.hand", two.hand or "nothing")
+    (low_1, high_1), (low_2, high_2) = (
+        axial_range(body, pair_width_mm, f"body_{z}") for z, body in enumerate((one, two), start=1)
+    )
+    if min(high_1, high_2) <= max(low_1, low_2):
+        refuse(
+            "body_2.axial_offset_mm",
+            f"an offset at which the face widths overlap: body_1 extends from {low_1:g} to "
+            f"{high_1:g} mm",
+            f"{two.axial_offset_mm:g}, where body_2 extends from {low_2:g} to {high_2:g} mm",
+        )
