@@ -74,7 +74,6 @@ def build_body(
         SplineShaft,
         Sprocket,
     )
-
     from flankload.scene.axial import axial_range
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives

@@ -26,6 +26,7 @@ from flankload.plot.flank_forces import plot_flank_forces
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.root_stress import plot_root_stress
+from flankload.plot.slices import plot_contact_pattern, plot_line_load, plot_line_load_map
 from flankload.plot.stiffness import plot_stiffness
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
@@ -41,10 +42,13 @@ __all__ = [
     "plot_all",
     "plot_belt_on_pulley",
     "plot_chain_on_sprocket",
+    "plot_contact_pattern",
     "plot_flank_forces",
     "plot_flank_pressure",
     "plot_follower_motion",
     "plot_force_through_wrap",
+    "plot_line_load",
+    "plot_line_load_map",
     "plot_load_around_wrap",
     "plot_load_per_tooth",
     "plot_load_sharing",
@@ -71,6 +75,9 @@ PICTURES: dict[str, Callable[[Result], Figure]] = {
     "load_per_tooth": plot_load_per_tooth,
     "flank_pressure": plot_flank_pressure,
     "root_stress": plot_root_stress,
+    "line_load": plot_line_load,
+    "line_load_map": plot_line_load_map,
+    "contact_pattern": plot_contact_pattern,
     "belt_on_pulley": plot_belt_on_pulley,
     "load_around_wrap": plot_load_around_wrap,
     "force_through_wrap": plot_force_through_wrap,
@@ -93,7 +100,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     tuple of Path
         transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; stiffness.png
         if there is a torque; flank_forces.png if coast flanks can carry load;
-        profile_deviation.png if a body has an involute. For a follower on its cam
+        profile_deviation.png if a body has an involute; for three-dimensional bodies line_load.png,
+        line_load_map.png and contact_pattern.png. For a follower on its cam
         follower_motion.png replaces load_sharing.png. For bodies with contact all around:
         load_per_tooth.png, flank_pressure.png, loaded_pair.png, and for several positions
         transmission_error.png. For all of these root_stress.png if stress is requested. For a
@@ -134,4 +142,5 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * (result.torque_Nm > 0),
         *["profile_deviation"] * profiles,
+        *(["line_load", "line_load_map", "contact_pattern"] if result.slices is not None else ()),
     )

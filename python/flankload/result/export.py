@@ -51,6 +51,8 @@ OVER_SITES = {
     "specific_sliding_1": "1",
     "specific_sliding_2": "1",
 }
+#: Arrays over positions, sites and slices, with their units.
+OVER_SLICES = {"slice_line_load_N_per_mm": "N/mm", "slice_peak_pressure_MPa": "MPa"}
 #: Arrays that are NaN if a pair is open; the others are 0 there.
 ONLY_LOADED = {
     "contact_half_width_mm",
@@ -119,6 +121,10 @@ def _tree(result: Result) -> dict[str, Any]:
     tree = {key: getattr(result, key) for key in keys}
     if result.outside_limits:
         tree["outside_limits"] = result.outside_limits
+    if result.slices is not None:
+        tree |= {key: getattr(result, key) for key in ("slice_z_mm", *OVER_SLICES)}
+        tree["axial_force_N"] = result.slices.axial_force_N
+        tree["tilting_moment_Nm"] = result.slices.tilting_moment_Nm
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
     if result.accuracy is not None:
         tree["accuracy"] = result.accuracy
@@ -244,8 +250,8 @@ def to_xarray(result: Result) -> Any:
     Returns
     -------
     xarray.Dataset
-        Dimensions `position` (coordinate: angle of body 1, rad) and `site` (pair number); units in
-        the attributes of each variable.
+        Dimensions `position` (coordinate: angle of body 1, rad), `site` (pair number) and `slice`
+        (axial position, mm; one in a plane scene); units in the attributes of each variable.
 
     Raises
     ------
@@ -275,6 +281,8 @@ def to_xarray(result: Result) -> Any:
         for key, unit in result.drive.along.items():
             along[key] = (("position",), getattr(result.drive, key), {"units": unit})
     over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
+    for key, unit in OVER_SLICES.items():
+        over[key] = variable(("position", "site", "slice"), key, unit)
     for key, (values, unit) in _more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(
@@ -282,6 +290,7 @@ def to_xarray(result: Result) -> Any:
         coords={
             "position": variable(("position",), "position_rad", "rad"),
             "site": ("site", result.sites, {"long_name": "pair number"}),
+            "slice": variable(("slice",), "slice_z_mm", "mm"),
         },
         attrs={
             "name": result.name,

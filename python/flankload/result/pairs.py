@@ -47,6 +47,8 @@ class PairTable:
     friction_force_N : (n,) array or None
         Friction force on body 1 in the direction of increasing arc length of its flank; None
         without friction.
+    z_mm : (n,) array or None
+        Axial position of the pair's slice; None in a plane scene.
     """
 
     site: NDArray[np.int64]
@@ -64,6 +66,7 @@ class PairTable:
     sliding_mm_per_rad: Floats | None = None
     friction_force_N: Floats | None = None
     half_width_mm: Floats | None = None
+    z_mm: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.site)

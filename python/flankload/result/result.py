@@ -20,6 +20,7 @@ from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress, root_summary
+from flankload.result.slices import SliceLoads, slice_summary
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.summary import stiffness_means, summary_of_contacts
 from flankload.result.table import text_of
@@ -80,6 +81,8 @@ class Result(ContactQuantities):
     accuracy : dict or None
         Report on a tolerance named by the scene: values of the discretization and their reasons.
     warnings : tuple of str
+    slices : SliceLoads or None
+        Loads of the slices of the face width; None in a plane scene.
     outside_limits : tuple of str
         Premises of the model that the scene violates, with `effects.beyond_limits = true`; the
         error estimate, which also lists them, does not include the consequences.
@@ -128,6 +131,42 @@ class Result(ContactQuantities):
     accuracy: Mapping[str, Any] | None = None
     unloaded_rotation_rad: Floats | None = None
     outside_limits: tuple[str, ...] = ()
+    slices: SliceLoads | None = None
+
+    @property
+    def slice_z_mm(self) -> Floats:
+        """(J,) Axial positions of the slices; one slice at 0 in a plane scene."""
+        return frozen(np.zeros(1)) if self.slices is None else self.slices.z_mm
+
+    @property
+    def slice_peak_pressure_MPa(self) -> Floats:
+        """(P, S, J) Largest pressure of each flank pair in each slice."""
+        if self.slices is None:
+            return self.peak_pressure_MPa[..., np.newaxis]
+        return self.slices.peak_pressure_MPa
+
+    @property
+    def slice_line_load_N_per_mm(self) -> Floats:
+        """(P, S, J) Force per mm of face width of each flank pair in each slice."""
+        if self.slices is None:
+            return self.line_load_N_per_mm[..., np.newaxis]
+        return self.slices.line_load_N_per_mm
+
+    @property
+    def face_load_factor(self) -> float:
+        """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene."""
+        return 1.0 if self.slices is None else self.slices.face_load_factor
+
+    @cached_property
+    def transverse_load_factor(self) -> float | None:
+        """K_Halpha: largest load share of a pair times the mean number of loaded pairs.
+
+        None if the positions do not cover the period.
+        """
+        over = over_positions(self)
+        if not over.covers_period:
+            return None
+        return float(self.load_share.max() * over.mean_of_steps(self.loaded_pairs))
 
     @property
     def coast_force_N(self) -> Floats | None:
@@ -267,6 +306,7 @@ class Result(ContactQuantities):
             **summary_of_contacts(self),
             **coast_summary(self),
             **self._root_summary(),
+            **slice_summary(self.slices),
         }
 
     def _root_summary(self) -> dict[str, Any]:

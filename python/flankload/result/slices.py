@@ -95,29 +95,11 @@ class SliceLoads(KeepsReadOnly):
         )
 
 
-def transverse_load_factor(load_share: Floats, contact_ratio: float | None) -> float | None:
-    """K_Halpha: largest load share of a pair relative to the share of equal pairs.
-
-    Parameters
-    ----------
-    load_share : (P, S) array
-    contact_ratio : float or None
-        Mean number of loaded pairs.
-
-    Returns
-    -------
-    float or None
-        None if the contact ratio is unknown.
-    """
-    return None if contact_ratio is None else float(load_share.max() * contact_ratio)
-
-
 def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:
     """Entries of the summary; none in a plane scene."""
     if slices is None:
         return {}
-    p, s, j = np.unravel_index(slices.force_N.argmax(), slices.force_N.shape)
-    del p, s
+    _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
     return {
         "face_load_factor": slices.face_load_factor,
         "peak_line_load_z_mm": float(slices.z_mm[j]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import pi, sin
+from math import pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result, make_result
 from flankload.result.root_stress import root_reading
+from flankload.result.slices import SliceLoads
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import Mesh
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
 
 
@@ -114,12 +116,32 @@ def result_of(
         else pair.pairing.turns(pair.position_rad)[0],
         unloaded_rotation_rad=found.unloaded_rad,
     )
+    if pair.slices is not None:
+        result = replace(result, slices=_slices(pair, pair.slices, found).at_sites(carries))
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
     if pair.friction is None:
         return result
     return replace(result, friction=_friction(pair, found, carries, result))
+
+
+def _slices(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
+    """Loads of the slices; forces are normal to the flanks, pressures refer to the contact line."""
+    axial, radius = pair.body_1.axial, pair.body_1.base_radius_mm
+    assert axial is not None
+    assert radius is not None
+    assert found.slices is not None
+    tangent = axial.twist_rad_per_mm * radius
+    cosine = 1.0 / sqrt(1.0 + tangent**2)
+    return SliceLoads(
+        z_mm=frozen(slices.z_mm),
+        width_mm=frozen(slices.width_mm),
+        force_N=frozen(found.slices.force_N),
+        peak_pressure_MPa=frozen(found.slices.peak_N_per_mm * cosine / slices.width_mm),
+        tangent_helix_base=tangent,
+        cosine_helix_base=cosine,
+    )
 
 
 def _cost(found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]) -> dict[str, object]:

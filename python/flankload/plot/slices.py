@@ -1,0 +1,219 @@
+"""Load over the face width: line load of a position and of a mesh cycle, contact pattern."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import rc_context
+
+from flankload.plot.style import (
+    GREY,
+    SIZE,
+    STYLE,
+    colour_of,
+    loaded_sites,
+    new_figure,
+    pair_name,
+    subtitle,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+    from flankload.result.pairs import PairTable
+
+    Floats = NDArray[np.float64]
+
+#: Points of a contact pattern along a flank.
+PATTERN_POINTS = 240
+LOAD_MAP = "viridis"
+PATTERN_MAP = "inferno_r"
+
+
+def plot_line_load(result: Result) -> Figure:
+    """Line load over the face width at the position of the largest one, per flank pair.
+
+    Parameters
+    ----------
+    result : Result
+        Three-dimensional result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    slices = result.slices
+    assert slices is not None
+    load = slices.line_load_N_per_mm
+    p = int(load.max(axis=(1, 2)).argmax())
+    ends = _edges(slices.z_mm, slices.width_mm)
+    with rc_context(STYLE):
+        figure = new_figure(SIZE)
+        axes = figure.add_subplot()
+        degrees = np.degrees(result.position_rad[p])
+        _title(axes, result, f"Line load at {degrees:.2f}°")
+        for s, site in loaded_sites(result):
+            if not load[p, s].any():
+                continue
+            colour = colour_of(result, site)
+            factor = slices.flank_face_load_factor[p, s]
+            label = f"{pair_name(site)}, largest over mean {factor:.3f}"
+            axes.stairs(load[p, s], ends, color=colour, linewidth=1.8, label=label)
+            axes.axhline(load[p, s].mean(), color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel("axial position z in mm")
+        axes.set_ylabel("line load in N/mm")
+        axes.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.5, -0.16),
+            ncols=2,
+            title=f"dashed: mean; face load factor of all positions {slices.face_load_factor:.3f}",
+        )
+        return figure
+
+
+def plot_line_load_map(result: Result) -> Figure:
+    """Line load of a tooth over its way through the mesh and the face width.
+
+    Pair j is j pitches further along than pair 0: all pairs together are the way of one tooth.
+
+    Parameters
+    ----------
+    result : Result
+        Three-dimensional result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    slices = result.slices
+    assert slices is not None
+    place = result.sites + result.position_rad[:, np.newaxis] / result.pitch_rad
+    order = np.argsort(place, axis=None, kind="stable")
+    along = place.ravel()[order]
+    load = slices.line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
+    edges = np.concatenate([[along[0]], 0.5 * (along[1:] + along[:-1]), [along[-1]]])
+    with rc_context(STYLE):
+        figure = new_figure(SIZE)
+        axes = figure.add_subplot()
+        axes.grid(visible=False)
+        _title(axes, result, "Line load of a tooth")
+        shown = axes.pcolormesh(
+            edges, _edges(slices.z_mm, slices.width_mm), load.T, cmap=LOAD_MAP, vmin=0.0
+        )
+        loaded = along[load.any(axis=1)]
+        if loaded.size:
+            axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
+        axes.set_xlabel("place of the pair in pitches from the pitch point")
+        axes.set_ylabel("axial position z in mm")
+        figure.colorbar(shown, ax=axes, label="line load in N/mm")
+        return figure
+
+
+def plot_contact_pattern(result: Result) -> Figure:
+    """Largest pressure at each place of both flanks over all positions.
+
+    Parameters
+    ----------
+    result : Result
+        Three-dimensional result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    slices = result.slices
+    assert slices is not None
+    with rc_context(STYLE):
+        figure = new_figure((SIZE[0], 0.9 * SIZE[1]))
+        panels = figure.subplots(1, 2)
+        patterns = [contact_pattern(result, body) for body in (1, 2)]
+        largest = max(pressure.max() for _, pressure in patterns)
+        for body, axes, (diameter, pressure) in zip((1, 2), panels, patterns, strict=True):
+            axes.grid(visible=False)
+            shown = axes.pcolormesh(
+                _edges(slices.z_mm, slices.width_mm),
+                _midpoints(diameter),
+                np.where(pressure > 0, pressure, np.nan),
+                cmap=PATTERN_MAP,
+                vmin=0.0,
+                vmax=largest,
+            )
+            axes.set_title(f"Flank of body {body}")
+            axes.set_xlabel("axial position z in mm")
+            axes.set_ylabel("diameter in mm")
+        figure.colorbar(shown, ax=panels, label="largest pressure in MPa")
+        figure.suptitle(subtitle(result), fontsize=9, color=GREY, x=0.98, ha="right")
+        return figure
+
+
+def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
+    """Largest pressure over all positions on a grid of diameters and slices.
+
+    Parameters
+    ----------
+    result : Result
+        Three-dimensional result.
+    body : int
+        1 or 2.
+
+    Returns
+    -------
+    diameter_mm : (n,) array
+        By ascending arc length of the flank.
+    pressure_MPa : (n, J) array
+        Hertz pressure of the lumped contacts; 0 where there was no contact.
+    """
+    assert result.slices is not None
+    rows = [table for table in result.pair_tables if len(table)]
+    place, half, pressure, z, radius = (
+        np.concatenate(parts)
+        for parts in zip(*(_rows(result, table, body) for table in rows), strict=True)
+    )
+    carries = pressure > 0
+    place, half, pressure, z, radius = (
+        values[carries] for values in (place, half, pressure, z, radius)
+    )
+    grid = np.linspace((place - half).min(), (place + half).max(), PATTERN_POINTS)
+    pattern = np.zeros((grid.size, result.slice_z_mm.size))
+    column = np.searchsorted(result.slice_z_mm, z - 1e-9 * np.ptp(result.slice_z_mm))
+    for s, h, peak, j in zip(place, half, pressure, column, strict=True):
+        inside = 1.0 - ((grid - s) / max(h, np.ptp(grid) / grid.size)) ** 2
+        np.maximum(pattern[:, j], peak * np.sqrt(np.maximum(inside, 0.0)), out=pattern[:, j])
+    order = np.argsort(place)
+    return 2.0 * np.interp(grid, place[order], radius[order]), pattern
+
+
+def _rows(result: Result, table: PairTable, body: int) -> tuple[Floats, ...]:
+    """Arc length, half-width, pressure, axial position and radius of the places of a position."""
+    assert table.half_width_mm is not None
+    assert table.z_mm is not None
+    x = table.x_mm - (result.drawing.center_distance_mm if body == 2 else 0.0)
+    arc_length = table.arc_length_1_mm if body == 1 else table.arc_length_2_mm
+    return (
+        arc_length,
+        table.half_width_mm,
+        table.pressure_MPa,
+        table.z_mm,
+        np.hypot(x, table.y_mm),
+    )
+
+
+def _edges(z_mm: Floats, width_mm: Floats) -> Floats:
+    """Ends (J + 1,) of the slices."""
+    return np.append(z_mm - 0.5 * width_mm, z_mm[-1] + 0.5 * width_mm[-1])
+
+
+def _midpoints(values: Floats) -> Floats:
+    """Edges (n + 1,) between values (n,)."""
+    inner = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[values[0]], inner, [values[-1]]])
+
+
+def _title(axes: Axes, result: Result, title: str) -> None:
+    axes.set_title(title)
+    axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
