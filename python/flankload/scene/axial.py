@@ -61,7 +61,7 @@ OwnWidth = Annotated[
 ]
 AxialOffset = Annotated[
     Annotated[float, Meta(ge=-1e5, le=1e5)],
-    about("mm", "axial position of the middle of the face width"),
+    about("mm", "axial position of the middle of the face width", usual=(1e-3, 5000.0)),
 ]
 LeadCrowning = Annotated[
     Relief | None,
@@ -86,7 +86,8 @@ EndRelief = Annotated[
     about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
 ]
 EndReliefLength = Annotated[
-    BothLengths | None, about("mm", "length of the end relief at both ends")
+    BothLengths | None,
+    about("mm", "length of the end relief at both ends", usual=(0.01, 500.0)),
 ]
 EndReliefShape = Annotated[
     Literal["linear", "parabolic"], about("", "shape of the end relief along the axis")
@@ -138,7 +139,7 @@ class AxialKeys:
                 "nothing",
             )
         if self.hand is not None and not self.helix_angle_deg:
-            refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", self.hand)
+            refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
             given, missing = "end_relief_um", "end_relief_length_mm"
             if self.end_relief_um is None:
@@ -244,6 +245,13 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     assert asked.pair is not None
     _check_pair(one, two, asked.pair.face_width_mm)
     _check_effects(asked, given.get("effects", {}), why)
+    if "tolerance" in given.get("accuracy", {}):
+        refuse(
+            "accuracy.tolerance",
+            f"nothing, since {why} requires three dimensions: this version controls the "
+            "discretization of plane scenes only",
+            accuracy.tolerance,
+        )
     degree = accuracy.axial_degree or AXIAL_DEGREE
     if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
         refuse(
@@ -281,7 +289,11 @@ def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
         )
     if two.hand_sign != -one.hand_sign:
         wanted = "left" if one.hand == "right" else "right"
-        refuse("body_2.hand", f"'{wanted}', the opposite of body_1.hand", two.hand or "nothing")
+        refuse(
+            "body_2.hand",
+            f"'{wanted}', the opposite of body_1.hand",
+            f"'{two.hand}'" if two.hand else "nothing",
+        )
     (low_1, high_1), (low_2, high_2) = (
         axial_range(body, pair_width_mm, f"body_{z}") for z, body in enumerate((one, two), start=1)
     )

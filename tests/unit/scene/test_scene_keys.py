@@ -37,7 +37,8 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
         (
             {"pair__x": 1},
             "pair.x",
-            "a known key (center_distance_mm, center_offset_mm, face_width_mm)",
+            "a known key (center_distance_mm, center_offset_mm, face_width_mm, "
+            "inclination_um_per_mm, deviation_um_per_mm)",
             "the unknown key 'x'",
         ),
         (
@@ -47,10 +48,10 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "the unknown key 'wind'",
         ),
         (
-            {"body_1__helix_angle_deg": 10},
-            "body_1.helix_angle_deg",
-            "no such key, since this version does not simulate helical gears",
-            "10",
+            {"body_1__topography_file": "a.csv"},
+            "body_1.topography_file",
+            "no such key, since this version does not simulate measured topographies",
+            "'a.csv'",
         ),
         # missing keys and tables
         (

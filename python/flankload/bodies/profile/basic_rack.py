@@ -232,7 +232,8 @@ def basic_rack(
     if rack.root_radius_mm <= 0.0:
         raise SceneError(
             key=f"{key}.dedendum_factor",
-            expected=f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root circle",
+            expected=f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root "
+            "circle",
             found=f"{dedendum_factor:g}",
         )
     if not rack.slope(np.linspace(rack.flank_angle_rad, 0.5 * pi, 200)).min() > 0.0:

@@ -75,7 +75,7 @@ class Effects:
         ),
         called_for=is_spatial,
         stages=(*BODIES, *SWEEPS),
-        counters=("slices",),
+        size_by="compliance",
         of_teeth=True,
     )
     segment: bool = _effect(

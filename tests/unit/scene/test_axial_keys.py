@@ -1,0 +1,160 @@
+"""Keys along the axis: a three-dimensional scene is recognized, and contradictions are refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import flankload as fl
+from flankload.scene.effects import effects_of, switches_of
+from tests.support.gear_scenes import RING, changed, one_line
+
+HELICAL = {
+    "body_1__helix_angle_deg": 15,
+    "body_1__hand": "right",
+    "body_2__helix_angle_deg": 15,
+    "body_2__hand": "left",
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "because"),
+    [
+        (HELICAL, "body_1.helix_angle_deg"),
+        ({"effects__dimension": 3}, "effects.dimension = 3"),
+        ({"body_2__lead_crowning_um": 5}, "body_2.lead_crowning_um"),
+        ({"body_1__helix_slope_um": -5}, "body_1.helix_slope_um"),
+        (
+            {"body_1__end_relief_um": [0, 5], "body_1__end_relief_length_mm": [2, 2]},
+            "body_1.end_relief_um",
+        ),
+        ({"body_1__face_width_mm": 15}, "body_1.face_width_mm"),
+        ({"body_1__axial_offset_mm": 1}, "body_1.axial_offset_mm"),
+        ({"pair__inclination_um_per_mm": 0.1}, "pair.inclination_um_per_mm"),
+        ({"pair__deviation_um_per_mm": -0.1}, "pair.deviation_um_per_mm"),
+    ],
+)
+def test_a_key_along_the_axis_requires_three_dimensions(
+    changes: dict[str, Any], because: str
+) -> None:
+    scene = fl.Scene.from_dict(changed(**changes))
+    assert effects_of(scene).three_dimensions
+    assert switches_of(scene)["three_dimensions"].because == because
+    assert scene.effects.contact == "lumped"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"effects__dimension": 2},
+        {"body_1__helix_angle_deg": 0, "body_1__lead_crowning_um": 0, "body_2__helix_slope_um": 0},
+        {"body_1__face_width_mm": 14, "body_2__face_width_mm": 14},
+        {"body_1__end_relief_um": [0, 0], "body_1__end_relief_length_mm": [2, 2]},
+    ],
+)
+def test_a_scene_without_variation_along_the_axis_is_plane(changes: dict[str, Any]) -> None:
+    scene = fl.Scene.from_dict(changed(**changes))
+    assert not effects_of(scene).three_dimensions
+    assert scene.effects.contact == "pairs"
+
+
+SINCE = "since body_1.lead_crowning_um requires three dimensions"
+CROWNED = {"body_1__lead_crowning_um": 5}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        (
+            {"body_1__helix_angle_deg": 15},
+            "body_1.hand",
+            "'right' or 'left', since there is a body_1.helix_angle_deg",
+            "nothing",
+        ),
+        (
+            {"body_1__hand": "right"},
+            "body_1.hand",
+            "nothing, unless body_1.helix_angle_deg is > 0",
+            "'right'",
+        ),
+        ({"body_1__helix_angle_deg": 41}, "body_1.helix_angle_deg", "a number from 0 to 40", "41"),
+        (
+            {**HELICAL, "body_2__hand": "right"},
+            "body_2.hand",
+            "'left', the opposite of body_1.hand",
+            "'right'",
+        ),
+        (
+            {**HELICAL, "body_2__helix_angle_deg": 16},
+            "body_2.helix_angle_deg",
+            "15, as in body_1.helix_angle_deg (parallel axes)",
+            "16.0",
+        ),
+        (
+            {"body_2__axial_offset_mm": 14},
+            "body_2.axial_offset_mm",
+            "an offset at which the face widths overlap: body_1 extends from -7 to 7 mm",
+            "14, where body_2 extends from 7 to 21 mm",
+        ),
+        (
+            {"body_1__end_relief_um": [5, 5]},
+            "body_1.end_relief_length_mm",
+            "a list of 2 numbers, since there is a body_1.end_relief_um",
+            "nothing",
+        ),
+        (
+            {"body_1__end_relief_um": [5, 5], "body_1__end_relief_length_mm": [2, 15]},
+            "body_1.end_relief_length_mm[1]",
+            "at most the face width of the body, 14",
+            "15.0",
+        ),
+        (
+            {**CROWNED, "effects__dimension": 2},
+            "effects.dimension",
+            "3 or nothing, since there is a body_1.lead_crowning_um",
+            "2",
+        ),
+        (
+            {"accuracy__slices": 10},
+            "accuracy.slices",
+            "nothing in a plane scene (effects.dimension = 3 makes it three-dimensional)",
+            "10",
+        ),
+        (
+            {**CROWNED, "accuracy__load_degree_z": 5},
+            "accuracy.load_degree_z",
+            "at most 4, 4 less than accuracy.axial_degree (8)",
+            "5",
+        ),
+        (
+            {**CROWNED, "effects__contact": "pairs"},
+            "effects.contact",
+            f"'lumped' or nothing, {SINCE}",
+            "'pairs'",
+        ),
+        (
+            {**CROWNED, "effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, {SINCE}: this version has no friction of slices",
+            "0.1",
+        ),
+        (
+            {**CROWNED, "accuracy__tolerance": 0.01},
+            "accuracy.tolerance",
+            f"nothing, {SINCE}: this version controls the discretization of plane scenes only",
+            "0.01",
+        ),
+        (
+            {**CROWNED, "body_2": RING, "pair__center_distance_mm": 99},
+            "body_2.kind",
+            f"'gear', {SINCE}, which this version has for these bodies",
+            "'ring'",
+        ),
+    ],
+)
+def test_contradictions_get_one_line(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    one_line(changes, key, expected, found)
