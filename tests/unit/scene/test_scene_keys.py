@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.pair import Pair
 from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
 
 #: Kinds of body 1, as a message names them.
@@ -37,8 +38,7 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
         (
             {"pair__x": 1},
             "pair.x",
-            "a known key (center_distance_mm, center_offset_mm, face_width_mm, "
-            "inclination_um_per_mm, deviation_um_per_mm)",
+            f"a known key ({', '.join(Pair.__struct_fields__)})",
             "the unknown key 'x'",
         ),
         (
