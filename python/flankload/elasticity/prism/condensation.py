@@ -82,7 +82,7 @@ def condense_prism(
         section.columns,
         inner=inner,
         kept=kept,
-        loaded=loads.any(axis=(1, 2)),
+        loaded=np.asarray(loads.any(axis=(1, 2))),
     )
     per_cut = COMPONENTS * (cut_degree + 1)
     count = loads.shape[2]
