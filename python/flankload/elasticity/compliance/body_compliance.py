@@ -259,9 +259,9 @@ class BodyCompliance:
                 if (table := getattr(self, name)) is not None
             }
             return replace(self, nodes=half, **tables)
-        n = self.smooth.shape[1]
+        n, each = self.smooth.shape[1], 1 if self.axial is None else self.axial.count
         flank = n - (0 if self.tip is None else TIP_MODES)
-        kept = flank - (2 * fewer if self.closed else fewer)
+        kept = flank - each * (2 * fewer if self.closed else fewer)
         if kept < 1:
             return self
         parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
@@ -286,6 +286,19 @@ class BodyCompliance:
             crossing=projected(self.crossing),
             crossing_tangential=projected(self.crossing_tangential),
             shifts={name: modes @ parts.T for name, modes in self.shifts.items()},
+            missed=None,
+        )
+
+    def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
+        """In three dimensions, the same without the modes of the highest degrees in z."""
+        axial = self.axial
+        if axial is None or axial.degree < fewer:
+            return self
+        kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
+        return replace(
+            self,
+            smooth=self.smooth[:, kept[:, None], kept],
+            axial=replace(axial, degree=axial.degree - fewer),
             missed=None,
         )
 

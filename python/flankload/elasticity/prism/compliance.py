@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ from flankload.elasticity.compliance.body_compliance import (
     BodyCompliance,
     no_compliance,
 )
+from flankload.elasticity.compliance.laps import Laps
 from flankload.elasticity.near_field import logarithm_strength, mode_loads, mode_norms
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
@@ -127,7 +127,7 @@ def prism_compliance(
         return no_compliance(body)
     mesh = _sector_of(body)
     account = Account() if account is None else account
-    laps, started = _Laps(), perf_counter()
+    laps = Laps()
     axial = AxialBasis(prism.range_mm, prism.degree)
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, twist=prism.twist)
@@ -173,7 +173,7 @@ def prism_compliance(
         degrees_of_freedom=COMPONENTS * axial.count * (len(mesh.nodes) - held),
         counters=account.counters,
         workspace_bytes=account.workspace_bytes,
-        seconds={**laps.seconds, "wall": perf_counter() - started},
+        seconds=laps.whole(),
     )
 
 
@@ -236,17 +236,3 @@ def _prism_loads(in_plane: Floats, along: Floats) -> Floats:
     of_nodes = in_plane.reshape(-1, COMPONENTS, n_s)
     loads = np.einsum("ica,kb->ikcab", of_nodes, along)
     return loads.reshape(len(of_nodes), COMPONENTS * functions, n_s * n_z)
-
-
-class _Laps:
-    """CPU seconds of the steps of a job."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self._clock = process_time()
-
-    def __call__(self, step: str) -> None:
-        """A step ends."""
-        now = process_time()
-        self.seconds[step] = now - self._clock
-        self._clock = now
