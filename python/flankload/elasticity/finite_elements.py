@@ -94,7 +94,7 @@ def _block_stiffness(
     material: Material,
     plane: str,
 ) -> csc_array:
-    basis = _block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
+    basis = block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
     shapes, _, elements, points = gradients.shape
     each = gradients.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
@@ -211,14 +211,14 @@ def place_load(
             each = (0.5 * np.abs(twice) / corners.shape[1])[:, None] * place.mean(axis=1)
             np.add.at(loads, corners, each[:, None])
             continue
-        basis = _block_basis(nodes, kind, connectivity, LOAD_DEGREE)
+        basis = block_basis(nodes, kind, connectivity, LOAD_DEGREE)
         force = basis.dx * np.asarray(basis.global_coordinates())  # (2, E, points)
         for shape, node in zip(basis.basis, connectivity.T, strict=True):
             np.add.at(loads, node, (force * shape[0]).sum(axis=2).T)
     return loads.ravel()
 
 
-def _block_basis(
+def block_basis(
     nodes: NDArray[np.float64], kind: str, connectivity: NDArray[np.int64], degree: int
 ) -> Basis:
     """scikit-fem's basis of a block; shape k of an element belongs to its node k."""

@@ -177,6 +177,7 @@ def mode_loads(
     along: Literal["normal", "tangent"] = "normal",
     closed: bool = False,
     tip: Tip | None = None,
+    twist: float | None = None,
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of the modes along the normal out of the material, or the tangent.
 
@@ -194,10 +195,12 @@ def mode_loads(
         The range is a turn.
     tip : Tip, optional
         Behind the range; its edges carry, too.
+    twist : float, optional
+        As in `consistent_loads`.
 
     Returns
     -------
-    (2 N, n_modes) array
+    (2 N, n_modes) array, (3 N, n_modes) with a twist
         Per mm of width, degree of freedom 2*node + component.
     """
     turn = mode_range_mm[1] - mode_range_mm[0] if closed else None
@@ -209,6 +212,7 @@ def mode_loads(
         turn=turn,
         gauss_points=max(6, n_modes // 2 + 4),
         edges=None if tip is None else carrying_edges(mesh),
+        twist=twist,
     )
 
 
@@ -231,6 +235,7 @@ def consistent_loads(
     turn: float | None = None,
     gauss_points: int = 6,
     edges: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
+    twist: float | None = None,
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of pressures along a flank.
 
@@ -250,11 +255,15 @@ def consistent_loads(
     edges : (m, 3) arrays, optional
         Nodes of the edges that carry and their arc lengths, where these are not those that carry
         modes.
+    twist : float, optional
+        kappa, rad/mm: how fast the section turns along the axis. There is an axial component then:
+        a pressure on the flank of a prism pulls by (n, -kappa l) per arc length and width, l the
+        lever of n about the axis.
 
     Returns
     -------
-    (2 N, count) array
-        Per mm of width, degree of freedom 2*node + component.
+    (2 N, count) array, (3 N, count) with a twist
+        Per mm of width, degree of freedom 2*node + component, or 3*node + component.
     """
     points, weights = leggauss(gauss_points)
     shape = np.stack(
@@ -267,12 +276,16 @@ def consistent_loads(
     direction = tangent  # times ds, as the normal is
     if along == "normal":
         direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
+    if twist is not None:
+        x, y = np.einsum("gk,mkd->dmg", shape, place)
+        lever = x * direction[..., 1] - y * direction[..., 0]
+        direction = np.concatenate([direction, -twist * lever[..., None]], axis=-1)
     if turn is not None:  # the node at which a turn begins ends it, too
         ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
     s = ends @ shape.T  # (m, g)
     pressures = values(s.ravel()).reshape(*s.shape, count)
     local = np.einsum("g,gk,mga,mgd->mkda", weights, shape, pressures, direction)
-    loads = np.zeros((len(mesh.nodes), 2, count))
+    loads = np.zeros((len(mesh.nodes), direction.shape[-1], count))
     np.add.at(loads, numbers, local)
     return loads.reshape(-1, count)
 

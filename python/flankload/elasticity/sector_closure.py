@@ -46,11 +46,15 @@ class CondensedSector:
         left cut, then the right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
+    components : int
+        Of a displacement: 2, or 3 with the axial one last. Each point of a cut has so many
+        unknowns in a row; a turn about the axis leaves the axial one alone.
     """
 
     local: tuple[Floats, ...]
     carried: tuple[Floats, ...]
     stiffness: Floats
+    components: int = 2
 
 
 def condense(
@@ -380,7 +384,9 @@ def _turned(
     """
     m = len(sector.stiffness) // 2
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
-    turn = np.kron(np.eye(m // 2), [[cosine, -sine], [sine, cosine]])
+    block = np.eye(sector.components)
+    block[:2, :2] = [[cosine, -sine], [sine, cosine]]
+    turn = np.kron(np.eye(m // sector.components), block)
     # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
     return (
         sector.stiffness[:m, :m],

@@ -41,8 +41,38 @@ class RootResponse:
 
 
 @dataclass(frozen=True)
+class AxialModes:
+    """Modes along the axis, of a body in three dimensions.
+
+    Attributes
+    ----------
+    range_mm : (float, float)
+        Between which they live: the whole width of the body.
+    degree : int
+        Highest degree q_z; a mode of the flank is P_a(xi_s) P_b(xi_z), at index a (q_z + 1) + b.
+    twist : float
+        By how much the section turns counter-clockwise with growing z, rad/mm.
+    cos_base_helix : float
+        cos(beta_b): the area element of the flank is ds dz/cos(beta_b).
+    end : (float, float)
+        Strengths psi of the mirror images of the near field behind the ends at low and high z.
+    """
+
+    range_mm: tuple[float, float]
+    degree: int
+    twist: float
+    cos_base_helix: float
+    end: tuple[float, float]
+
+    @property
+    def count(self) -> int:
+        """Number of modes along the axis for each along the profile."""
+        return self.degree + 1
+
+
+@dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of the flanks of one body, per mm of face width.
+    """Compliance of the flanks of one body: per mm of face width, or with `axial` of all of it.
 
     Attributes
     ----------
@@ -73,6 +103,9 @@ class BodyCompliance:
         the same in a mirror.
     crossing_tangential : (z, p, q) array; None without friction
         The same for the modes of load along the working flank.
+    axial : AxialModes or None
+        In three dimensions: smooth is in mm/N, its modes are products, and the near field is that
+        of a half-space with k = kernel/2 (`prism.flank_potential`).
     closed : bool
         The modes are harmonics of a turn around the body.
     tip : Tip or None
@@ -114,6 +147,7 @@ class BodyCompliance:
     along: NDArray[np.float64] | None = None
     crossing: NDArray[np.float64] | None = None
     crossing_tangential: NDArray[np.float64] | None = None
+    axial: AxialModes | None = None
     closed: bool = False
     tip: Tip | None = None
     nodes: NDArray[np.float64] | None = None
@@ -225,9 +259,9 @@ class BodyCompliance:
                 if (table := getattr(self, name)) is not None
             }
             return replace(self, nodes=half, **tables)
-        n = self.smooth.shape[1]
+        n, each = self.smooth.shape[1], 1 if self.axial is None else self.axial.count
         flank = n - (0 if self.tip is None else TIP_MODES)
-        kept = flank - (2 * fewer if self.closed else fewer)
+        kept = flank - each * (2 * fewer if self.closed else fewer)
         if kept < 1:
             return self
         parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
@@ -252,6 +286,19 @@ class BodyCompliance:
             crossing=projected(self.crossing),
             crossing_tangential=projected(self.crossing_tangential),
             shifts={name: modes @ parts.T for name, modes in self.shifts.items()},
+            missed=None,
+        )
+
+    def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
+        """In three dimensions, the same without the modes of the highest degrees in z."""
+        axial = self.axial
+        if axial is None or axial.degree < fewer:
+            return self
+        kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
+        return replace(
+            self,
+            smooth=self.smooth[:, kept[:, None], kept],
+            axial=replace(axial, degree=axial.degree - fewer),
             missed=None,
         )
 

@@ -8,7 +8,6 @@ once; on the right stand the pressure modes of the flank and the columns of the 
 from __future__ import annotations
 
 from dataclasses import replace
-from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +20,7 @@ from flankload.elasticity.compliance.body_compliance import (
     RootResponse,
     no_compliance,
 )
+from flankload.elasticity.compliance.laps import Laps
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
@@ -140,7 +140,7 @@ def flank_compliances(
     """
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, growth) for _, growth in variants)
-    laps, mesh, onto = _Laps(), body.mesh, None
+    laps, mesh, onto = Laps(), body.mesh, None
     loads = (
         node_loads(body, plane)
         if nodal
@@ -243,24 +243,6 @@ def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | W
         return replace(mesh, fixed_nodes=fixed)
     left, right = (side[~np.isin(side, middles)] for side in (mesh.left_nodes, mesh.right_nodes))
     return replace(mesh, fixed_nodes=fixed, left_nodes=left, right_nodes=right)
-
-
-class _Laps:
-    """CPU seconds of the steps of a job."""
-
-    def __init__(self) -> None:
-        self._seconds: dict[str, float] = {}
-        self._wall, self._clock = perf_counter(), process_time()
-
-    def __call__(self, step: str) -> None:
-        """A step ends."""
-        now = process_time()
-        self._seconds[step] = self._seconds.get(step, 0.0) + now - self._clock
-        self._clock = now
-
-    def whole(self) -> dict[str, float]:
-        """All steps, and the time on the wall."""
-        return {**self._seconds, "wall": perf_counter() - self._wall}
 
 
 def _sparse_bytes(matrix: csc_array) -> int:

@@ -1,0 +1,238 @@
+"""Compliance of the flanks of a prism: a plane section over its own width, straight or twisted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh
+from flankload.bodies.free_corner import image_strengths
+from flankload.cost import Account
+from flankload.elasticity.compliance.body_compliance import (
+    AxialModes,
+    BodyCompliance,
+    no_compliance,
+)
+from flankload.elasticity.compliance.laps import Laps
+from flankload.elasticity.near_field import logarithm_strength, mode_loads, mode_norms
+from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
+from flankload.elasticity.prism.end_faces import edge_angles, end_strength, normal_lever
+from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
+from flankload.elasticity.prism.section_stiffness import section_stiffness
+from flankload.elasticity.sector_closure import close_ring
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+
+    Floats = NDArray[np.float64]
+
+#: A mode of degree p in z would meet one function alone; four degrees more meet it within 0.05 %.
+DEGREES_ABOVE_LOADS = 4
+
+
+@dataclass(frozen=True)
+class Prism:
+    """How a plane body extends along its axis, and how finely that is resolved.
+
+    Attributes
+    ----------
+    range_mm : (float, float)
+        Along the axis, ascending.
+    twist : float
+        kappa, rad/mm: by how much the section turns counter-clockwise with growing z; of a gear
+        h tan(beta)/r, h = 1 right hand, -1 left hand.
+    degree : int
+        p, of displacements in z.
+    load_degree : int
+        Of the pressure modes in z, at most p - 4.
+    cut_degree : int
+        Of the displacements of the cuts between sectors in z, at most p.
+    """
+
+    range_mm: tuple[float, float]
+    twist: float = 0.0
+    degree: int = 8
+    load_degree: int = 4
+    cut_degree: int = 4
+
+    def check(self) -> None:
+        """Refuse degrees that do not resolve each other.
+
+        Raises
+        ------
+        SceneError
+        """
+        low, high = self.range_mm
+        if not low < high:
+            raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
+        most = self.degree - DEGREES_ABOVE_LOADS
+        if not 0 <= self.load_degree <= most:
+            raise SceneError(
+                key="load_degree_z",
+                expected=f"0 ... {most}: axial_degree {self.degree} less {DEGREES_ABOVE_LOADS}",
+                found=self.load_degree,
+            )
+
+
+def prism_compliance(
+    body: Body, prism: Prism, *, n_modes: int, account: Account | None = None
+) -> BodyCompliance:
+    """Compliance of a body's flanks in three dimensions, its fixed nodes held over all its width.
+
+    A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its
+    normal, by
+
+        near field + V(s, z) g V(s', z')',  V = P_a(xi_s) P_b(xi_z) at index a (q_z + 1) + b
+
+    with g = `smooth[t]` on the tooth that is t pitches on, xi_s over `mode_range_mm` and xi_z over
+    `axial.range_mm`. The near field acts on the same flank alone; it is that of
+    `flank_potential`: a half-space with k = `kernel`/2, the images behind both ends with the
+    strengths `axial.end` and behind free corners with `wedge`. So
+
+        g_0 = D⁻¹ (B'CB - <P, near P>) D⁻¹,  g_t = D⁻¹ B'C_t B D⁻¹
+        D_ab = L_s b/((2a + 1)(2b + 1) cos(beta_b))
+
+    with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per
+    ds dz hold already.
+
+    Parameters
+    ----------
+    body : Body
+        With the mesh of a sector; rigid bodies have no compliance.
+    prism : Prism
+    n_modes : int
+        Pressure modes along s; their degree should be at most half the number of flank elements.
+    account : Account, optional
+        Where factorisations are counted.
+
+    Returns
+    -------
+    BodyCompliance
+        With `axial`; smooth is (z, p, p), p = n_modes (q_z + 1), in mm/N of the whole width.
+
+    Raises
+    ------
+    SceneError
+        If the load degree exceeds the axial degree less 4, an edge between flank and end face is
+        sharper than 50 degrees, the mesh is that of a whole body, or the tip is rounded.
+    """
+    prism.check()
+    if body.rigid or body.mesh is None:
+        return no_compliance(body)
+    mesh = _sector_of(body)
+    account = Account() if account is None else account
+    laps = Laps()
+    axial = AxialBasis(prism.range_mm, prism.degree)
+    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
+    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, twist=prism.twist)
+    laps("assembly")
+    sector = condense_prism(
+        section,
+        axial,
+        mesh,
+        _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+        cut_degree=min(prism.cut_degree, prism.degree),
+        twisted=prism.twist != 0.0,
+        account=account,
+    )
+    laps("factorisation")
+    response = close_ring(sector, mesh.teeth)
+    laps("ring")
+    surface = flank_surface(body, prism)
+    kernel = logarithm_strength(body.material, "strain")
+    near = projected_potential(surface, n_modes, prism.load_degree)
+    response[0] -= 0.5 * kernel * near
+    norms = np.outer(
+        mode_norms(body.mode_range_mm, n_modes),
+        mode_norms_z(axial.width_mm, prism.load_degree) / surface.cos_base_helix,
+    ).ravel()
+    response /= np.outer(norms, norms)
+    mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
+    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    laps("near field")
+    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
+    return BodyCompliance(
+        smooth=0.5 * (response + mirrored),
+        kernel=kernel,
+        wedge=surface.wedge,
+        mode_range_mm=body.mode_range_mm,
+        axial=AxialModes(
+            range_mm=prism.range_mm,
+            degree=prism.load_degree,
+            twist=prism.twist,
+            cos_base_helix=surface.cos_base_helix,
+            end=surface.end,
+        ),
+        asymmetry=asymmetry,
+        degrees_of_freedom=COMPONENTS * axial.count * (len(mesh.nodes) - held),
+        counters=account.counters,
+        workspace_bytes=account.workspace_bytes,
+        seconds=laps.whole(),
+    )
+
+
+def flank_surface(body: Body, prism: Prism) -> FlankSurface:
+    """The working flank of tooth 0 as its near field sees it.
+
+    Parameters
+    ----------
+    body : Body
+    prism : Prism
+
+    Returns
+    -------
+    FlankSurface
+
+    Raises
+    ------
+    SceneError
+        If an edge between flank and end face is sharper than 50 degrees.
+    """
+    ratio, twist = body.material.poisson_ratio, prism.twist
+    low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))
+
+    def slope(s: Floats) -> Floats:
+        if not twist:
+            return np.zeros_like(s)
+        (x, y), (t_x, t_y) = body.curve.point(s).T, body.curve.tangent(s).T
+        return np.asarray(-twist * (x * t_y - y * t_x))
+
+    return FlankSurface(
+        s_mm=body.mode_range_mm,
+        z_mm=prism.range_mm,
+        cos_base_helix=float(1.0 / np.hypot(1.0, twist * normal_lever(body))),
+        slope=slope,
+        end=(low, high),
+        wedge=image_strengths(body),
+    )
+
+
+def _sector_of(body: Body) -> SectorMesh:
+    """The mesh of a sector; other meshes, and rounded tips, are refused."""
+    if not isinstance(body.mesh, SectorMesh):
+        raise SceneError(
+            key=body.kind,
+            expected="a body of equal sectors in three dimensions",
+            found="the mesh of a whole body",
+        )
+    if body.tip is not None:
+        raise SceneError(
+            key=body.kind,
+            expected="a sharp tip in three dimensions",
+            found="a tip rounding or chamfer",
+        )
+    return body.mesh
+
+
+def _prism_loads(in_plane: Floats, along: Floats) -> Floats:
+    """Loads (N, 3 (p + 1), n_s n_z) of the products of modes, by node, then unknown."""
+    n_s, (functions, n_z) = in_plane.shape[1], along.shape
+    of_nodes = in_plane.reshape(-1, COMPONENTS, n_s)
+    loads = np.einsum("ica,kb->ikcab", of_nodes, along)
+    return loads.reshape(len(of_nodes), COMPONENTS * functions, n_s * n_z)

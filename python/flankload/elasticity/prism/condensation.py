@@ -1,0 +1,298 @@
+"""A sector of a prism condensed to its loads and cuts, front by front on LAPACK.
+
+Each node of the plane mesh carries 3 (p + 1) unknowns, by axial function, then component, so that
+the cuts, which keep the axial degrees up to q alone, keep the first 3 (q + 1) of each node. Kept
+unknowns and loads stay in the fronts to the end: what is left of
+
+    [[K_ii, K_ic, F_i], [K_ci, K_cc, F_c], [F_i', F_c', 0]]
+
+is [[S, G], [G', -C_loc]], all that the ring closure needs. The eliminated part is positive
+definite: no pivots are exchanged.
+
+Without twist, displacements in the section of even axial degree meet only axial ones of odd degree
+and the other way round: two problems of half the size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg.blas import dsyrk, dtrsm
+from scipy.linalg.lapack import dpotrf
+
+from flankload.cost import Account
+from flankload.elasticity.prism.dissection import Front, dissect
+from flankload.elasticity.sector_closure import CondensedSector
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import SectorMesh
+    from flankload.elasticity.prism.axial_basis import AxialBasis
+    from flankload.elasticity.prism.section_stiffness import SectionStiffness
+
+    Floats = NDArray[np.float64]
+
+#: Components of a displacement.
+COMPONENTS = 3
+
+
+def condense_prism(
+    section: SectionStiffness,
+    axial: AxialBasis,
+    mesh: SectorMesh,
+    loads: Floats,
+    *,
+    cut_degree: int,
+    twisted: bool,
+    account: Account | None = None,
+) -> CondensedSector:
+    """Condense a sector to its loads and cuts; the fixed nodes are held over the whole width.
+
+    Parameters
+    ----------
+    section : SectionStiffness
+    axial : AxialBasis
+        Of degree p.
+    mesh : SectorMesh
+    loads : (N, 3 (p + 1), r) array
+        Columns by node and unknown; they read, too.
+    cut_degree : int
+        q <= p: the displacements of the cuts are polynomials of this degree in z.
+    twisted : bool
+        False allows the two problems of half the size.
+    account : Account, optional
+
+    Returns
+    -------
+    CondensedSector
+        Unknowns of the cuts by node, axial function, component.
+    """
+    account = Account() if account is None else account
+    cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
+    kept = np.zeros(section.nodes, dtype=bool)
+    kept[cut] = True
+    inner = ~kept
+    inner[mesh.fixed_nodes] = False
+    fronts, position = dissect(
+        mesh.nodes,
+        section.rows,
+        section.columns,
+        inner=inner,
+        kept=kept,
+        loaded=np.asarray(loads.any(axis=(1, 2))),
+    )
+    per_cut = COMPONENTS * (cut_degree + 1)
+    count = loads.shape[2]
+    size = cut.size * per_cut
+    whole = np.zeros((size + count, size + count))
+    for unknowns in _independent(axial.count, twisted=twisted):
+        of_cut = unknowns[unknowns < per_cut]
+        columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
+        pencil = _Pencil(section, axial.terms, unknowns, of_cut, position, inner, kept)
+        left = _eliminated(fronts, pencil, loads[:, unknowns][:, :, columns], account)
+        # kept nodes stand in the order of their numbers
+        node = np.argsort(np.argsort(cut))
+        rows = (node[:, None] * of_cut.size + np.arange(of_cut.size)).ravel()
+        rows = np.append(rows, cut.size * of_cut.size + np.arange(columns.size))
+        at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
+        at = np.append(at, size + columns)
+        whole[np.ix_(at, at)] += left[np.ix_(rows, rows)]
+    on_cut = loads[cut][:, :per_cut].reshape(size, count)
+    return CondensedSector(
+        local=(-whole[size:, size:],),
+        carried=(whole[:size, size:] + on_cut,),
+        stiffness=whole[:size, :size],
+        components=COMPONENTS,
+    )
+
+
+def _independent(functions: int, *, twisted: bool) -> list[NDArray[np.int64]]:
+    """Unknowns of a node in sets that do not meet each other."""
+    unknowns = np.arange(COMPONENTS * functions)
+    if twisted:
+        return [unknowns]
+    function, component = np.divmod(unknowns, COMPONENTS)
+    odd = (function + (component == COMPONENTS - 1)) % 2
+    return [unknowns[odd == part] for part in (0, 1)]
+
+
+class _Pencil:
+    """Blocks of the stiffness between nodes, expanded from those of the section front by front."""
+
+    def __init__(
+        self,
+        section: SectionStiffness,
+        terms: Floats,
+        unknowns: NDArray[np.int64],
+        of_cut: NDArray[np.int64],
+        position: NDArray[np.int64],
+        inner: NDArray[np.bool_],
+        kept: NDArray[np.bool_],
+    ) -> None:
+        self.unknowns, self.of_cut, self.position = unknowns, of_cut, position
+        self.inner, self.kept = inner, kept
+        self._section, self._terms = section, terms
+        rows, columns = section.rows, section.columns
+        lower = np.flatnonzero((position[columns] >= 0) & (position[rows] >= position[columns]))
+        self._pairs = lower[np.argsort(position[columns[lower]], kind="stable")]
+        self._first = np.searchsorted(position[columns[self._pairs]], np.arange(position.max() + 2))
+
+    def pairs(self, first: int, last: int) -> NDArray[np.int64]:
+        """Pairs of nodes, row not before column, whose columns have these positions."""
+        return self._pairs[self._first[first] : self._first[last]]
+
+    def ends(self, pairs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Rows and columns of pairs."""
+        return self._section.rows[pairs], self._section.columns[pairs]
+
+    def blocks(
+        self, pairs: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
+    ) -> Floats:
+        """Stiffness (n, rows, columns) between these unknowns of pairs of nodes."""
+        (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
+        of_section = self._section.blocks[pairs]
+        weights = self._terms[:, a[:, None], b]
+        total = np.zeros((pairs.size, rows.size, columns.size))
+        for term in range(4):
+            total += of_section[:, term, c[:, None], d] * weights[term]
+        return total
+
+
+@dataclass(frozen=True, eq=False)
+class _Remainder:
+    """What a front leaves: lower triangle of its boundary's matrix, loads behind the nodes."""
+
+    front: Front
+    sizes: NDArray[np.int64]
+    matrix: Floats
+
+
+def _eliminated(fronts: list[Front], pencil: _Pencil, loads: Floats, account: Account) -> Floats:
+    """Kept nodes and loads after all inner nodes are eliminated, symmetric.
+
+    Returns
+    -------
+    (m, m) array
+        Kept nodes by ascending number, then the loads.
+    """
+    left: dict[int, _Remainder] = {}
+    bytes_held = most = 0
+    for number, front in enumerate(fronts):
+        parts = [left.pop(part) for part in front.parts]
+        left[number] = _front_remainder(front, parts, pencil, loads)
+        bytes_held += left[number].matrix.nbytes
+        most = max(most, bytes_held)
+        bytes_held -= sum(part.matrix.nbytes for part in parts)
+    account.count(fe_factorisations=1)
+    account.workspace_bytes += most
+    last = left[len(fronts) - 1]
+    nodes = np.flatnonzero(pencil.kept)
+    matrix = np.zeros((nodes.size * pencil.of_cut.size + loads.shape[2],) * 2)
+    place = _offsets(last.front.rest, nodes, pencil.of_cut.size)
+    at = np.append(place.ravel(), nodes.size * pencil.of_cut.size + np.arange(loads.shape[2]))
+    matrix[np.ix_(at, at)] = last.matrix
+    first, end = pencil.position[nodes].min(), pencil.position.max() + 1
+    pairs = pencil.pairs(first, end)
+    rows, columns = pencil.ends(pairs)
+    blocks = pencil.blocks(pairs, pencil.of_cut, pencil.of_cut)
+    n = pencil.of_cut.size
+    row, column = (np.searchsorted(nodes, part) for part in (rows, columns))
+    split = matrix[: nodes.size * n, : nodes.size * n].reshape(nodes.size, n, nodes.size, n)
+    split[row, :, column] += blocks
+    return np.tril(matrix) + np.tril(matrix, -1).T
+
+
+def _offsets(some: NDArray[np.int64], all_nodes: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """Unknowns (n, size) of nodes among those of all of them."""
+    return np.asarray(np.searchsorted(all_nodes, some)[:, None] * size + np.arange(size))
+
+
+def _front_remainder(
+    front: Front, parts: list[_Remainder], pencil: _Pencil, loads: Floats
+) -> _Remainder:
+    """Assemble a front, eliminate its own nodes."""
+    n, m = pencil.unknowns.size, pencil.of_cut.size
+    width = loads.shape[2] if front.loaded else 0
+    own = front.own.size * n
+    sizes = np.where(pencil.kept[front.rest], m, n)
+    rest = int(sizes.sum()) + width
+    pivot = np.zeros((own, own), order="F")
+    below = np.zeros((rest, own), order="F")
+    remainder = np.zeros((rest, rest), order="F")
+    if front.own.size:
+        _assemble(front, pencil, pivot, below)
+        if front.loaded:
+            below[rest - width :] = loads[front.own].reshape(own, width).T
+    for part in parts:
+        _extend(front, sizes, n, part, (pivot, below, remainder))
+    if front.own.size:
+        factor, failed = dpotrf(pivot, lower=1, clean=0, overwrite_a=1)
+        assert not failed, "stiffness of a sector: expected positive definite"
+        if rest:
+            below = dtrsm(1.0, factor, below, side=1, lower=1, trans_a=1, overwrite_b=1)
+            remainder = dsyrk(-1.0, below, beta=1.0, c=remainder, lower=1, overwrite_c=1)
+    return _Remainder(front, np.append(sizes, width) if width else sizes, remainder)
+
+
+def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> None:
+    """Stiffness of the front's own nodes and between them and its boundary."""
+    n, m, count = pencil.unknowns.size, pencil.of_cut.size, front.own.size
+    first = int(pencil.position[front.own[0]])
+    pairs = pencil.pairs(first, first + count)
+    rows, columns = pencil.ends(pairs)
+    column = pencil.position[columns] - first
+    row = pencil.position[rows] - first
+    place = np.full(pencil.position.size, -1)
+    place[front.rest] = np.arange(front.rest.size)
+    inner = front.inner
+    own = pivot.reshape((n, count, n, count), order="F")
+    later = below[: inner * n].reshape((n, inner, n, count), order="F")
+    cuts = front.rest.size - inner
+    kept = below[inner * n : inner * n + cuts * m].reshape((m, cuts, n, count), order="F")
+    for target, at, chosen, unknowns in (
+        (own, row, row < count, pencil.unknowns),
+        (later, place[rows], (row >= count) & pencil.inner[rows], pencil.unknowns),
+        (kept, place[rows] - inner, pencil.kept[rows], pencil.of_cut),
+    ):
+        if chosen.any():
+            blocks = pencil.blocks(pairs[chosen], unknowns, pencil.unknowns)
+            target[:, at[chosen], :, column[chosen]] = blocks
+
+
+def _extend(
+    front: Front,
+    sizes: NDArray[np.int64],
+    n: int,
+    part: _Remainder,
+    target: tuple[Floats, Floats, Floats],
+) -> None:
+    """Add what a part leaves, run by run of unknowns that are neighbours in both."""
+    pivot, below, remainder = target
+    nodes = part.front.rest
+    own = len(pivot)
+    start = own + np.concatenate([[0], np.cumsum(sizes)])
+    at = dict(zip(front.own.tolist(), range(0, own, n), strict=True))
+    at |= dict(zip(front.rest.tolist(), start[:-1].tolist(), strict=True))
+    ends = np.cumsum(part.sizes)
+    runs: list[list[int]] = []  # first in the part, first in the front, length
+    goal = [at[node] for node in nodes.tolist()]
+    if part.sizes.size > nodes.size:  # loads stand last
+        goal.append(int(start[-1]))
+    for first, last, place in zip(ends - part.sizes, ends, goal, strict=True):
+        if runs and runs[-1][1] + runs[-1][2] == place and (place != own):
+            runs[-1][2] += last - first
+        else:
+            runs.append([first, place, last - first])
+    for j, (from_j, to_j, long_j) in enumerate(runs):
+        for from_i, to_i, long_i in runs[j:]:
+            block = part.matrix[from_i : from_i + long_i, from_j : from_j + long_j]
+            if to_j >= own:
+                goal_block = remainder[to_i - own :, to_j - own :]
+            elif to_i >= own:
+                goal_block = below[to_i - own :, to_j:]
+            else:
+                goal_block = pivot[to_i:, to_j:]
+            goal_block[:long_i, :long_j] += block
