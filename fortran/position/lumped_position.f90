@@ -53,7 +53,7 @@ contains
         real(wp), allocatable :: forces(:), full(:), coupling(:, :), rubbing(:, :)
         type(place_type), allocatable :: places(:)
 
-        full = torque/position%zones%lever
+        full = position%part*torque/position%zones%lever
         call estimate_forces(forces, joins)
         if (allocated(error)) return
         allocate (places(size(joins)))
@@ -107,8 +107,8 @@ contains
             needed = .false.
             associate (zones => position%zones)
                 call lumped_contact(position%coupling, position%gap, zones%lever, zones%curvature, &
-                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%flank_length, &
-                    & position%kernel, position%images, torque, estimate, rotation, spent, error)
+                    & position%widest, position%flank_length, position%kernel, &
+                    & position%images, torque, estimate, rotation, spent, error)
             end associate
             call count_lumped(spent, state)
             if (allocated(error)) return
@@ -153,13 +153,13 @@ contains
                     if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
                     if (.not. any(place%reach > 0.0_wp)) then
                         place%reach = hertz_half_width(place%force, zone%curvature, &
-                            & position%kernel, position%flank_length)
+                            & position%kernel(z), position%flank_length)
                     end if
                     call reach_of(curve_1, position%frames_1(site), curve_2, &
-                        & position%frames_2(site), zone, position%kernel*place%force, place%reach, &
+                        & position%frames_2(site), zone, position%kernel(z)*place%force, place%reach, &
                         & place%reach_slope)
-                    place%reach_slope = position%kernel*place%reach_slope
-                    call near_field_of(position%kernel, &
+                    place%reach_slope = position%kernel(z)*place%reach_slope
+                    call near_field_of(position%kernel(z), &
                         & least_half_width(position%flank_length), position%images(:, z), place)
                     call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                     if (.not. found) then
@@ -275,7 +275,7 @@ contains
                 site = zone%site
                 state%site_force(site) = state%site_force(site) + state%forces(k)
                 state%site_peak(site) = max(state%site_peak(site), &
-                    & state%forces(k)/state%pairs%cell_1(k))
+                    & state%forces(k)/(state%pairs%cell_1(k)*zone%length))
                 if (state%forces(k) <= 0.0_wp) cycle
                 worked = max(0, zone%corner)
                 beside = near*0.5_wp*sum(place%reach)
