@@ -138,16 +138,19 @@ contains
         type(grid_type) :: grid
 
         zone%s_1_high = nodes(size(nodes))
-        ! the grid stops in the open at 2 and at 5: it takes one more node to both sides
+        grid%low = 0.0_wp
+        grid%high = 9.0_wp
+        call lay_on_nodes(nodes, zone, grid)
+        call expect(grid%n == 6, 'nodes of a whole zone')
+        call expect(all(abs(grid%ends - [0.0_wp, 0.5_wp, 2.0_wp, 3.5_wp, 6.0_wp, 8.5_wp, 9.0_wp]) &
+            & <= round_off), 'ends of the cells of a whole zone')
         grid%low = 2.0_wp
         grid%high = 5.0_wp
-        grid%open_low = .true.
-        grid%open_high = .true.
         call lay_on_nodes(nodes, zone, grid)
-        call expect(grid%n == 4, 'nodes of a grid in the open')
-        call expect(all(abs(grid%centers - nodes(2:5)) <= round_off), 'pairs on nodes')
-        call expect(all(abs(grid%ends - [0.5_wp, 2.0_wp, 3.5_wp, 6.0_wp, 8.5_wp]) <= round_off), &
-            & 'ends of cells half-way between nodes')
+        call expect(grid%n == 2, 'nodes of a part of a zone')
+        call expect(all(abs(grid%centers - nodes(3:4)) <= round_off), 'pairs on nodes')
+        call expect(all(abs(grid%ends - [2.0_wp, 3.5_wp, 6.0_wp]) <= round_off), &
+            & 'ends of the cells of a part of a zone')
     end subroutine test_cells_of_uneven_nodes
 
     !> The slope of the mean sign of sliding is that of its differences by u = v_0/(|v'| h).
