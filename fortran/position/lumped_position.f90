@@ -15,6 +15,7 @@ module flankload_lumped_position
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
     use flankload_position_zones, only: body_type, position_type
+    use flankload_slice_coupling, only: widen_slices
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
     private
@@ -38,8 +39,8 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position
-        type(position_type), intent(in) :: position
+        !> The position; in three dimensions, near fields of slices follow the forces
+        type(position_type), intent(inout) :: position
         !> Torque on body 1, above 0 [N mm]
         real(wp), intent(in) :: torque
         !> What is found; blank on entry
@@ -56,6 +57,7 @@ contains
         full = position%part*torque/position%zones%lever
         call estimate_forces(forces, joins)
         if (allocated(error)) return
+        if (allocated(body_1%slices)) call widen_slices(body_1, body_2, forces, position)
         allocate (places(size(joins)))
         n = 0
         do pass = 1, max_passes

@@ -65,6 +65,8 @@ module flankload_position_zones
         !> Width beyond which contacts are not expected when forces are estimated [mm], shape
         !> (zones)
         real(wp), allocatable :: widest(:)
+        !> How far beside its line the load of a slice is spread [mm]
+        real(wp) :: beside = 0.0_wp
         !> Part of a whole load that a zone carries if it is spread over the face width, shape
         !> (zones)
         real(wp), allocatable :: part(:)

@@ -15,7 +15,7 @@ module flankload_slice_coupling
     implicit none
     private
 
-    public :: check_slices, look_at_slices, load_slices
+    public :: check_slices, look_at_slices, load_slices, widen_slices
 
 contains
 
@@ -90,7 +90,8 @@ contains
         position%smooth = smooth_1 + smooth_2
     end subroutine look_at_slices
 
-    !> Set what depends on the torque by the width of the contacts.
+    !> Set what depends on the torque by the width of the contacts: as if one flank carried it all,
+    !> evenly over its length.
     pure subroutine load_slices(body_1, body_2, torque, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -101,29 +102,66 @@ contains
         type(position_type), intent(inout) :: position
 
         integer :: z
-        real(wp) :: half_width, beside
 
         associate (zones => position%zones, edges => body_1%slices%edges)
             position%part = width_of(body_1%slices, zones%site)/(edges(size(edges)) - edges(1))
             z = minloc(position%gap, dim=1)
-            ! of the contact that carries the torque alone, evenly over its length
-            half_width = hertz_half_width(position%part(z)*torque/zones(z)%lever, &
-                & zones(z)%curvature, position%kernel(z), position%flank_length)
-            ! a line so far away stands for Hertz's pressure: the root of its second moment
+            call spread_loads(body_1, body_2, hertz_half_width(position%part(z)*torque &
+                & /zones(z)%lever, zones(z)%curvature, position%kernel(z), &
+                & position%flank_length), position)
+        end associate
+    end subroutine load_slices
+
+    !> Where forces are uneven, contacts are wider than they were taken to be.
+    pure subroutine widen_slices(body_1, body_2, forces, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        !> Forces are known to so much only
+        real(wp), parameter :: reserve = 1.1_wp
+        real(wp) :: widest
+
+        widest = reserve*maxval(hertz_half_width(forces, position%zones%curvature, &
+            & position%kernel, position%flank_length))
+        if (0.5_wp*widest > position%beside) call spread_loads(body_1, body_2, widest, position)
+    end subroutine widen_slices
+
+    !> Near fields of loads that are spread over the width of the widest contact.
+    !>
+    !> Half that width is the root of the second moment of Hertz's pressure. A line so far beside
+    !> its slice makes a matrix that is definite for slices of any thinness, and so does its
+    !> derivative by the forces: what local half-widths take off its diagonal is less.
+    pure subroutine spread_loads(body_1, body_2, half_width, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Half-width [mm]
+        real(wp), intent(in) :: half_width
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: z
+
+        associate (zones => position%zones, slices => body_1%slices, beside => position%beside)
             beside = 0.5_wp*half_width
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
             call add_segment_field(body_1%compliance, &
-                & segments_of(body_1%slices, zones, zones%nearest%s_1), beside, position%coupling)
+                & segments_of(slices, zones, zones%nearest%s_1), beside, position%coupling)
             call add_segment_field(body_2%compliance, &
-                & segments_of(body_1%slices, zones, zones%nearest%s_2), beside, position%coupling)
-            ! its logarithm is followed with the force
+                & segments_of(slices, zones, zones%nearest%s_2), beside, position%coupling)
+            ! the logarithm of its distance is followed with the force
             do z = 1, size(zones)
                 position%coupling(z, z) = position%coupling(z, z) &
                     & + position%kernel(z)*log(beside)
             end do
         end associate
-    end subroutine load_slices
+    end subroutine spread_loads
 
     !> The contact lines of the zones.
     elemental function segments_of(slices, zone, s) result(segment)
