@@ -15,12 +15,12 @@ module flankload_lumped_position
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
     use flankload_position_zones, only: body_type, position_type
-    use flankload_slice_coupling, only: widen_slices
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
     private
 
     public :: solve_lumped
+    public :: cell_of, finish, joining, least_part, look_at_levers, look_at_places
 
     !> Newton's method takes 3 to 5 passes; from the first number on, the last near field divided by
     !> the last force stands for its derivative: such passes lose 0.1 of the error each, whatever
@@ -39,8 +39,8 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; in three dimensions, near fields of slices follow the forces
-        type(position_type), intent(inout) :: position
+        !> The position
+        type(position_type), intent(in) :: position
         !> Torque on body 1, above 0 [N mm]
         real(wp), intent(in) :: torque
         !> What is found; blank on entry
@@ -54,10 +54,9 @@ contains
         real(wp), allocatable :: forces(:), full(:), coupling(:, :), rubbing(:, :)
         type(place_type), allocatable :: places(:)
 
-        full = position%part*torque/position%zones%lever
+        full = torque/position%zones%lever
         call estimate_forces(forces, joins)
         if (allocated(error)) return
-        if (allocated(body_1%slices)) call widen_slices(body_1, body_2, forces, position)
         allocate (places(size(joins)))
         n = 0
         do pass = 1, max_passes
@@ -210,14 +209,23 @@ contains
             normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1
-            ! of this width the largest pressure of a Hertz contact would carry its force
-            grid%cell = 0.25_wp*acos(-1.0_wp) &
-                & *max(sum(reach), least_half_width(position%flank_length))
+            grid%cell = cell_of(reach, position%flank_length)
             call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, grid, normal, &
                 & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
     end subroutine append_place
+
+    !> Width over which the largest pressure of a Hertz contact would carry its force [mm].
+    pure function cell_of(reach, flank_length) result(width)
+        !> How far the contact reaches to both sides [mm]
+        real(wp), intent(in) :: reach(2)
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
+        real(wp) :: width
+
+        width = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width(flank_length))
+    end function cell_of
 
     !> How the levers of the places change with their forces: the normal of a contact turns as it
     !> grows.

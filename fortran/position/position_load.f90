@@ -8,7 +8,8 @@ module flankload_position_load
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
-    use flankload_slice_coupling, only: check_slices, load_slices, look_at_slices
+    use flankload_lumped_slices, only: solve_slices
+    use flankload_slice_coupling, only: check_slices, look_at_slices
     use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
@@ -64,10 +65,9 @@ contains
                 call blank_state(size(body_1%site_angles), states(t))
                 if (torques(t) <= 0.0_wp .and. .not. presses_across(position)) then
                     call unloaded_state(position, states(t))
+                else if (allocated(body_1%slices)) then
+                    call solve_slices(body_1, body_2, torques(t), position, states(t), error)
                 else if (settings%level == level_lumped) then
-                    if (allocated(body_1%slices)) then
-                        call load_slices(body_1, body_2, torques(t), position)
-                    end if
                     call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
                 else
                     call solve_load(body_1, body_2, position, torques(t), settings, states(t), &

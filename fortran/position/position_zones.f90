@@ -67,8 +67,7 @@ module flankload_position_zones
         real(wp), allocatable :: widest(:)
         !> How far beside its line the load of a slice is spread [mm]
         real(wp) :: beside = 0.0_wp
-        !> Part of a whole load that a zone carries if it is spread over the face width, shape
-        !> (zones)
+        !> Part of a whole load that a slice carries if it is spread evenly, shape (zones)
         real(wp), allocatable :: part(:)
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
@@ -258,7 +257,6 @@ contains
 
         n = size(position%zones)
         allocate (position%kernel(n), source=body_1%kernel + body_2%kernel)
-        allocate (position%part(n), source=1.0_wp)
         associate (found => position%zones)
             smooth_1 = smooth_compliance(body_1, found%site, found%nearest%s_1)
             smooth_2 = smooth_compliance(body_2, found%site, found%nearest%s_2)
