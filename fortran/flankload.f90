@@ -17,6 +17,7 @@ module flankload
     use flankload_circle_pair, only: flank_type, new_flank
     use flankload_friction, only: friction_type, new_friction
     use flankload_compliance_field, only: compliance_type
+    use flankload_slice_field, only: slices_type
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
         & find_nodal_pairs, nodal_influences
     use flankload_position_zones, only: body_type
@@ -40,7 +41,7 @@ module flankload
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
     public :: body_type, grid_settings, position_state, solve_position
-    public :: level_lumped, level_pairs
+    public :: level_lumped, level_pairs, slices_type
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
     public :: sweep_nodal_positions, nodal_sweep_type

@@ -9,7 +9,7 @@ module flankload_status
         & negative_force, out_of_range
     public :: code_no_zone, code_too_many_zones, code_unsettled_cells, code_circle_misses, &
         & code_no_room, code_stopped, code_conforms, code_unsettled_widths, code_unsteady_points, &
-        & code_forces_move, code_only_ends
+        & code_forces_move, code_only_ends, code_not_in_slices
 
     ! States
     integer, parameter :: status_solved = 0, status_ill_conditioned = 1, status_degenerate = 2, &
@@ -24,7 +24,7 @@ module flankload_status
     integer, parameter :: code_no_room = -15, code_stopped = -16
     integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
     integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
-    integer, parameter :: code_only_ends = -21
+    integer, parameter :: code_only_ends = -21, code_not_in_slices = -22
     !> Status of an invalid argument i is this minus i in procedures in which -1 … have other
     !> meanings.
     integer, parameter :: before_arguments = -100
@@ -71,7 +71,9 @@ module flankload_status
         & status_type(code_forces_move, &
         & 'finite forces and their influence numbers do not come to rest'), &
         & status_type(code_only_ends, &
-        & 'flanks are nearest to each other at ends that are left out')]
+        & 'flanks are nearest to each other at ends that are left out'), &
+        & status_type(code_not_in_slices, &
+        & 'slices: lumped contact without friction, of flanks with two ends')]
 
 contains
 

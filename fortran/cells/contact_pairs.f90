@@ -206,10 +206,11 @@ contains
         pairs%cell_1(i) = cell
         pairs%cell_2(i) = cell*abs(cross(pair%point_1, own(:, 1))/cross(pair%point_2, own(:, 2)))
         pairs%radius(i) = pair%radius
-        pairs%torque_lever(i) = lever_1
+        pairs%torque_lever(i) = lever_1*zone%cosine
         ! one lever for both bodies: K stays symmetric
         pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
         pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
+        pairs%lever(i) = pairs%lever(i)*zone%cosine
         pairs%point(:, i) = pair%point_1
         pairs%normal(:, i) = normals(:, 1)
     end subroutine append_pair

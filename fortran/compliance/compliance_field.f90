@@ -19,7 +19,8 @@ module flankload_compliance_field
     !> Modes that a tip has of its own.
     integer, parameter :: tip_modes = 2
 
-    !> Compliance of one body, per its face width.
+    !> Compliance of one body, per its face width; of a body that is cut in slices in three
+    !> dimensions: with modes over its width, too, and the kernel in mm²/N.
     type :: compliance_type
         !> Arc lengths of the flank's nodes [mm], ascending, shape (n); not allocated with modes.
         !> With nodes smooth and tangential are tables of whole displacements, shape
@@ -59,11 +60,20 @@ module flankload_compliance_field
         !> Displacement of the flanks out of the material by known loads, as modes [mm], shape
         !> (n_modes, sites); not allocated without
         real(wp), allocatable :: shift(:, :)
+        !> Legendre polynomials over the width by which each mode along the profile is multiplied:
+        !> mode a of the profile and polynomial b make the one numbered (a - 1)*n_axial + b
+        integer :: n_axial = 1
+        !> End faces of the body [mm], and its twist [rad/mm]
+        real(wp) :: z_low = 0.0_wp, z_high = 0.0_wp
+        real(wp) :: twist = 0.0_wp
+        !> Strengths psi of the mirror images behind both end faces; 0 where the body goes on
+        real(wp) :: end_strength(2) = 0.0_wp
     end type compliance_type
 
 contains
 
-    !> Legendre polynomials P_0 … P_p over the flank's arc length; harmonics on a closed one.
+    !> Modes along the profile: Legendre polynomials P_0 … P_p over the flank's arc length;
+    !> harmonics on a closed one.
     !>
     !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a
     !> tip rounding or chamfer follows the flank, the last two modes are powers of the part of the
@@ -78,13 +88,13 @@ contains
         !> By how much forces are turned from the profile's normal towards growing arc length [rad],
         !> shape (n); 0 where it is not given
         real(wp), intent(in), optional :: turn(:)
-        !> Values, shape (n, n_modes)
-        real(wp) :: values(size(s), size(compliance%smooth, 1))
+        !> Values, shape (n, n_modes), in three dimensions (n, n_modes/n_axial)
+        real(wp) :: values(size(s), size(compliance%smooth, 1)/compliance%n_axial)
 
         integer :: a, n_modes
         real(wp) :: xi(size(s)), on_flank(size(s))
 
-        n_modes = size(compliance%smooth, 1)
+        n_modes = size(values, 2)
         on_flank = 1.0_wp
         if (compliance%s_tip > compliance%s_high .and. .not. compliance%closed) then
             n_modes = n_modes - tip_modes

@@ -9,6 +9,7 @@ module flankload_near_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: closed_strip_kernel, compliance_type, mean_strip_kernel, &
         & strip_kernel
+    use flankload_line_potential, only: own_potential
     implicit none
     private
 
@@ -23,6 +24,8 @@ module flankload_near_field
         real(wp) :: distance(2) = 1.0_wp
         !> By what these grow where the place moves along flank 1: flank 2 is run down
         real(wp) :: sense(2) = [1.0_wp, -1.0_wp]
+        !> Length of the slice that is loaded [mm]; 0 in the plane
+        real(wp) :: length = 0.0_wp
     end type image_type
 
     !> Cells so far apart are far from each other, and widths that differ by no more than this are
@@ -120,7 +123,7 @@ contains
         real(wp), intent(out) :: by_reach(2)
 
         integer :: k, end
-        real(wp) :: distance, slope(2)
+        real(wp) :: distance, slope(2), mean, mean_slope
 
         recession = 0.0_wp
         by_reach = 0.0_wp
@@ -133,6 +136,12 @@ contains
                     ! a contact ends in the corner at the latest
                     slope = 0.5_wp
                     distance = 0.5_wp*sum(reach)
+                end if
+                if (images(k)%length > 0.0_wp) then
+                    call own_potential(images(k)%length, 2.0_wp*distance, mean, mean_slope)
+                    recession = recession + 0.5_wp*images(k)%kernel(end)*images(k)%length*mean
+                    by_reach = by_reach + images(k)%kernel(end)*images(k)%length*mean_slope*slope
+                    cycle
                 end if
                 recession = recession - images(k)%kernel(end)*log(2.0_wp*distance)
                 by_reach = by_reach - images(k)%kernel(end)*slope/distance

@@ -30,6 +30,9 @@ module flankload_contact_zones
         type(pair_type) :: nearest
         !> Lever of the zone about O1 [mm]
         real(wp) :: lever = 0.0_wp
+        !> Cosine of the angle between the normal and the plane of the section, and length of the
+        !> contact line in its slice [mm]; 1 in the plane, per face width
+        real(wp) :: cosine = 1.0_wp, length = 1.0_wp
         !> Weight of body 1's lever in that of the pairs: its fraction of the normal displacement
         real(wp) :: lever_share = 0.5_wp
         !> Sum of both curvatures [1/mm]

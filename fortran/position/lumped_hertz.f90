@@ -67,8 +67,8 @@ contains
         real(wp), intent(in) :: widest(:)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
-        !> c of both bodies [mm/N]
-        real(wp), intent(in) :: kernel
+        !> c of both bodies [mm/N], shape (n)
+        real(wp), intent(in) :: kernel(:)
         !> Mirror images of the places behind the ends of both flanks, shape (2, n)
         type(image_type), intent(in) :: images(:, :)
         !> Torque on body 1 [N mm]
@@ -102,11 +102,11 @@ contains
         do pass = 1, n_passes
             matrix = coupling
             do i = 1, n
-                near = hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), kernel, &
-                    & flank_length)
+                near = hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), &
+                    & kernel(i), flank_length)
                 near = max(least_half_width(flank_length), min(widest(i), near))
                 call image_recession(images(:, i), [near, near], image, unused)
-                matrix(i, i) = matrix(i, i) + kernel*(0.5_wp + log(2.0_wp/near)) + image
+                matrix(i, i) = matrix(i, i) + kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)
             call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &

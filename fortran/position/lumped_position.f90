@@ -20,6 +20,7 @@ module flankload_lumped_position
     private
 
     public :: solve_lumped
+    public :: cell_of, finish, joining, least_part, look_at_levers, look_at_places
 
     !> Newton's method takes 3 to 5 passes; from the first number on, the last near field divided by
     !> the last force stands for its derivative: such passes lose 0.1 of the error each, whatever
@@ -107,8 +108,8 @@ contains
             needed = .false.
             associate (zones => position%zones)
                 call lumped_contact(position%coupling, position%gap, zones%lever, zones%curvature, &
-                    & 0.5_wp*(zones%s_1_high - zones%s_1_low), position%flank_length, &
-                    & position%kernel, position%images, torque, estimate, rotation, spent, error)
+                    & position%widest, position%flank_length, position%kernel, &
+                    & position%images, torque, estimate, rotation, spent, error)
             end associate
             call count_lumped(spent, state)
             if (allocated(error)) return
@@ -153,13 +154,13 @@ contains
                     if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
                     if (.not. any(place%reach > 0.0_wp)) then
                         place%reach = hertz_half_width(place%force, zone%curvature, &
-                            & position%kernel, position%flank_length)
+                            & position%kernel(z), position%flank_length)
                     end if
                     call reach_of(curve_1, position%frames_1(site), curve_2, &
-                        & position%frames_2(site), zone, position%kernel*place%force, place%reach, &
+                        & position%frames_2(site), zone, position%kernel(z)*place%force, place%reach, &
                         & place%reach_slope)
-                    place%reach_slope = position%kernel*place%reach_slope
-                    call near_field_of(position%kernel, &
+                    place%reach_slope = position%kernel(z)*place%reach_slope
+                    call near_field_of(position%kernel(z), &
                         & least_half_width(position%flank_length), position%images(:, z), place)
                     call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                     if (.not. found) then
@@ -208,14 +209,23 @@ contains
             normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1
-            ! of this width the largest pressure of a Hertz contact would carry its force
-            grid%cell = 0.25_wp*acos(-1.0_wp) &
-                & *max(sum(reach), least_half_width(position%flank_length))
+            grid%cell = cell_of(reach, position%flank_length)
             call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, grid, normal, &
                 & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
     end subroutine append_place
+
+    !> Width over which the largest pressure of a Hertz contact would carry its force [mm].
+    pure function cell_of(reach, flank_length) result(width)
+        !> How far the contact reaches to both sides [mm]
+        real(wp), intent(in) :: reach(2)
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
+        real(wp) :: width
+
+        width = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width(flank_length))
+    end function cell_of
 
     !> How the levers of the places change with their forces: the normal of a contact turns as it
     !> grows.
@@ -275,7 +285,7 @@ contains
                 site = zone%site
                 state%site_force(site) = state%site_force(site) + state%forces(k)
                 state%site_peak(site) = max(state%site_peak(site), &
-                    & state%forces(k)/state%pairs%cell_1(k))
+                    & state%forces(k)/(state%pairs%cell_1(k)*zone%length))
                 if (state%forces(k) <= 0.0_wp) cycle
                 worked = max(0, zone%corner)
                 beside = near*0.5_wp*sum(place%reach)

@@ -113,7 +113,7 @@ contains
             site = position%zones(z)%site
             cells%reach(:, z) = max(least_half_width(position%flank_length), &
                 & zone_reach(body_1%flank%curve, position%frames_1(site), body_2%flank%curve, &
-                & position%frames_2(site), position%zones(z), position%kernel*cells%part(z)))
+                & position%frames_2(site), position%zones(z), position%kernel(z)*cells%part(z)))
         end do
     end subroutine measure_reach
 

@@ -8,6 +8,8 @@ module flankload_position_load
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
+    use flankload_lumped_slices, only: solve_slices
+    use flankload_slice_coupling, only: check_slices, look_at_slices
     use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
@@ -55,7 +57,7 @@ contains
         known = .false.
         do t = 1, size(torques)
             if (.not. known) then
-                call look_at_position(body_1, body_2, angle_1, angle_2, torques(t), position, error)
+                call look(torques(t))
                 known = .not. (allocated(error) .or. position%conforms)
                 if (present(speeds)) position%speeds = speeds
             end if
@@ -63,6 +65,8 @@ contains
                 call blank_state(size(body_1%site_angles), states(t))
                 if (torques(t) <= 0.0_wp .and. .not. presses_across(position)) then
                     call unloaded_state(position, states(t))
+                else if (allocated(body_1%slices)) then
+                    call solve_slices(body_1, body_2, torques(t), position, states(t), error)
                 else if (settings%level == level_lumped) then
                     call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
                 else
@@ -77,6 +81,24 @@ contains
                 call note_ends(position, states(t))
             end if
         end do
+
+    contains
+
+        !> Find the places of least gap.
+        subroutine look(torque)
+            !> Torque on body 1 [N mm]
+            real(wp), intent(in) :: torque
+
+            if (allocated(body_1%slices)) then
+                call check_slices(body_1, body_2, settings%level == level_lumped, error)
+                if (allocated(error)) return
+            end if
+            call look_at_position(body_1, body_2, angle_1, angle_2, torque, position, error)
+            if (allocated(body_1%slices) .and. .not. allocated(error)) then
+                call look_at_slices(body_1, body_2, position)
+            end if
+        end subroutine look
+
     end subroutine solve_position
 
     !> One torque, on cells.
@@ -104,7 +126,7 @@ contains
 
         associate (zones => position%zones, gap => position%gap)
             call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                & zones%curvature, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
+                & zones%curvature, position%widest, &
                 & position%flank_length, position%kernel, position%images, torque, estimate, &
                 & rotation, spent, error)
             call count_lumped(spent, state)
@@ -116,7 +138,7 @@ contains
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
                 call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                    & curvatures, 0.5_wp*(zones%s_1_high - zones%s_1_low), &
+                    & curvatures, position%widest, &
                     & position%flank_length, position%kernel, position%images, torque, &
                     & estimate, rotation, spent, error)
                 call count_lumped(spent, state)

@@ -8,6 +8,7 @@ module flankload_position_zones
     use flankload_flank_curve, only: curve_length, frame_type, new_frame
     use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
+    use flankload_slice_field, only: mean_width, slice_of, slices_type
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
@@ -19,7 +20,7 @@ module flankload_position_zones
     private
 
     public :: body_type, position_type
-    public :: look_at_position
+    public :: look_at_position, lever_share
 
     !> What a body hands over.
     type :: body_type
@@ -37,6 +38,9 @@ module flankload_position_zones
         integer, allocatable :: sides(:)
         !> Friction of its flanks with those of body 2 (body 1 alone); not allocated without
         type(friction_type), allocatable :: friction
+        !> How the flanks are cut along the face width (body 1 alone): each site is a slice of a
+        !> flank pair, at the angles at which its section stands; not allocated in the plane
+        type(slices_type), allocatable :: slices
     end type body_type
 
     !> Where the flanks stand and come nearest to each other.
@@ -54,8 +58,17 @@ module flankload_position_zones
         !> Compliance of both bodies between the zones, without the near field of a zone itself
         !> [mm/N], shape (zones, zones)
         real(wp), allocatable :: coupling(:, :)
-        !> c of both bodies: strength of the logarithm [mm/N]
-        real(wp) :: kernel = 0.0_wp
+        !> The smooth part of that in three dimensions: near fields there depend on the torque
+        real(wp), allocatable :: smooth(:, :)
+        !> c of both bodies: strength of the logarithm [mm/N], shape (zones)
+        real(wp), allocatable :: kernel(:)
+        !> Width beyond which contacts are not expected when forces are estimated [mm], shape
+        !> (zones)
+        real(wp), allocatable :: widest(:)
+        !> How far beside its line the load of a slice is spread [mm]
+        real(wp) :: beside = 0.0_wp
+        !> Part of a whole load that a slice carries if it is spread evenly, shape (zones)
+        real(wp), allocatable :: part(:)
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
         !> Length of flank 1 [mm]: what is small or flat is so beside it
@@ -91,64 +104,26 @@ contains
         !> Set if no flanks meet, or a place of least gap could not be made exact
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: site, n_sites, n_working, n_zones, z
-        real(wp) :: closed_moment
-        real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
+        integer :: n_zones
         type(zone_type), allocatable :: zones(:)
-        integer, allocatable :: sides(:)
-        logical, allocatable :: faces(:)
-        logical :: lost, conforms
 
-        n_sites = size(body_1%site_angles)
-        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
-        allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
-        n_zones = 0
-        position%kernel = body_1%compliance%kernel + body_2%compliance%kernel
-        position%flank_length = curve_length(body_1%flank%curve)
-        allocate (sides(n_sites), source=1)
-        if (allocated(body_1%sides)) sides = body_1%sides
-        n_working = count(sides > 0)
-        closed_moment = closed_part*position%kernel*torque/n_working
-        faces = sites_that_face(body_1, body_2, angle_1, 1, n_working)
-        if (n_working < n_sites) then
-            faces = [faces, sites_that_face(body_1, body_2, -angle_1, n_working + 1, n_sites)]
-        end if
-        do site = 1, n_sites
-            position%frames_1(site) = new_frame(body_1%origin, &
-                & sides(site)*angle_1 + body_1%site_angles(site))
-            position%frames_2(site) = new_frame(body_2%origin, &
-                & sides(site)*angle_2 + body_2%site_angles(site))
-            if (.not. faces(site)) cycle
-            call find_zones(body_1%flank, position%frames_1(site), body_2%flank, &
-                & position%frames_2(site), site, closed_moment, zones, n_zones, conforms, lost)
-            position%conforms = position%conforms .or. conforms
-            if (lost) then
-                call fatal_error(error, code_circle_misses, &
-                    & 'a place of least gap could not be made exact')
-                return
-            end if
-        end do
+        call search_sites(body_1, body_2, angle_1, angle_2, torque, position, zones, error)
+        if (allocated(error)) return
+        n_zones = size(zones)
         if (n_zones == 0) then
             call fatal_error(error, code_no_zone, &
                 & 'no circle about O1 cuts two facing flanks at this position')
             return
         end if
-        if (n_zones > size(zones)) then
-            call fatal_error(error, code_too_many_zones, &
-                & 'more places of least gap than can be kept: profile too wavy')
-            return
-        end if
-        zones(:n_zones)%side = sides(zones(:n_zones)%site)
-        if (.not. any(zones(:n_zones)%side > 0.0_wp)) then
+        if (.not. any(zones%side > 0.0_wp)) then
             call fatal_error(error, code_no_zone, 'only coast flanks face each other')
             return
         end if
-        if (any(zones(:n_zones)%left_out)) then
-            position%ends = pack(zones(:n_zones), zones(:n_zones)%left_out)
+        if (any(zones%left_out)) then
+            position%ends = pack(zones, zones%left_out)
             position%end_gap = gaps_without_load(body_1, body_2, position%ends)
         end if
-        position%zones = pack(zones(:n_zones), .not. zones(:n_zones)%left_out)
-        n_zones = size(position%zones)
+        position%zones = pack(zones, .not. zones%left_out)
         if (.not. any(position%zones%side > 0.0_wp)) then
             call fatal_error(error, code_only_ends, &
                 & 'at this position flanks are nearest to each other at ends that are left out')
@@ -159,20 +134,143 @@ contains
                 & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
         end if
         position%gap = gaps_without_load(body_1, body_2, position%zones)
+        position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
+        if (.not. allocated(body_1%slices)) then
+            call couple_zones(body_1%compliance, body_2%compliance, position)
+        end if
+    end subroutine look_at_position
+
+    !> Find the places of least gap on all sites, those at ends that are left out among them.
+    pure subroutine search_sites(body_1, body_2, angle_1, angle_2, torque, position, zones, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Their turns [rad], and the torque on body 1 [N mm]
+        real(wp), intent(in) :: angle_1
+        real(wp), intent(in) :: angle_2
+        real(wp), intent(in) :: torque
+        !> The frames of the flanks, and whether flanks conform
+        type(position_type), intent(inout) :: position
+        !> The zones
+        type(zone_type), allocatable, intent(out) :: zones(:)
+        !> Set if a place of least gap could not be made exact, or there are too many
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: site, n_sites, n_working, n_zones, before
+        real(wp) :: closed_moment
+        integer, allocatable :: sides(:)
+        logical, allocatable :: faces(:)
+        logical :: lost, conforms
+
+        n_sites = size(body_1%site_angles)
+        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
+        n_zones = 0
+        before = 0
+        position%flank_length = curve_length(body_1%flank%curve)
+        allocate (sides(n_sites), source=1)
+        if (allocated(body_1%sides)) sides = body_1%sides
+        n_working = count(sides > 0)
+        closed_moment = closed_part*(body_1%compliance%kernel + body_2%compliance%kernel) &
+            & *torque/n_working
+        if (allocated(body_1%slices)) closed_moment = closed_moment/mean_width(body_1%slices)
+        faces = sites_that_face(body_1, body_2, angle_1, 1, n_working)
+        if (n_working < n_sites) then
+            faces = [faces, sites_that_face(body_1, body_2, -angle_1, n_working + 1, n_sites)]
+        end if
+        do site = 1, n_sites
+            position%frames_1(site) = new_frame(body_1%origin, &
+                & sides(site)*angle_1 + body_1%site_angles(site))
+            position%frames_2(site) = new_frame(body_2%origin, &
+                & sides(site)*angle_2 + body_2%site_angles(site))
+            if (.not. faces(site)) cycle
+            if (is_same_section(body_1, body_2, site)) then
+                call repeat_zones(site, before, zones, n_zones)
+                cycle
+            end if
+            before = n_zones
+            call find_zones(body_1%flank, position%frames_1(site), body_2%flank, &
+                & position%frames_2(site), site, closed_moment, zones, n_zones, conforms, lost)
+            position%conforms = position%conforms .or. conforms
+            if (lost) then
+                call fatal_error(error, code_circle_misses, &
+                    & 'a place of least gap could not be made exact')
+                return
+            end if
+        end do
+        if (n_zones > size(zones)) then
+            call fatal_error(error, code_too_many_zones, &
+                & 'more places of least gap than can be kept: profile too wavy')
+            return
+        end if
+        zones(:n_zones)%side = sides(zones(:n_zones)%site)
+        zones = zones(:n_zones)
+    end subroutine search_sites
+
+    !> Whether a site is the next slice of the same flanks, and not turned against the last one.
+    pure function is_same_section(body_1, body_2, site) result(same)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The site
+        integer, intent(in) :: site
+        logical :: same
+
+        same = .false.
+        if (.not. allocated(body_1%slices)) return
+        if (slice_of(body_1%slices, site) == 1) return
+        same = .not. (abs(body_1%site_angles(site) - body_1%site_angles(site - 1)) > 0.0_wp &
+            & .or. abs(body_2%site_angles(site) - body_2%site_angles(site - 1)) > 0.0_wp)
+    end function is_same_section
+
+    !> Append the zones of the last site for another one whose flanks stand as those do.
+    pure subroutine repeat_zones(site, before, zones, n_zones)
+        !> The site
+        integer, intent(in) :: site
+        !> Number of zones before those of the last site
+        integer, intent(inout) :: before
+        !> The zones, and their number
+        type(zone_type), intent(inout) :: zones(:)
+        integer, intent(inout) :: n_zones
+
+        integer :: last
+
+        last = n_zones
+        n_zones = last + (last - before)
+        if (n_zones <= size(zones)) then
+            zones(last + 1:n_zones) = zones(before + 1:last)
+            zones(last + 1:n_zones)%site = site
+        end if
+        before = last
+    end subroutine repeat_zones
+
+    !> How the zones of a plane position recede under each other's forces.
+    pure subroutine couple_zones(body_1, body_2, position)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: z, n
+        real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
+
+        n = size(position%zones)
+        allocate (position%kernel(n), source=body_1%kernel + body_2%kernel)
         associate (found => position%zones)
-            smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
-            smooth_2 = smooth_compliance(body_2%compliance, found%site, found%nearest%s_2)
+            smooth_1 = smooth_compliance(body_1, found%site, found%nearest%s_1)
+            smooth_2 = smooth_compliance(body_2, found%site, found%nearest%s_2)
         end associate
         position%coupling = smooth_1 + smooth_2
-        call add_far_fields(body_1%compliance, body_2%compliance, &
-            & least_half_width(position%flank_length), position%zones, position%coupling)
-        allocate (position%images(2, n_zones))
-        position%images(1, :) = new_image(body_1%compliance, position%zones%nearest%s_1, 1)
-        position%images(2, :) = new_image(body_2%compliance, position%zones%nearest%s_2, 2)
-        position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n_zones)], &
-            & [(smooth_2(z, z), z=1, n_zones)], body_1%compliance%kernel, &
-            & body_2%compliance%kernel, position%images, position%flank_length)
-    end subroutine look_at_position
+        call add_far_fields(body_1, body_2, least_half_width(position%flank_length), &
+            & position%zones, position%coupling)
+        allocate (position%images(2, n))
+        position%images(1, :) = new_image(body_1, position%zones%nearest%s_1, 1)
+        position%images(2, :) = new_image(body_2, position%zones%nearest%s_2, 2)
+        position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n)], &
+            & [(smooth_2(z, z), z=1, n)], spread(body_1%kernel, 1, n), &
+            & spread(body_2%kernel, 1, n), position%images, position%flank_length)
+    end subroutine couple_zones
 
     !> Add the near fields of both bodies between places on the same flanks.
     pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
@@ -226,9 +324,9 @@ contains
         !> [mm/N], shape (zones)
         real(wp), intent(in) :: smooth_1(:)
         real(wp), intent(in) :: smooth_2(:)
-        !> c of the bodies [mm/N]
-        real(wp), intent(in) :: kernel_1
-        real(wp), intent(in) :: kernel_2
+        !> c of the bodies [mm/N], shape (zones)
+        real(wp), intent(in) :: kernel_1(:)
+        real(wp), intent(in) :: kernel_2(:)
         !> Mirror images of the zones, shape (2, zones)
         type(image_type), intent(in) :: images(:, :)
         !> Length of flank 1 [mm]
@@ -250,8 +348,8 @@ contains
         do z = 1, size(smooth_1)
             call image_recession(images(1:1, z), [width, width], image(1), unused)
             call image_recession(images(2:2, z), [width, width], image(2), unused)
-            one = one + max(0.0_wp, smooth_1(z) + kernel_1*near + image(1))
-            two = two + max(0.0_wp, smooth_2(z) + kernel_2*near + image(2))
+            one = one + max(0.0_wp, smooth_1(z) + kernel_1(z)*near + image(1))
+            two = two + max(0.0_wp, smooth_2(z) + kernel_2(z)*near + image(2))
         end do
         share = 0.5_wp
         if (.not. one + two > 0.0_wp) return

@@ -776,7 +776,7 @@ contains
 
         coupling = 0.0_wp
         call lumped_contact(coupling, [0.0_wp], [lever], [2.0_wp*force*kernel/half_width**2], &
-            & [1.0_wp], 10.0_wp, kernel, none, lever*force, forces, rotation, pivots, error)
+            & [1.0_wp], 10.0_wp, [kernel], none, lever*force, forces, rotation, pivots, error)
         call expect(.not. allocated(error), 'one place is estimated')
         approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
         call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')

@@ -1,0 +1,293 @@
+!> Flanks in slices along the face width: modes over arc length and width, and the near field of
+!> slices at each other.
+!>
+!> Displacement is near field plus V g Vᵀ (`docs/theory`), V the modes on average over a slice. The
+!> near field of a body is that of its half-space, of the mirror image of the load behind each free
+!> end face, and of that behind each free corner of the profile. A load is spread evenly over the
+!> length of the contact line in its slice, and beside that line as far as the contact is wide on
+!> average: less would let neighbours that are thinner than the contact is wide overtake each other.
+module flankload_slice_field
+    use flankload_kinds, only: wp
+    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_lapack, only: set_product
+    use flankload_line_potential, only: mean_potential
+    implicit none
+    private
+
+    public :: segment_type, slices_type
+    public :: add_segment_field, axial_means, flank_of, mean_width, middle_of, sliced_compliance, &
+        & slice_of, width_of
+
+    !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
+    type :: slices_type
+        !> Where slices end [mm], ascending, within both bodies, shape (n + 1)
+        real(wp), allocatable :: edges(:)
+    end type slices_type
+
+    !> The length of a contact line in a slice.
+    type :: segment_type
+        !> Flank pair to which it belongs
+        integer :: flank = 0
+        !> Middle of the slice [mm], and cosine of the helix angle of the contact line
+        real(wp) :: z = 0.0_wp, cosine = 1.0_wp
+        !> Length of the line [mm]
+        real(wp) :: length = 1.0_wp
+        !> Arc length on the flank [mm]
+        real(wp) :: s = 0.0_wp
+        !> Point and unit tangent of the profile there, in the plane of its section
+        real(wp) :: point(2) = 0.0_wp, tangent(2) = 0.0_wp
+    end type segment_type
+
+contains
+
+    !> Slice of a site.
+    elemental function slice_of(slices, site) result(slice)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The site
+        integer, intent(in) :: site
+        integer :: slice
+
+        slice = modulo(site - 1, size(slices%edges) - 1) + 1
+    end function slice_of
+
+    !> Flank pair of a site.
+    elemental function flank_of(slices, site) result(flank)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The site
+        integer, intent(in) :: site
+        integer :: flank
+
+        flank = (site - 1)/(size(slices%edges) - 1) + 1
+    end function flank_of
+
+    !> Middle of the slice of a site [mm].
+    elemental function middle_of(slices, site) result(z)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The site
+        integer, intent(in) :: site
+        real(wp) :: z
+
+        integer :: j
+
+        j = slice_of(slices, site)
+        z = 0.5_wp*(slices%edges(j) + slices%edges(j + 1))
+    end function middle_of
+
+    !> Width of the slice of a site [mm].
+    elemental function width_of(slices, site) result(width)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The site
+        integer, intent(in) :: site
+        real(wp) :: width
+
+        integer :: j
+
+        j = slice_of(slices, site)
+        width = slices%edges(j + 1) - slices%edges(j)
+    end function width_of
+
+    !> Mean width of the slices [mm].
+    pure function mean_width(slices) result(width)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        real(wp) :: width
+
+        integer :: n
+
+        n = size(slices%edges) - 1
+        width = (slices%edges(n + 1) - slices%edges(1))/n
+    end function mean_width
+
+    !> Legendre polynomials over the width of a body on average over each slice.
+    pure function axial_means(compliance, edges) result(means)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: compliance
+        !> Ends of the slices [mm], shape (n + 1)
+        real(wp), intent(in) :: edges(:)
+        !> Means, shape (n_axial, n)
+        real(wp) :: means(compliance%n_axial, size(edges) - 1)
+
+        integer :: b, n
+        real(wp) :: at(size(edges), 0:compliance%n_axial)
+
+        n = size(edges) - 1
+        at(:, 0) = 1.0_wp
+        at(:, 1) = (2.0_wp*edges - compliance%z_low - compliance%z_high) &
+            & /(compliance%z_high - compliance%z_low)
+        do b = 2, compliance%n_axial
+            at(:, b) = ((2*b - 1)*at(:, 1)*at(:, b - 1) - (b - 1)*at(:, b - 2))/b
+        end do
+        means(1, :) = 1.0_wp
+        do b = 1, compliance%n_axial - 1
+            ! (2b+1) P_b is the derivative of P_{b+1} - P_{b-1}
+            means(b + 1, :) = (at(2:, b + 1) - at(2:, b - 1) - at(:n, b + 1) + at(:n, b - 1)) &
+                & /((2*b + 1)*(at(2:, 1) - at(:n, 1)))
+        end do
+    end function axial_means
+
+    !> Smooth part between places, one in each slice: V g Vᵀ, symmetric to the last bit.
+    pure function sliced_compliance(body, slices, site, s) result(matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        !> Compliance [mm/N], shape (n, n)
+        real(wp) :: matrix(size(s), size(s))
+
+        integer :: i, j, first, last, other, other_last
+        integer :: flanks(size(s))
+        real(wp), allocatable :: values(:, :), carried(:, :)
+
+        matrix = 0.0_wp
+        if (size(body%smooth) == 0) return
+        flanks = flank_of(slices, site)
+        values = modes_of(body, slices, site, s)
+        allocate (carried, mold=values)
+        first = 1
+        do while (first <= size(s))
+            last = count(flanks <= flanks(first))
+            other = 1
+            do while (other <= first)
+                other_last = count(flanks <= flanks(other))
+                call set_block(size(values, 1), size(s), first, last, other, other_last, &
+                    & body%smooth(:, :, body%block(site(other), site(first))), values, carried, &
+                    & matrix)
+                other = other_last + 1
+            end do
+            first = last + 1
+        end do
+        do j = 2, size(s)
+            do i = 1, j - 1
+                matrix(i, j) = matrix(j, i)
+            end do
+        end do
+    end function sliced_compliance
+
+    !> One block of V g Vᵀ.
+    pure subroutine set_block(m, n, first, last, other, other_last, smooth, values, carried, &
+            & matrix)
+        !> Modes, and places
+        integer, intent(in) :: m
+        integer, intent(in) :: n
+        !> First and last place of the flank that is displaced, and of the loaded one
+        integer, intent(in) :: first
+        integer, intent(in) :: last
+        integer, intent(in) :: other
+        integer, intent(in) :: other_last
+        !> Smooth part between modes, displacement of the loaded flank under loads of the other
+        !> [mm/N]
+        real(wp), intent(in) :: smooth(m, m)
+        !> Modes at the places
+        real(wp), intent(in) :: values(m, n)
+        !> Room for as many
+        real(wp), intent(inout) :: carried(m, n)
+        !> V g Vᵀ [mm/N]
+        real(wp), intent(inout) :: matrix(n, n)
+
+        call set_product(m, other_last - other + 1, m, smooth, values(1, other), m, carried(1, 1))
+        call set_product(last - first + 1, other_last - other + 1, m, values(1, first), &
+            & carried(1, 1), n, matrix(first, other))
+    end subroutine set_block
+
+    !> Modes of the profile times Legendre polynomials over the width.
+    pure function modes_of(body, slices, site, s) result(values)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Site of each place, and its arc length [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        !> Values, shape (n_modes, n)
+        real(wp) :: values(size(body%smooth, 1), size(s))
+
+        integer :: i, a, b
+        real(wp) :: along(size(s), size(body%smooth, 1)/body%n_axial)
+        real(wp) :: over(body%n_axial, size(slices%edges) - 1)
+
+        along = mode_values(body, s)
+        over = axial_means(body, slices%edges)
+        do i = 1, size(s)
+            do a = 1, size(along, 2)
+                do b = 1, body%n_axial
+                    values((a - 1)*body%n_axial + b, i) = along(i, a) &
+                        & *over(b, slice_of(slices, site(i)))
+                end do
+            end do
+        end do
+    end function modes_of
+
+    !> Add the near field of one body between slices on the same flanks, and of a slice at itself
+    !> as if its load stood on a line beside it; without the corners' images of a slice at itself.
+    pure subroutine add_segment_field(body, segments, beside, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Contact lines on its flanks, those of a flank together, shape (n)
+        type(segment_type), intent(in) :: segments(:)
+        !> How far beside its line a load is spread [mm], above 0
+        real(wp), intent(in) :: beside
+        !> Compliance [mm/N], symmetric, shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: i, j
+        real(wp) :: recession
+
+        if (.not. body%kernel > 0.0_wp) return
+        do j = 1, size(segments)
+            do i = j, size(segments)
+                if (segments(i)%flank /= segments(j)%flank) exit
+                recession = 0.5_wp*body%kernel &
+                    & *potential_between(body, segments(i), segments(j), beside, i == j)
+                matrix(i, j) = matrix(i, j) + recession
+                if (i /= j) matrix(j, i) = matrix(j, i) + recession
+            end do
+        end do
+    end subroutine add_segment_field
+
+    !> Potential of one segment at another on the same flank, with all mirror images [1/mm].
+    pure function potential_between(body, one, other, beside, is_own) result(potential)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The segments
+        type(segment_type), intent(in) :: one
+        type(segment_type), intent(in) :: other
+        !> How far beside its line a load is spread [mm]
+        real(wp), intent(in) :: beside
+        !> They are the same: the images behind the corners of its profile are left out
+        logical, intent(in) :: is_own
+        real(wp) :: potential
+
+        integer :: end
+        real(wp) :: cosine, along, across, face(2), corner(2)
+
+        cosine = 0.5_wp*(one%cosine + other%cosine)
+        along = (one%z - other%z)/cosine
+        ! a contact line of an involute is straight and normal to the profiles
+        across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
+        across = sqrt(across**2 + beside**2)
+        potential = mean_potential(along, one%length, other%length, across)
+        face = [body%z_low, body%z_high]
+        do end = 1, 2
+            if (body%end_strength(end) > 0.0_wp) potential = potential + body%end_strength(end) &
+                & *mean_potential((one%z + other%z - 2.0_wp*face(end))/cosine, one%length, &
+                & other%length, across)
+        end do
+        if (is_own) return
+        corner = [body%s_low, body%s_high]
+        do end = 1, 2
+            if (.not. body%wedge(end) > 0.0_wp) cycle
+            across = max(0.0_wp, (3 - 2*end)*(one%s - corner(end))) &
+                & + max(0.0_wp, (3 - 2*end)*(other%s - corner(end)))
+            potential = potential + body%wedge(end)*mean_potential(along, one%length, &
+                & other%length, sqrt(across**2 + beside**2))
+        end do
+    end function potential_between
+
+end module flankload_slice_field

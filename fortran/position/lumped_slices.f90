@@ -1,0 +1,188 @@
+!> A position in three dimensions at the lumped level: one unknown for each slice of a flank.
+!>
+!> The equations are those of `lumped_pass`. Slices are many, and their flanks alike: the gaps are
+!> followed exactly under two sets of forces only, those that are estimated and those that are
+!> nearly right; between, a contact grows with a power of its force.
+module flankload_lumped_slices
+    use flankload_kinds, only: wp
+    use flankload_status, only: code_conforms, code_unsettled_widths
+    use flankload_error, only: error_type, fatal_error
+    use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
+        & symmetric_matrix
+    use flankload_lumped_hertz, only: least_half_width
+    use flankload_lumped_pass, only: couple, solve_pass
+    use flankload_lumped_place, only: near_field_of, place_type
+    use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
+        & look_at_places
+    use flankload_near_field, only: image_recession
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_state, only: count_lumped, position_state, would_touch
+    use flankload_slice_coupling, only: load_slices, widen_slices
+    use flankload_slice_field, only: flank_of, slices_type
+    implicit none
+    private
+
+    public :: solve_slices
+
+    !> Newton's method takes 4 to 6 passes; from the first number on, the last near field divided by
+    !> the last force stands for its derivative.
+    integer, parameter :: newton_passes = 12, max_passes = 60
+    !> Gaps are followed exactly once more where no force changes by more than this part of the
+    !> largest: what a power law of the force leaves is below its square.
+    real(wp), parameter :: nearly = 1.0e-3_wp
+
+contains
+
+    !> One position under one torque.
+    subroutine solve_slices(body_1, body_2, torque, position, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Torque on body 1, above 0 [N mm]
+        real(wp), intent(in) :: torque
+        !> The position; its near fields follow the torque
+        type(position_type), intent(inout) :: position
+        !> What is found; blank on entry
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: pass, looks, k
+        integer, allocatable :: of(:)
+        logical :: joins(size(position%zones)), stands
+        real(wp) :: change
+        real(wp), dimension(size(position%zones)) :: forces, last, full
+        real(wp), allocatable :: coupling(:, :), rubbing(:, :)
+        type(place_type) :: places(size(position%zones))
+
+        if (any(position%zones%level_high > position%zones%level_low)) then
+            call fatal_error(error, code_conforms, &
+                & 'flanks conform: their contact has no place of its own')
+            return
+        end if
+        call load_slices(body_1, body_2, torque, position)
+        full = position%part*torque/position%zones%lever
+        call estimate_forces(body_1%slices, position, torque, full, forces, joins, state, error)
+        if (allocated(error)) return
+        call widen_slices(body_1, body_2, forces, position)
+        allocate (of(0))
+        looks = 0
+        do pass = 1, max_passes
+            if (size(of) /= count(joins)) then
+                of = pack([(k, k=1, size(joins))], joins)
+                call couple(body_1, body_2, position, of, coupling, rubbing)
+                looks = 0
+            end if
+            if (looks == 0 .or. (looks == 1 .and. change <= nearly)) then
+                call look_at_places(body_1, body_2, position, of, forces, full, places, &
+                    & state%pairs, error)
+                if (allocated(error)) return
+                looks = looks + 1
+            else
+                call follow_places(position, of, max(forces, least_part*full), places, state%pairs)
+            end if
+            last = forces
+            call solve_pass(position, of, places, coupling, rubbing, torque, &
+                & pass > newton_passes, forces, state, stands, error)
+            if (allocated(error)) return
+            change = maxval(abs(forces - last))/maxval(forces)
+            if (change > nearly) looks = min(looks, 1)
+            stands = stands .and. looks == 2
+            if (.not. stands) cycle
+            stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
+            if (stands) exit
+            joins = joins .or. would_touch(position, forces, state%rotation)
+        end do
+        if (.not. stands) then
+            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
+            return
+        end if
+        ! once more, for derivatives that hold all that changes with the forces
+        call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
+        call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
+            & stands, error)
+        if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
+    end subroutine solve_slices
+
+    !> Forces of contacts that are all as wide as the widest, and the places that they need.
+    pure subroutine estimate_forces(slices, position, torque, full, forces, joins, state, error)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces if a flank held it alone, evenly over its length [N], shape (zones)
+        real(wp), intent(in) :: full(:)
+        !> Forces [N], shape (zones)
+        real(wp), intent(out) :: forces(:)
+        !> Which places may touch, shape (zones)
+        logical, intent(out) :: joins(:)
+        !> Where the work is counted
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: z, first, flanks(size(forces))
+        real(wp) :: width, image, unused(2)
+        real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
+        type(contact_result) :: contact
+
+        flanks = flank_of(slices, position%zones%site)
+        matrix = position%coupling
+        do z = 1, size(forces)
+            width = max(position%widest(z), least_half_width(position%flank_length))
+            call image_recession(position%images(:, z), [width, width], image, unused)
+            matrix(z, z) = matrix(z, z) + image &
+                & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
+        end do
+        levers(:, 1) = position%zones%lever
+        ! a flank alone would turn body 1 further: no place touches beyond
+        first = minloc(position%gap, dim=1)
+        forces = merge(full, 0.0_wp, flanks == flanks(first))
+        joins = position%gap <= position%gap(first) &
+            & + dot_product(forces, matmul(matrix, forces))/torque
+        call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, [torque], &
+            & symmetric_matrix, method_single, pack([(z, z=1, size(forces))], joins), contact, &
+            & error)
+        call count_lumped(contact%pivots, state)
+        if (allocated(error)) return
+        forces = contact%forces
+        joins = forces > 0.0_wp .or. position%gap < contact%motion(1) &
+            & + joining*(contact%motion(1) - minval(position%gap))
+    end subroutine estimate_forces
+
+    !> The places under other forces: the reach of a contact grows with a power of its force.
+    pure subroutine follow_places(position, of, forces, places, pairs)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> Forces of the zones [N], above 0, shape (zones)
+        real(wp), intent(in) :: forces(:)
+        !> The places, shape (zones)
+        type(place_type), intent(inout) :: places(:)
+        !> Their pairs, shape (n)
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: k
+        real(wp) :: power(2)
+
+        do k = 1, size(of)
+            associate (place => places(of(k)), zone => position%zones(of(k)))
+                power = place%reach_slope*place%force/max(place%reach, tiny(1.0_wp))
+                place%reach = place%reach*(forces(of(k))/place%force)**power
+                place%reach = min(place%reach, [zone%nearest%s_1 - zone%s_1_low, &
+                    & zone%s_1_high - zone%nearest%s_1])
+                place%force = forces(of(k))
+                place%reach_slope = power*place%reach/place%force
+                call near_field_of(position%kernel(of(k)), &
+                    & least_half_width(position%flank_length), position%images(:, of(k)), place)
+                pairs%cell_1(k) = cell_of(place%reach, position%flank_length)
+                pairs%cell_2(k) = pairs%cell_1(k)
+            end associate
+        end do
+    end subroutine follow_places
+
+end module flankload_lumped_slices

@@ -1,0 +1,185 @@
+!> A position in three dimensions: each zone is a slice of a contact line. Its normal leaves the
+!> plane of the section, its forces act over the length of the line, and slices of a flank displace
+!> each other.
+module flankload_slice_coupling
+    use flankload_kinds, only: wp
+    use flankload_status, only: code_not_in_slices
+    use flankload_error, only: error_type, fatal_error
+    use flankload_compliance_field, only: compliance_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_lumped_hertz, only: hertz_half_width
+    use flankload_near_field, only: new_image
+    use flankload_position_zones, only: body_type, lever_share, position_type
+    use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
+        & sliced_compliance, slices_type, width_of
+    implicit none
+    private
+
+    public :: check_slices, look_at_slices, load_slices, widen_slices
+
+contains
+
+    !> Refuse what slices do not follow: cells, friction, nodes, known displacements.
+    pure subroutine check_slices(body_1, body_2, is_lumped, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Whether contact is lumped
+        logical, intent(in) :: is_lumped
+        !> Set if something is refused
+        type(error_type), allocatable, intent(out) :: error
+
+        logical :: refused
+
+        refused = .not. is_lumped .or. allocated(body_1%friction)
+        refused = refused .or. is_plane_only(body_1%compliance) &
+            & .or. is_plane_only(body_2%compliance)
+        if (refused) call fatal_error(error, code_not_in_slices, &
+            & 'slices: lumped contact without friction on flanks with two ends only')
+    end subroutine check_slices
+
+    !> Whether a compliance has parts that only plane sections have.
+    pure function is_plane_only(compliance) result(is_plane)
+        !> The compliance
+        type(compliance_type), intent(in) :: compliance
+        logical :: is_plane
+
+        is_plane = allocated(compliance%nodes) .or. allocated(compliance%shift) &
+            & .or. compliance%closed
+    end function is_plane_only
+
+    !> Set what does not depend on the torque.
+    pure subroutine look_at_slices(body_1, body_2, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position; its zones and gap angles are known
+        type(position_type), intent(inout) :: position
+
+        integer :: z, n
+        real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :), kernel_1(:), kernel_2(:), one(:)
+
+        n = size(position%zones)
+        allocate (position%images(2, n))
+        associate (zones => position%zones)
+            ! n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
+            zones%cosine = 1.0_wp/sqrt(1.0_wp + (body_1%compliance%twist*zones%lever)**2)
+            zones%length = width_of(body_1%slices, zones%site)/zones%cosine
+            zones%lever = zones%lever*zones%cosine
+            zones%curvature = zones%curvature*zones%cosine
+            kernel_1 = body_1%compliance%kernel/zones%length
+            kernel_2 = body_2%compliance%kernel/zones%length
+            smooth_1 = sliced_compliance(body_1%compliance, body_1%slices, zones%site, &
+                & zones%nearest%s_1)
+            smooth_2 = sliced_compliance(body_2%compliance, body_1%slices, zones%site, &
+                & zones%nearest%s_2)
+            position%images(1, :) = new_image(body_1%compliance, zones%nearest%s_1, 1)
+            position%images(2, :) = new_image(body_2%compliance, zones%nearest%s_2, 2)
+            do z = 1, n
+                position%images(:, z)%length = zones(z)%length
+                position%images(1, z)%kernel = position%images(1, z)%kernel/zones(z)%length
+                position%images(2, z)%kernel = position%images(2, z)%kernel/zones(z)%length
+            end do
+            ! a line of length l recedes by c (ln(2 l/x) - 1) a distance x beside it
+            one = log(2.0_wp*zones%length) - 1.0_wp
+            zones%lever_share = lever_share([(smooth_1(z, z) + kernel_1(z)*one(z), z=1, n)], &
+                & [(smooth_2(z, z) + kernel_2(z)*one(z), z=1, n)], kernel_1, kernel_2, &
+                & position%images, position%flank_length)
+        end associate
+        position%kernel = kernel_1 + kernel_2
+        position%smooth = smooth_1 + smooth_2
+    end subroutine look_at_slices
+
+    !> Set what depends on the torque by the width of the contacts: as if one flank carried it all,
+    !> evenly over its length.
+    pure subroutine load_slices(body_1, body_2, torque, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: z
+
+        associate (zones => position%zones, edges => body_1%slices%edges)
+            position%part = width_of(body_1%slices, zones%site)/(edges(size(edges)) - edges(1))
+            z = minloc(position%gap, dim=1)
+            call spread_loads(body_1, body_2, hertz_half_width(position%part(z)*torque &
+                & /zones(z)%lever, zones(z)%curvature, position%kernel(z), &
+                & position%flank_length), position)
+        end associate
+    end subroutine load_slices
+
+    !> Where forces are uneven, contacts are wider than they were taken to be.
+    pure subroutine widen_slices(body_1, body_2, forces, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        !> Forces are known to so much only
+        real(wp), parameter :: reserve = 1.1_wp
+        real(wp) :: widest
+
+        widest = reserve*maxval(hertz_half_width(forces, position%zones%curvature, &
+            & position%kernel, position%flank_length))
+        if (0.5_wp*widest > position%beside) call spread_loads(body_1, body_2, widest, position)
+    end subroutine widen_slices
+
+    !> Near fields of loads that are spread over the width of the widest contact.
+    !>
+    !> Half that width is the root of the second moment of Hertz's pressure. A line so far beside
+    !> its slice makes a matrix that is definite for slices of any thinness, and so does its
+    !> derivative by the forces: what local half-widths take off its diagonal is less.
+    pure subroutine spread_loads(body_1, body_2, half_width, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Half-width [mm]
+        real(wp), intent(in) :: half_width
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: z
+
+        associate (zones => position%zones, slices => body_1%slices, beside => position%beside)
+            beside = 0.5_wp*half_width
+            position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
+            position%coupling = position%smooth
+            call add_segment_field(body_1%compliance, &
+                & segments_of(slices, zones, zones%nearest%s_1), beside, position%coupling)
+            call add_segment_field(body_2%compliance, &
+                & segments_of(slices, zones, zones%nearest%s_2), beside, position%coupling)
+            ! the logarithm of its distance is followed with the force
+            do z = 1, size(zones)
+                position%coupling(z, z) = position%coupling(z, z) &
+                    & + position%kernel(z)*log(beside)
+            end do
+        end associate
+    end subroutine spread_loads
+
+    !> The contact lines of the zones.
+    elemental function segments_of(slices, zone, s) result(segment)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Its arc length on the flank of the body [mm]
+        real(wp), intent(in) :: s
+        type(segment_type) :: segment
+
+        segment%flank = flank_of(slices, zone%site)
+        segment%z = middle_of(slices, zone%site)
+        segment%cosine = zone%cosine
+        segment%length = zone%length
+        segment%s = s
+        segment%point = zone%nearest%point_1
+        segment%tangent = zone%nearest%tangent_1
+    end function segments_of
+
+end module flankload_slice_coupling
