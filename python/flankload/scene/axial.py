@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 LARGEST_HELIX = 40.0
 #: Bodies of one mesh have the same helix angle; files round it.
 HELIX_TOLERANCE = 1e-6
-#: Degree of the displacements along the axis by default, and by how much it exceeds that of loads.
-AXIAL_DEGREE, DEGREES_ABOVE_LOAD = 8, 4
+#: Degrees of the displacements and of the pressure modes along the axis by default.
+AXIAL_DEGREE, LOAD_DEGREE = 8, 4
+#: By so much the degree of the displacements exceeds that of the pressure modes at least.
+DEGREES_ABOVE_LOAD = 4
 #: Effects of plane scenes only, with what is missing in three dimensions.
 PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",

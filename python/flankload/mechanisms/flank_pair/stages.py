@@ -12,9 +12,11 @@ from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
+from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import grown
+from flankload.scene.axial import AXIAL_DEGREE, DEGREES_ABOVE_LOAD, LOAD_DEGREE
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
 
@@ -73,6 +75,8 @@ def compliance_of(
     BodyCompliance
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
+    if effects.three_dimensions:
+        return _prism_compliance(body, scene, discretization)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if body.given is not None:
@@ -228,6 +232,18 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
         level=scene.effects.contact,
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
     )
+
+
+def _prism_compliance(body: Body, scene: Scene, discretization: Discretization) -> BodyCompliance:
+    """Compliance of a three-dimensional body."""
+    axial, accuracy = body.axial, scene.accuracy
+    assert axial is not None
+    degree = accuracy.axial_degree or AXIAL_DEGREE
+    load_degree = accuracy.load_degree_z
+    if load_degree is None:
+        load_degree = min(LOAD_DEGREE, degree - DEGREES_ABOVE_LOAD)
+    prism = Prism(axial.range_mm, axial.twist_rad_per_mm, degree=degree, load_degree=load_degree)
+    return prism_compliance(body, prism, n_modes=modes_of(body, scene, discretization))
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
