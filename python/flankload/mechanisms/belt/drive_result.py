@@ -11,7 +11,7 @@ import numpy as np
 from flankload.mechanisms.belt.states import lands_in_words
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def result_of_belt(
     force = _over_sites(
         sites, standings, [width * state.tooth_N_per_mm for state in states], nothing=0.0
     )
-    result = make_result(
+    result = Result(
         name=scene.name,
         torque_Nm=scene.torques_Nm[number],
         sites=sites,

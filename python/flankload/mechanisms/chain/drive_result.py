@@ -12,7 +12,7 @@ import numpy as np
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.result.drive import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def result_of_chain(
         force_angle_deg=angle,
     )
     pitch = 2 * sprocket.half_pitch_rad
-    result = make_result(
+    result = Result(
         name=scene.name,
         torque_Nm=scene.torques_Nm[number],
         sites=sites,

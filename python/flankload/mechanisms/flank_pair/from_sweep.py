@@ -17,7 +17,7 @@ from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def result_of(
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = face_width_mm
-    result = make_result(
+    result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
         sites=pair.pairing.sites[carries],
