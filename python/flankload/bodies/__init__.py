@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import BodySpec
+    from flankload.scene import BodySpec, Cam, Follower
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
@@ -62,10 +62,9 @@ def build_body(
         Chain,
         ComplianceBody,
         Follower,
-        Gear,
         MeshBody,
         Pulley,
-        Ring,
+        SplineHub,
         SplineShaft,
         Sprocket,
     )
@@ -80,34 +79,29 @@ def build_body(
 
         return build_mesh_body(spec, key, folder=folder)
     if isinstance(spec, Cam | Follower):
-        fineness = DEFAULT_PARTS / flank_element_parts
-        if isinstance(spec, Follower):
-            from flankload.bodies.cam.follower import build_follower
-
-            return build_follower(spec, key, flank_element_mm=flank_element_mm, fineness=fineness)
-        from flankload.bodies.cam.cam import build_cam
-
-        return build_cam(
-            spec, key, folder=folder, flank_element_mm=flank_element_mm, fineness=fineness
+        return _build_cam_or_follower(
+            spec, key, folder, flank_element_mm, DEFAULT_PARTS / flank_element_parts
         )
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
-        if spec.kind in ("spline_shaft", "spline_hub"):
+        if isinstance(spec, SplineShaft | SplineHub):
             flank_element_mm *= SPLINE_PART
-    lengths: dict[str, Any] = {
-        "flank_element_mm": flank_element_mm,
-        "flank_nodes_mm": flank_nodes_mm,
-    }
-    if isinstance(spec, Gear):
-        from flankload.bodies.involute.gear import build_gear
+    from flankload.bodies.involute.involute_body import build_involute_body
 
-        return build_gear(spec, key, **lengths)
-    if isinstance(spec, Ring):
-        from flankload.bodies.involute.ring import build_ring
+    return build_involute_body(
+        spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm
+    )
 
-        return build_ring(spec, key, **lengths)
-    from flankload.bodies.involute.spline import build_spline_hub, build_spline_shaft
 
-    if isinstance(spec, SplineShaft):
-        return build_spline_shaft(spec, key, **lengths)
-    return build_spline_hub(spec, key, **lengths)
+def _build_cam_or_follower(
+    spec: Cam | Follower, key: str, folder: Path, element_mm: float | None, fineness: float
+) -> Body:
+    from flankload.scene import Follower
+
+    if isinstance(spec, Follower):
+        from flankload.bodies.cam.follower import build_follower
+
+        return build_follower(spec, key, flank_element_mm=element_mm, fineness=fineness)
+    from flankload.bodies.cam.cam import build_cam
+
+    return build_cam(spec, key, folder=folder, flank_element_mm=element_mm, fineness=fineness)

@@ -35,12 +35,7 @@ SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile,
-    *,
-    bore_radius_mm: float,
-    flank_element_mm: float,
-    key: str,
-    flank_nodes_mm: float | None = None,
+    profile: GearProfile, bore_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
     """Mesh one tooth and its share of the rim.
 
@@ -50,13 +45,10 @@ def sector_mesh(
         Profile with its tooth on the +x axis.
     bore_radius_mm : float
         Radius of the bore, smaller than the root circle.
-    flank_element_mm : float
-        Largest length of an element along the flank.
+    lengths_mm : (float, float or None)
+        As in `tooth_mesh`.
     key : str
         Key of the body in the scene, for messages.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
 
     Returns
     -------
@@ -67,39 +59,34 @@ def sector_mesh(
     SceneError
         If no valid mesh can be made.
     """
-    if not bore_radius_mm < profile.involute.root_radius_mm:
-        raise SceneError(
-            key=f"{key}.bore_diameter_mm",
-            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
-            found=f"{2 * bore_radius_mm:g}",
-        )
-    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm, flank_nodes_mm)
-    worst, place = worst_element(mesh)
-    if not worst > 0.0:
+    mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
+    place, found = inverted_element(mesh)
+    if found:
         in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
             key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
-            f"relative to its mean (bore {2 * bore_radius_mm:g} mm)",
+            found=f"{found} (bore {2 * bore_radius_mm:g} mm)",
         )
     return mesh
 
 
-def worst_element(mesh: SectorMesh) -> tuple[float, float]:
-    """Least Jacobian of all elements, relative to the element's mean, and its radius in mm."""
+def inverted_element(mesh: SectorMesh) -> tuple[float, str]:
+    """Radius in mm of the worst element, and what is wrong with it; "" if it is valid."""
     cells = mesh.cells[0][1]
     determinants = jacobians(mesh.nodes, "quad9", cells)
     worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
-    place = mesh.nodes[cells[worst.argmin(), 8]]
-    return float(worst.min()), float(np.linalg.norm(place))
+    place = float(np.linalg.norm(mesh.nodes[cells[worst.argmin(), 8]]))
+    if worst.min() > 0.0:
+        return place, ""
+    return place, (
+        f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} "
+        "relative to its mean"
+    )
 
 
 def tooth_mesh(
-    profile: ToothForm,
-    bore_radius: float,
-    flank_element_mm: float,
-    flank_nodes_mm: float | None = None,
+    profile: ToothForm, bore_radius: float, lengths_mm: tuple[float, float | None]
 ) -> SectorMesh:
     """Mesh of an external tooth on the +x axis; its elements are not checked.
 
@@ -108,17 +95,15 @@ def tooth_mesh(
     profile : ToothForm
     bore_radius : float
         mm.
-    flank_element_mm : float
-        Largest length of an element along the flank.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
+    lengths_mm : (float, float or None)
+        Largest length of an element along the flank; largest distance of the flank's nodes, if
+        nodal forces need finer elements there than elsewhere.
 
     Returns
     -------
     SectorMesh
     """
-    breaks = sector_breaks(profile, bore_radius, flank_element_mm, flank_nodes_mm)
+    breaks = sector_breaks(profile, bore_radius, *lengths_mm)
     curve, teeth = profile.curve, profile.teeth
     tip_radius = profile.tip_radius_mm
     mirror = np.array([1.0, -1.0])
