@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import BodySpec, Cam, Follower
+    from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
@@ -36,15 +36,14 @@ def build_body(
     key : str
         Dotted path of the table in the scene, for messages.
     folder : Path
-        Folder to which the bodies' files are relative.
+        Folder to which files are relative.
     flank_element_mm : float or None
         Largest length of a finite element along the flank of a parametric body.
     flank_element_parts : float
-        The same in modules, if `flank_element_mm` is None; for cams and followers, which have no
-        module, the number of elements along the flank is scaled in proportion.
+        The same in modules, if `flank_element_mm` is None; scales the number of elements of cams
+        and followers, which have no module.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
+        Largest distance of the flank's nodes, if nodal forces need finer elements there.
 
     Returns
     -------
@@ -53,8 +52,7 @@ def build_body(
     Raises
     ------
     SceneError
-        If the body is impossible; names the key. MeshError or ComplianceFileError if a file is
-        faulty.
+        If the body is impossible; names the key. MeshError, ComplianceFileError: a faulty file.
     """
     from flankload.scene import (
         Belt,
@@ -64,33 +62,35 @@ def build_body(
         Follower,
         MeshBody,
         Pulley,
-        SplineHub,
-        SplineShaft,
         Sprocket,
     )
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
-    if isinstance(spec, ComplianceBody):
-        from flankload.bodies.imported.compliance_body import build_compliance_body
-
-        return build_compliance_body(spec, key, folder=folder)
-    if isinstance(spec, MeshBody):
-        from flankload.bodies.imported.mesh_body import build_mesh_body
-
-        return build_mesh_body(spec, key, folder=folder)
+    if isinstance(spec, ComplianceBody | MeshBody):
+        return _build_imported(spec, key, folder)
     if isinstance(spec, Cam | Follower):
-        return _build_cam_or_follower(
-            spec, key, folder, flank_element_mm, DEFAULT_PARTS / flank_element_parts
-        )
+        fineness = DEFAULT_PARTS / flank_element_parts
+        return _build_cam_or_follower(spec, key, folder, flank_element_mm, fineness)
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
-        if isinstance(spec, SplineShaft | SplineHub):
-            flank_element_mm *= SPLINE_PART
+        flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
     from flankload.bodies.involute.involute_body import build_involute_body
 
     return build_involute_body(
         spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm
     )
+
+
+def _build_imported(spec: ComplianceBody | MeshBody, key: str, folder: Path) -> Body:
+    from flankload.scene import MeshBody
+
+    if isinstance(spec, MeshBody):
+        from flankload.bodies.imported.mesh_body import build_mesh_body
+
+        return build_mesh_body(spec, key, folder=folder)
+    from flankload.bodies.imported.compliance_body import build_compliance_body
+
+    return build_compliance_body(spec, key, folder=folder)
 
 
 def _build_cam_or_follower(

@@ -312,7 +312,7 @@ def test_missing_flank_is_named_with_those_that_exist(folder: Path) -> None:
 def test_wrong_number_of_teeth_is_flanks_off_their_pitch(folder: Path) -> None:
     error = refusal(whole("body_1", folder / "pinion_whole.msh", teeth=17))
     assert error.key == "body_1.flank_sets[2]"
-    assert error.expected == "flanks that stand whole pitches (360/17 deg) from 'FLANK_0'"
+    assert error.expected == "flanks that are whole pitches (360/17 deg) from 'FLANK_0'"
     assert error.found == "'FLANK_2' at 2.125 pitches"
 
 

@@ -104,13 +104,11 @@ def tooth_mesh(
     SectorMesh
     """
     breaks = sector_breaks(profile, bore_radius, *lengths_mm)
-    curve, teeth = profile.curve, profile.teeth
-    tip_radius = profile.tip_radius_mm
+    curve = profile.curve
     mirror = np.array([1.0, -1.0])
     s_flank = with_middles(breaks.flank)
     flank = curve.point(s_flank)
     split = flank[0]
-    up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
     columns = with_middles(breaks.columns)
     rows = with_middles(breaks.rows)
     angle = atan2(split[1], split[0])
@@ -119,7 +117,7 @@ def tooth_mesh(
     n = 2 * breaks.layers
     inside = columns[n : columns.size - n]
     inside = (inside - inside[0]) / (inside[-1] - inside[0])
-    top, top_parts = _tip_line(curve, s_tip, tip_radius, inside)
+    top, top_parts = _tip_line(curve, s_tip, profile.tip_radius_mm, inside)
     shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
 
     # Looking towards the tip, left to right means from the working flank (positive angle) through
@@ -130,40 +128,53 @@ def tooth_mesh(
             mesh, curve, s_flank, (foot, columns), (top, top_parts), n
         )
     else:
-        sides = (flank, flank * mirror)
+        up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
         parts = (np.stack([columns, top_parts]), np.stack([up, up]))
-        tooth = mesh.add(coons(foot, top, *sides, *parts), {})
+        tooth = mesh.add(coons(foot, top, flank, flank * mirror, *parts), {})
         on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
     bore = _arc(bore_radius, angle * (1 - 2 * columns))
-    middle = mesh.add(
-        coons(
-            bore,
-            foot,
-            shaft[::-1],
-            shaft[::-1] * mirror,
-            np.stack([columns, columns]),
-            np.stack([1 - rows[::-1]] * 2),
-        ),
-        {"top": on_foot},
-    )
-    side_top, side_parts = _root_line(profile, breaks.low)
-    bore = _arc(bore_radius, angle + (pi / teeth - angle) * (1 - side_parts))
-    ray = np.array([cos(pi / teeth), sin(pi / teeth)])
+    parts = (np.stack([columns, columns]), np.stack([1 - rows[::-1]] * 2))
+    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, *parts)
+    middle = mesh.add(grid, {"top": on_foot})
+    grid = _side_grid(profile, breaks.low, rows, shaft, bore_radius)
+    right = mesh.add(grid, {"right": middle[:, 0]})
+    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+    fixed = np.unique(np.concatenate([right[0], middle[0], left[0]]))
+    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
+    lengths = np.concatenate([s_flank, s_tip[1:]])
+    return _sector(profile, mesh, (numbers, lengths), fixed, (left[1:, -1], right[1:, 0]))
+
+
+def _side_grid(
+    profile: ToothForm, low: Floats, rows: Floats, shaft: Floats, bore_radius: float
+) -> Floats:
+    """Places of the side block, from the cut to the line from the split point to the bore."""
+    half_pitch = pi / profile.teeth
+    side_top, side_parts = _root_line(profile, low)
+    angle = atan2(shaft[0, 1], shaft[0, 0])
+    bore = _arc(bore_radius, angle + (half_pitch - angle) * (1 - side_parts))
+    ray = np.array([cos(half_pitch), sin(half_pitch)])
     cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
-    cut_line = cut[::-1, None] * ray
-    grid = coons(
+    return coons(
         bore,
         side_top,
-        cut_line,
+        cut[::-1, None] * ray,
         shaft[::-1],
         np.stack([side_parts, side_parts]),
         np.stack([1 - rows[::-1]] * 2),
     )
-    right = mesh.add(grid, {"right": middle[:, 0]})
-    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+
+
+def _sector(
+    profile: ToothForm,
+    mesh: BlockMesh,
+    outline: tuple[NDArray[np.int64], Floats],
+    fixed: NDArray[np.int64],
+    cuts: tuple[NDArray[np.int64], NDArray[np.int64]],
+) -> SectorMesh:
+    """The mesh with its edges; `outline`: nodes from the split point to the tip, arc lengths."""
     nodes = np.concatenate(mesh.places)
-    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
-    lengths = np.concatenate([s_flank, s_tip[1:]])
+    numbers, lengths = outline
     low, high = profile.mode_range_mm
     rounding = TIE * (high - low)
     carries = (lengths >= low - rounding) & (lengths <= high + rounding)
@@ -177,10 +188,10 @@ def tooth_mesh(
         cells=(("quad9", np.concatenate(mesh.cells)),),
         flank_edges=_edges(path),
         flank_arc_length=arc_length,
-        fixed_nodes=np.unique(np.concatenate([right[0], middle[0], left[0]])),
-        left_nodes=left[1:, -1],
-        right_nodes=right[1:, 0],
-        teeth=teeth,
+        fixed_nodes=fixed,
+        left_nodes=cuts[0],
+        right_nodes=cuts[1],
+        teeth=profile.teeth,
         tip_edges=_edges(beyond),
         tip_arc_length=_edges(s_beyond),
     )

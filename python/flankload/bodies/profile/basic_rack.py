@@ -108,10 +108,8 @@ def basic_rack(
 
     Parameters
     ----------
-    teeth, module_mm, pressure_angle_rad, profile_shift, dedendum_factor, fillet_radius_factor
-        Geometry of gear and rack.
-    key : str
-        Key of the body in the scene, for messages.
+    teeth, module_mm, …
+        Geometry of gear and rack; `key` is that of the body in the scene, for messages.
 
     Returns
     -------

@@ -107,20 +107,16 @@ def solve_piece(
     basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
     matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
     held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
-    pull = assembled(
-        np.ones(pulled.size), pulled, np.arange(pulled.size), (matrix.shape[0], pulled.size)
-    )
+    shape = (matrix.shape[0], pulled.size)
+    pull = assembled(np.ones(pulled.size), pulled, np.arange(pulled.size), shape)
     prescribed = np.concatenate([lands.degrees, held])
     forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
     columns, direct = _columns(matrix, forces, prescribed)
     sizes = (pairs.shape[1], pulled.size, rubbing * lands.number.size, lands.number.size, held.size)
     kinds = np.repeat(list(Kind), sizes)
     loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.WAY))
-    faces = [
-        degrees_of(face if cut else face[:0])
-        for face, cut in zip((mesh.left, mesh.right), cuts, strict=True)
-    ]
-    cut = np.concatenate(faces)
+    left, right = mesh.left[: None if cuts[0] else 0], mesh.right[: None if cuts[1] else 0]
+    cut = np.concatenate([degrees_of(left), degrees_of(right)])
     inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([prescribed, cut]))
     solve, complement = condensed(matrix, inner, cut, account)
     solved = solve(columns[inner])
@@ -131,7 +127,7 @@ def solve_piece(
     local = columns[inner].T @ solved[:, loads] + direct[:, loads]
     carried = columns[cut] - matrix[cut][:, inner] @ solved
     return Piece(
-        cell=_cell(local, carried, complement, faces[0].size),
+        cell=_cell(local, carried, complement, degrees_of(left).size),
         kinds=kinds,
         flanks=flanks,
         lines=lines,

@@ -158,13 +158,9 @@ def solve_wrap(
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
     if growth:
+        start = found if large_displacement else None
         other = _follow(
-            wrap,
-            chain,
-            torque_Nmm + more,
-            slack_N,
-            large_displacement=large_displacement,
-            start=found if large_displacement else None,
+            wrap, chain, torque_Nmm + more, slack_N, start, large_displacement=large_displacement
         )
     step = found.step
     polar = wrap.angles_rad + found.turned
@@ -231,9 +227,9 @@ def _follow(
     chain: Chain,
     torque: float,
     slack_N: float,
+    start: _Followed | None = None,
     *,
     large_displacement: bool,
-    start: _Followed | None = None,
 ) -> _Followed:
     """One linear state, or passes until convergence, optionally from an earlier result."""
     centers = wrap.centers

@@ -198,9 +198,11 @@ def _friction(
         return whole.mean(values) * result.period_rad if whole.covers_period else None
 
     summed = friction_result(
-        {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
-        np.concatenate([pairs.position for pairs, _ in parts]),
-        np.concatenate([pairs.sites + first for pairs, first in parts]),
+        {
+            **{name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
+            "position": np.concatenate([pairs.position for pairs, _ in parts]),
+            "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+        },
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,

@@ -122,10 +122,9 @@ def verify(
 ) -> Verification:
     """Solve one position of a scene by nonlinear finite elements as well.
 
-    Both whole bodies are passed to CalculiX in their places at that position, with fine elements at
-    the contacts; it uses neither pressure modes nor influence coefficients, and rotation, forces
-    and pressures are its own output. Flankload's solution only determines the element size and the
-    flanks that are near enough for a contact pair.
+    CalculiX gets both whole bodies in their places at that position, with fine elements at the
+    contacts. Rotation, forces and pressures are its own output. Flankload's solution determines
+    only the element size and the flanks that are near enough for a contact pair.
 
     Parameters
     ----------
@@ -137,7 +136,7 @@ def verify(
         Folder for deck.inp and the files of CalculiX, which are kept; by default a temporary
         folder, which is kept only if CalculiX was not run or found no solution.
     run : bool
-        False: the deck is written but not solved.
+        Whether CalculiX solves the deck.
     time_limit_s : float, optional
         Wall-clock limit of CalculiX.
     elements_per_half_width : float
@@ -167,9 +166,8 @@ def verify(
         large_displacement=large_displacement,
     )
     path = _write(model.deck, folder)
-    answer = None
-    if run:
-        answer = _run(path.parent, model.deck, program, time_limit_s, keep=folder is not None)
+    keep = folder is not None
+    answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
     return _comparison(scene, result, position, model, path if path.exists() else None, answer)
 
 
