@@ -186,7 +186,7 @@ def test_flank_beside_its_share_is_a_pitch_deviation(tmp_path: Path) -> None:
     write_mesh(tmp_path / "moved.msh", moved, cells, sets)
     body = whole("body_1", tmp_path / "moved.msh")
     found = fl.solve(scene_of(body, sector("body_2", COARSE_WHEEL), count=8))
-    assert any("taken as pitch deviations" in warning for warning in found.warnings)
+    assert any("used as pitch deviations" in warning for warning in found.warnings)
     # pair 0 is the first of the list; metal further on at tooth 0 touches early
     errors = [error_um] + [0.0] * 15
     named = fl.solve(
