@@ -50,7 +50,10 @@ def commands(
 def section(name: str, of_command: argparse.ArgumentParser, described: str) -> list[str]:
     """A command with its arguments."""
     usage = " ".join(str(a.metavar or a.dest) for a in of_command._actions if not a.option_strings)
-    lines = [f".SS {escaped(f'flankload {name} {usage}'.strip())}", escaped(described) + "."]
+    lines = [
+        f".SS {escaped(f'flankload {name} {usage}'.strip())}",
+        escaped(described) + ".",
+    ]
     for action in of_command._actions:
         if not isinstance(action, argparse._HelpAction):
             lines += entry(action)
@@ -69,11 +72,12 @@ def entry(action: argparse.Action) -> list[str]:
         value = "{" + ",".join(map(str, action.choices)) + "}"
     name = ", ".join(action.option_strings)
     text = " ".join(part for part in (name, str(value or "")) if part)
-    return [".TP", f".B {escaped(text)}", escaped(str(action.help)).replace("%%", "%")]
+    return [".TP", f".B {escaped(text)}", escaped(str(action.help))]
 
 
 def escaped(text: str) -> str:
-    """For roff: dashes that can be copied, letters of ASCII only."""
+    """For roff: dashes that can be copied, ASCII letters only, single percent signs."""
+    text = text.replace("%%", "%")
     return text.replace("\\", "\\e").replace("-", "\\-").replace("…", "...")
 
 

@@ -13,8 +13,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies.free_corner import image_strengths
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance.job import flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import (
@@ -65,7 +64,7 @@ FINE = {"modes": 12, "flank_element_mm": 0.25}
 def of_band(name: str) -> dict[int, tuple[float, float]]:
     """By modes, error of the mean displacement of the loaded band, with and without image, %."""
     spec = Gear(**{key: value for key, value in GEARS[name].items() if key != "kind"})
-    body = build_gear(spec, "body_1", flank_element_mm=0.5, flank_nodes_mm=ELEMENT)
+    body = build_involute_body(spec, "body_1", flank_element_mm=0.5, flank_nodes_mm=ELEMENT)
     mesh, span = body.mesh, body.mode_range_mm
     assert mesh is not None
     starts = mesh.flank_arc_length[mesh.flank_edges[:, 0]]
@@ -105,7 +104,7 @@ def test_band_at_the_tip(name: str, modes: int) -> None:
 
 
 def test_smooth_part_at_the_tip_of_a_ring_does_not_grow_with_the_modes() -> None:
-    body = build_ring(Ring(**RING), "body_2", flank_element_mm=3.0 / 18)
+    body = build_involute_body(Ring(**RING), "body_2", flank_element_mm=3.0 / 18)
     fine = flank_compliance(body, n_modes=12, plane="strain")
     low, high = body.mode_range_mm
     norms = mode_norms((low, high), 12)

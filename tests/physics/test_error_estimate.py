@@ -244,13 +244,7 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
         return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
 
     grid = pair.discretization.grid
-    (estimate,) = estimate_errors(
-        run(compliances=compliances, grid=grid),
-        run,
-        compliances,
-        grid,
-        position_rad=pair.position_rad,
-    )
+    (estimate,) = estimate_errors(run(compliances=compliances, grid=grid), run, compliances, grid)
     assert "peak_pressure" not in estimate.as_dict()
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0

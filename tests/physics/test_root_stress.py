@@ -9,8 +9,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies import Body
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.compliance import RootResponse, flank_compliance
 from flankload.elasticity.finite_elements import stiffness
@@ -45,9 +44,9 @@ WHEEL = {
 
 def body_of(name: str, size_mm: float) -> Body:
     if name == "ring":
-        return build_ring(Ring(**RING), "body_2", flank_element_mm=size_mm)
+        return build_involute_body(Ring(**RING), "body_2", flank_element_mm=size_mm)
     keys = PINION if name == "pinion" else WHEEL
-    return build_gear(Gear(**keys), "body_1", flank_element_mm=size_mm)
+    return build_involute_body(Gear(**keys), "body_1", flank_element_mm=size_mm)
 
 
 def response_of(body: Body, n_modes: int = 5, *, friction: bool = False) -> RootResponse:

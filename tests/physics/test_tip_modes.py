@@ -14,8 +14,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from flankload.bodies import Body
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.tip_modes import Tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance
 from flankload.elasticity.compliance.job import flank_compliance
@@ -62,8 +61,8 @@ CHAMFERED = 0.32
 def made(tips: dict[str, float], nodes: float | None = None, *, ring: bool = False) -> Body:
     keys = {"flank_element_mm": MODULE / 4.5, "flank_nodes_mm": nodes}
     if ring:
-        return build_ring(Ring(**RING, **tips), "body_2", **keys)
-    return build_gear(Gear(**GEAR, **tips), "body_1", **keys)
+        return build_involute_body(Ring(**RING, **tips), "body_2", **keys)
+    return build_involute_body(Gear(**GEAR, **tips), "body_1", **keys)
 
 
 def bumps(s: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from math import acos, atan2, cos, pi, sin, sqrt, tan
 
 import numpy as np
 
-from flankload.result import PairDrawing, PairTable, Result, make_result
+from flankload.result import PairDrawing, PairTable, Result
 
 TEETH = (16, 24)
 DISTANCE = 91.5
@@ -90,7 +90,8 @@ def made_up_result(
             bore_radius_2_mm=20.0,
         ),
     }
-    return make_result(**{**arguments, **changes})  # type: ignore[arg-type]
+    arguments |= changes
+    return Result(**{"pitch_rad": arguments["period_rad"], **arguments})  # type: ignore[arg-type]
 
 
 def _site_forces(fraction: float, torque_Nm: float) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from flankload.bodies.body import Body, SectorMesh
-from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.scene import Gear, Ring
@@ -88,4 +88,4 @@ def gear_body(teeth: int, element_mm: float, **keys: float) -> Body:
             **keys,
         },
     )
-    return build_gear(spec, "body_1", flank_element_mm=element_mm)
+    return build_involute_body(spec, "body_1", flank_element_mm=element_mm)

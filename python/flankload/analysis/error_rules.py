@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.sampling_error import mean_stiffness
+from flankload.analysis.sampling_error import between_positions, mean_stiffness
 from flankload.analysis.tangent import LARGEST_KINK
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.analysis.adaptive_positions import Window
     from flankload.contact.sweep import Sweep
 
     Floats = NDArray[np.float64]
@@ -152,6 +153,25 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
         change = _coast_shares(other) - _coast_shares(base)
         left[COAST] = _at_each(_of_shares(rule), change, 1.0)
     return left
+
+
+def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+    """Errors of quantities that depend on the curve between the positions.
+
+    Parameters
+    ----------
+    found : Sweep
+    window : Window
+        Range of the positions.
+    position_rad : (P,) array
+
+    Returns
+    -------
+    dict
+        By quantity.
+    """
+    errors = between_positions(found, window, position_rad)
+    return {name: Left(*both) for name, both in errors.items()}
 
 
 def _of_shares(rule: Rule) -> Rule:

@@ -1,38 +1,38 @@
-"""Error estimates: coarser cells, modes left out, smoothed stresses, the curve between positions.
+"""Error estimates: coarser cells, omitted modes, smoothed stresses, the curve between positions.
 
-No source needs further finite elements:
+The estimates need no further finite elements. Sources of error:
 
 strips
-    Half as many cells to the half-width. The error falls with the square of their width, so a third
-    of the change is left.
+    Half as many cells on the half-width. The error is proportional to the square of their width, so
+    the remaining error is a third of the change.
 modes
-    Without the two highest pressure modes (they are orthogonal: the smaller matrix is a block of
-    the larger). Of peak pressures these two tell little: what is left goes with the load share.
-    Tables between nodes: with every second node, which stands for their elements, too.
+    Without the two highest pressure modes (these are orthogonal: the smaller matrix is a block of
+    the larger one). The change of peak pressures is a poor measure of their error; the change of
+    the load share is used instead. Tables between nodes: every second node, which also stands for
+    their finite elements.
 elements
-    With what the elements miss by their smoothed stresses (`element_error`).
+    The error of the finite elements, estimated from smoothed stresses (`fe_error`).
 positions
-    What the curve through the positions finds between them (`position_error`).
+    Features of the curve between the positions (`sampling_error`).
 period
-    What other teeth do that yield differently and come later than the last position
-    (`period_error`).
+    Other teeth with another compliance that come after the last position (`period_error`).
 tip
-    Where a contact works on a tip, what its turned force changes (`tip_error`).
+    Changes by the turned force of a contact on a tip (`tip_error`).
 lumped
-    Lumped contact has no cells; what it leaves is taken from what was measured of it.
+    Lumped contact has no cells; its error is taken from measurements (`LUMPED`).
 
-Each source tells an error with its sign, and a doubt. Modes leave a body too soft or too stiff,
-elements leave it too stiff, positions miss either way: errors add up with their signs, and may
-cancel; doubts are independent, and add up by their squares. What is told is the sum of both, which
-holds in 19 of 20 cases where the doubt is two standard deviations.
+Each source has an error with its sign, and a doubt. Modes make a body too soft or too stiff,
+elements make it too stiff, positions err either way. Errors are added with their signs and may
+cancel; doubts are independent and are added as squares. The estimate is the sum of both. It is
+exceeded in about 1 of 20 cases if the doubt is two standard deviations.
 
-The sources of the compliance change the answer by little, and so by the same on coarse cells, on
-which they are swept.
+Changes caused by the compliance hardly depend on the cells, so they are computed with coarse cells.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,16 +50,15 @@ from flankload.analysis.error_rules import (
     peak_of_modes,
     what_is_left,
 )
-from flankload.analysis.period_error import HARMONICS_KEY, OtherTeeth, of_other_teeth
-from flankload.analysis.sampling_error import between_positions
+from flankload.analysis.period_error import HARMONICS_KEY
 from flankload.contact.sweep import END_WOULD_TOUCH
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
 
-    from flankload.analysis.adaptive_positions import PositionErrors, Window
+    from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene.discretization import Grid
@@ -67,7 +66,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Errors = dict[str, float]
 
-#: What is estimated: at the worst position …
+#: Estimated quantities: at the worst position …
 POINTWISE = ("transmission_error", "load_share", "peak_pressure")
 #: … and over all of them.
 OVERALL = (
@@ -76,23 +75,23 @@ OVERALL = (
     "stiffness_secant",
     "stiffness_tangent",
 )
-#: Modes left out: their terms alternate in size, and at places one of two vanishes.
+#: Number of omitted modes: their terms alternate in size, and in places one of two vanishes.
 MODES_DROPPED = 2
-#: What lumping contacts leaves, by the largest half-width h over the length L of the shorter flank:
-#: measured against pairs on gears, rings and cams, sharp, rounded and relieved, under 0.03 to 3
-#: times their torque. (h/L)² times the first number, and the second in any case; where a corner, a
-#: kink or a rounding takes part, h/L times the third (the pressure there is not told).
+#: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
+#: (h/L)² times the first number plus the second; at a corner, a kink or a rounding at least h/L
+#: times the third (pressures there are not estimated). Measured against resolved contacts on gears,
+#: rings and cams, sharp, rounded and relieved, under 0.03 to 3 times their torque.
 LUMPED = {
     "transmission_error": (0.7, 1e-4, 0.3),
     "load_share": (0.32, 0.0, 0.2),
     "peak_pressure": (3.0, 0.003, 0.0),
 }
-#: Sweeps of an estimate at the most.
+#: Largest number of sweeps of an estimate.
 MOST_SWEEPS = 3
 
 
 def n_sweeps(*, lumped: bool, elements: bool) -> int:
-    """Sweeps of an estimate: coarser cells (lumped contacts have none), modes, elements."""
+    """Number of sweeps: coarser cells (lumped contacts have none), modes, elements."""
     return MOST_SWEEPS - lumped - (not elements)
 
 
@@ -103,13 +102,13 @@ class Estimate:
     Attributes
     ----------
     errors : dict
-        Of each quantity: of the transmission error the largest over the positions relative to its
-        largest value, of its mean and its peak to peak relative to them; of the load share the
-        largest in parts of the load; of the peak pressure the largest, off sharp corners, relative
-        to the largest pressure; of the stiffnesses that of their mean; of forces on coast flanks,
-        where these can carry, the largest over all force on the working ones there.
+        By quantity. Transmission error: the largest error over the positions, relative to its
+        largest value; its mean and peak to peak: relative to themselves. Load share: the largest
+        error as part of the load. Peak pressure: the largest error off sharp corners, relative to
+        the largest pressure. Stiffnesses: the error of their mean. Coast flanks that can carry
+        load: the largest error of a force, relative to the force on the working flanks.
     by_source : dict
-        What each source alone would leave. Sources may cancel.
+        Error of each source alone. Sources may cancel.
     """
 
     errors: Errors
@@ -117,13 +116,13 @@ class Estimate:
 
     @classmethod
     def of(cls, left: dict[str, dict[str, Left]]) -> Estimate:
-        """Of what each source leaves in each quantity."""
-        told = {
+        """Estimate from the errors of each source, by quantity."""
+        by_quantity = {
             quantity: [parts[quantity] for parts in left.values() if quantity in parts]
             for quantity in (*POINTWISE, *OVERALL, COAST)
         }
         return cls(
-            {quantity: Left.of(parts).size for quantity, parts in told.items() if parts},
+            {quantity: Left.of(parts).size for quantity, parts in by_quantity.items() if parts},
             {
                 source: {quantity: part.size for quantity, part in parts.items()}
                 for source, parts in left.items()
@@ -132,16 +131,16 @@ class Estimate:
 
     @property
     def dominant_source(self) -> dict[str, str]:
-        """The source that adds most to each quantity."""
+        """The source with the largest error of each quantity."""
         return {
             quantity: max(self.by_source, key=lambda name: self.by_source[name].get(quantity, 0.0))
             for quantity in self.errors
         }
 
     def as_dict(self, *, positions: PositionErrors | None = None) -> dict[str, object]:
-        """The form of the result: a number for each quantity, and the table by source.
+        """Errors by quantity and the table by source, as in the result.
 
-        Adaptive positions are a source of their own, of what follows from the whole curve.
+        Adaptive positions are a separate source of errors of harmonics and peak to peak.
         """
         all_of = self
         if positions is not None:
@@ -166,31 +165,25 @@ def estimate_errors(
     grid: Grid,
     *,
     lumped: bool = False,
-    position_rad: Floats,
-    window: Window | None = None,
-    unlike: OtherTeeth | None = None,
-    tip: Callable[[Sweep], dict[str, Left]] | None = None,
+    sources: Mapping[str, Callable[[Sweep], dict[str, Left]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
     Parameters
     ----------
     found : tuple of Sweep
-        The sweep in question, one part per torque, each with its tangents.
+        The sweep, one part per torque, each with its tangents.
     run : callable
-        run(compliances=…, grid=…, part=…) sweeps the same positions and torques with other ones;
-        part counts its calls from 0.
+        run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells; part
+        counts the calls from 0.
     compliances, grid
-        Those of the sweep in question.
+        Compliances and cells of the sweep.
     lumped : bool
-        Contacts are lumped: there are no cells, in their place stands what is known of that level.
-    position_rad : (P,) array
-    window : Window, optional
-        What the positions run over; absent where nothing is claimed of what is between them.
-    unlike : OtherTeeth, optional
-        Teeth that yield differently, of which the positions see some.
-    tip : callable, optional
-        What turned forces on tips leave in a sweep; nothing where none is.
+        Whether contacts are lumped; there are no cells then, and their error is taken from
+        measurements.
+    sources : mapping
+        Further sources: errors that follow from the sweep itself, by quantity; empty if the source
+        has no effect.
 
     Returns
     -------
@@ -203,46 +196,60 @@ def estimate_errors(
     if any(compliance.missed is not None for compliance in compliances):
         better = tuple(compliance.with_missed(1.0) for compliance in compliances)
         others["elements"] = run(compliances=better, grid=cells, part=2)
-    nodal = any(compliance.nodes is not None for compliance in compliances)
-    imaged = all(any(compliance.wedge) or compliance.is_rigid for compliance in compliances)
-    of_modes = MODES_WITH_IMAGES if imaged else MODES
-    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
     estimates = []
     for t, part in enumerate(found):
-        left: dict[str, dict[str, Left]] = {}
-        if lumped:
-            known = lumped_error(part, compliances)
-            left["lumped"] = {quantity: Left(0.0, error) for quantity, error in known.items()}
-        else:
-            left["strips"] = what_is_left(STRIPS, part, part, coarse[t])
-            left["strips"]["peak_pressure"] = peak_of_cells(part, coarse[t])
-            # cells that miss a part of the rotation under every torque miss that of its derivative
-            if "stiffness_secant" in left["strips"]:
-                left["strips"]["stiffness_tangent"] = left["strips"]["stiffness_secant"]
-        for source, other in others.items():
-            left[source] = what_is_left(rules[source], part, coarse[t], other[t])
-        if not nodal:
-            left["modes"]["peak_pressure"] = peak_of_modes(part, coarse[t], others["modes"][t])
-        on_tips = tip(part) if tip is not None else {}
-        if on_tips:
-            left["tip"] = on_tips
-        if window is not None:
-            missed = between_positions(part, window, position_rad)
-            if missed:
-                left["positions"] = {name: Left(*both) for name, both in missed.items()}
-        if unlike is not None:
-            left["period"] = of_other_teeth(part, unlike)
-        if not any_smooth_peak(part):  # all on sharp corners: of those nothing is told
+        left = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t])
+        left |= _of_compliances(
+            part, coarse[t], {source: other[t] for source, other in others.items()}, compliances
+        )
+        left |= {source: errors for source, of in sources.items() if (errors := of(part))}
+        if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in left.values():
                 parts.pop("peak_pressure", None)
         estimates.append(Estimate.of(left))
     return tuple(estimates)
 
 
+def _of_lumping(
+    part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> dict[str, dict[str, Left]]:
+    known = lumped_error(part, compliances)
+    return {"lumped": {quantity: Left(0.0, error) for quantity, error in known.items()}}
+
+
+def _of_cells(part: Sweep, coarse: Sweep) -> dict[str, dict[str, Left]]:
+    left = what_is_left(STRIPS, part, part, coarse)
+    left["peak_pressure"] = peak_of_cells(part, coarse)
+    # a relative error of the rotation that is the same at all torques is also that of its
+    # derivative
+    if "stiffness_secant" in left:
+        left["stiffness_tangent"] = left["stiffness_secant"]
+    return {"strips": left}
+
+
+def _of_compliances(
+    part: Sweep,
+    coarse: Sweep,
+    others: Mapping[str, Sweep],
+    compliances: tuple[BodyCompliance, BodyCompliance],
+) -> dict[str, dict[str, Left]]:
+    """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
+    nodal = any(compliance.nodes is not None for compliance in compliances)
+    imaged = all(any(compliance.wedge) or compliance.is_rigid for compliance in compliances)
+    of_modes = MODES_WITH_IMAGES if imaged else MODES
+    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
+    left = {
+        source: what_is_left(rules[source], part, coarse, other) for source, other in others.items()
+    }
+    if not nodal:
+        left["modes"]["peak_pressure"] = peak_of_modes(part, coarse, others["modes"])
+    return left
+
+
 def lumped_error(
     found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, float]:
-    """What lumping its contacts leaves in a sweep, per quantity.
+    """Error of a sweep with lumped contacts, by quantity.
 
     Parameters
     ----------

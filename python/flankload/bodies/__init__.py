@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 
 if TYPE_CHECKING:
-    from flankload.scene import BodySpec
+    from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
@@ -39,15 +39,14 @@ def build_body(
     key : str
         Dotted path of the table in the scene, for messages.
     folder : Path
-        Folder to which the bodies' files are relative.
+        Folder to which files are relative.
     flank_element_mm : float or None
         Largest length of a finite element along the flank of a parametric body.
     flank_element_parts : float
-        The same in modules, if `flank_element_mm` is None; for cams and followers, which have no
-        module, the number of elements along the flank is scaled in proportion.
+        The same in modules, if `flank_element_mm` is None; scales the number of elements of cams
+        and followers, which have no module.
     flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
+        Largest distance of the flank's nodes, if nodal forces need finer elements there.
     pair_width_mm : float, optional
         Face width of bodies without one of their own, in a three-dimensional scene.
 
@@ -58,8 +57,7 @@ def build_body(
     Raises
     ------
     SceneError
-        If the body is impossible; names the key. MeshError or ComplianceFileError if a file is
-        faulty.
+        If the body is impossible; names the key. MeshError, ComplianceFileError: a faulty file.
     """
     from flankload.scene import (
         Belt,
@@ -70,54 +68,51 @@ def build_body(
         Gear,
         MeshBody,
         Pulley,
-        Ring,
-        SplineShaft,
         Sprocket,
     )
     from flankload.scene.axial import axial_range
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
-    if isinstance(spec, ComplianceBody):
-        from flankload.bodies.imported.compliance_body import build_compliance_body
+    if isinstance(spec, ComplianceBody | MeshBody):
+        return _build_imported(spec, key, folder)
+    if isinstance(spec, Cam | Follower):
+        fineness = DEFAULT_PARTS / flank_element_parts
+        return _build_cam_or_follower(spec, key, folder, flank_element_mm, fineness)
+    if flank_element_mm is None:
+        flank_element_mm = flank_element_parts * spec.module_mm
+        flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
+    from flankload.bodies.involute.involute_body import build_involute_body
 
-        return build_compliance_body(spec, key, folder=folder)
+    body = build_involute_body(
+        spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm
+    )
+    if pair_width_mm is None or body.involute is None or not isinstance(spec, Gear):
+        return body
+    ends = axial_range(spec, pair_width_mm, key)
+    return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
+
+
+def _build_imported(spec: ComplianceBody | MeshBody, key: str, folder: Path) -> Body:
+    from flankload.scene import MeshBody
+
     if isinstance(spec, MeshBody):
         from flankload.bodies.imported.mesh_body import build_mesh_body
 
         return build_mesh_body(spec, key, folder=folder)
-    if isinstance(spec, Cam | Follower):
-        fineness = DEFAULT_PARTS / flank_element_parts
-        if isinstance(spec, Follower):
-            from flankload.bodies.cam.follower import build_follower
+    from flankload.bodies.imported.compliance_body import build_compliance_body
 
-            return build_follower(spec, key, flank_element_mm=flank_element_mm, fineness=fineness)
-        from flankload.bodies.cam.cam import build_cam
+    return build_compliance_body(spec, key, folder=folder)
 
-        return build_cam(
-            spec, key, folder=folder, flank_element_mm=flank_element_mm, fineness=fineness
-        )
-    if flank_element_mm is None:
-        flank_element_mm = flank_element_parts * spec.module_mm
-        if spec.kind in ("spline_shaft", "spline_hub"):
-            flank_element_mm *= SPLINE_PART
-    lengths: dict[str, Any] = {
-        "flank_element_mm": flank_element_mm,
-        "flank_nodes_mm": flank_nodes_mm,
-    }
-    if isinstance(spec, Gear):
-        from flankload.bodies.involute.gear import build_gear
 
-        body = build_gear(spec, key, **lengths)
-        if pair_width_mm is None or body.involute is None:
-            return body
-        ends = axial_range(spec, pair_width_mm, key)
-        return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
-    if isinstance(spec, Ring):
-        from flankload.bodies.involute.ring import build_ring
+def _build_cam_or_follower(
+    spec: Cam | Follower, key: str, folder: Path, element_mm: float | None, fineness: float
+) -> Body:
+    from flankload.scene import Follower
 
-        return build_ring(spec, key, **lengths)
-    from flankload.bodies.involute.spline import build_spline_hub, build_spline_shaft
+    if isinstance(spec, Follower):
+        from flankload.bodies.cam.follower import build_follower
 
-    if isinstance(spec, SplineShaft):
-        return build_spline_shaft(spec, key, **lengths)
-    return build_spline_hub(spec, key, **lengths)
+        return build_follower(spec, key, flank_element_mm=element_mm, fineness=fineness)
+    from flankload.bodies.cam.cam import build_cam
+
+    return build_cam(spec, key, folder=folder, flank_element_mm=element_mm, fineness=fineness)

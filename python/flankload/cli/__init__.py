@@ -76,7 +76,7 @@ def _fail(message: object, code: int) -> int:
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Report an argument error in one line, as every other error."""
-        sys.exit(_fail(f"{message} (flankload --help lists what there is)", BAD_INPUT))
+        sys.exit(_fail(f"{message} (flankload --help lists commands and options)", BAD_INPUT))
 
 
 class _Version(argparse.Action):
@@ -103,124 +103,139 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
-    run_parser = commands.add_parser("run", help="solve a scene; prints the table of the result")
-    run_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
-    run_parser.add_argument(
-        "--json", metavar="FILE", help="write the result as JSON (- for stdout)"
+    _add_run(commands)
+    _add_plan(commands)
+    _add_mesh(commands)
+    compliance_parser = _command(
+        commands, "compliance", compliance, "write the flanks of both bodies and their compliance"
     )
-    run_parser.add_argument(
-        "--csv", metavar="FILE", help="write the positions as CSV (- for stdout)"
-    )
-    run_parser.add_argument(
-        "--stiffness-csv",
-        metavar="FILE",
-        help="write transmission error and stiffness over angle and torque (- for stdout)",
-    )
-    run_parser.add_argument(
-        "--plot", metavar="DIR", type=Path, help="write the pictures to this folder"
-    )
-    run_parser.add_argument(
-        "--cost", action="store_true", help="print what each stage was predicted to take, and took"
-    )
-    run_parser.add_argument("--quiet", action="store_true", help="no table and no progress")
-    run_parser.set_defaults(command=run)
-
-    plan_parser = commands.add_parser(
-        "plan",
-        help="say before a run which effects it will have, why, what they cost and change",
-    )
-    plan_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
-    plan_parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    plan_parser.add_argument(
-        "--levels", action="store_true", help="also try the levels of the model that are off"
-    )
-    plan_parser.set_defaults(command=plan)
-
-    mesh_parser = commands.add_parser("mesh", help="write the finite element meshes of both bodies")
-    mesh_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
-    mesh_parser.add_argument(
-        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="folder"
-    )
-    mesh_parser.add_argument(
-        "--format", choices=("msh", "vtu", "inp"), default="msh", help="default: msh"
-    )
-    mesh_parser.set_defaults(command=mesh)
-
-    compliance_parser = commands.add_parser(
-        "compliance", help="write the flanks and their compliance, to be used again"
-    )
-    compliance_parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
-    compliance_parser.add_argument(
-        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="folder"
-    )
-    compliance_parser.set_defaults(command=compliance)
-
+    _add_folder(compliance_parser)
     _add_accuracy(commands)
     _add_verify(commands)
-
-    check_parser = commands.add_parser(
-        "check", help="say what was understood of a scene or a mesh file"
+    check_parser = _described(
+        commands, "check", "validate a scene or a mesh file and print how it is interpreted"
     )
     check_parser.add_argument("file", metavar="FILE", type=Path, help="scene (.toml) or mesh file")
     check_parser.set_defaults(command=check)
-
-    schema_parser = commands.add_parser("schema", help="print the JSON schema of a scene file")
+    schema_parser = _described(commands, "schema", "print the JSON schema of scene files")
     schema_parser.set_defaults(command=schema)
     return top
 
 
-def _add_accuracy(commands: Any) -> None:
-    parser = commands.add_parser(
-        "accuracy",
-        help="errors beside CPU seconds, knob by knob, and the cheapest settings for 1 %%, 0.1 %%, "
-        "0.01 %%",
-    )
+def _command(commands: Any, name: str, function: Callable[..., None], text: str) -> Any:
+    """Parser of a command that reads a scene."""
+    parser = _described(commands, name, text)
     parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+    parser.set_defaults(command=function)
+    return parser
+
+
+def _described(commands: Any, name: str, text: str) -> Any:
+    return commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+
+
+def _add_folder(parser: Any) -> None:
+    parser.add_argument(
+        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="output folder"
+    )
+
+
+def _add_run(commands: Any) -> None:
+    parser = _command(commands, "run", run, "solve a scene and print a table of the result")
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON (- for stdout)")
+    parser.add_argument("--csv", metavar="FILE", help="write the positions as CSV (- for stdout)")
+    parser.add_argument(
+        "--stiffness-csv",
+        metavar="FILE",
+        help="write transmission error and stiffness over angle and torque (- for stdout)",
+    )
+    parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
+    parser.add_argument(
+        "--cost", action="store_true", help="print predicted and actual cost of each stage"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
+
+
+def _add_plan(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "plan",
+        plan,
+        "print the effects that a run will include, with reason, cost and size",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    parser.add_argument(
+        "--levels", action="store_true", help="also try the model levels that are off"
+    )
+
+
+def _add_mesh(commands: Any) -> None:
+    parser = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
+    _add_folder(parser)
+    parser.add_argument(
+        "--format", choices=("msh", "vtu", "inp"), default="msh", help="default: msh"
+    )
+
+
+def _add_accuracy(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "accuracy",
+        accuracy,
+        "print error and CPU time for each discretization parameter, and the cheapest "
+        "discretizations for errors of 1 %%, 0.1 %% and 0.01 %%",
+    )
     parser.add_argument(
         "--budget", metavar="S", type=float, default=60.0,
-        help="CPU seconds after which no further run is begun; default: 60",
+        help="CPU seconds after which no further run starts; default: 60",
     )  # fmt: skip
     parser.add_argument(
         "--quantities", metavar="Q,…", default="transmission_error,peak_pressure",
-        help="what must be exact, of transmission_error, load_share, peak_pressure, stiffness; "
+        help="quantities to judge: transmission_error, load_share, peak_pressure, stiffness; "
         "default: transmission_error,peak_pressure",
     )  # fmt: skip
-    parser.add_argument("--csv", metavar="FILE", help="write a line per run (- for stdout)")
+    parser.add_argument("--csv", metavar="FILE", help="write one line per run (- for stdout)")
     parser.add_argument("--json", metavar="FILE", help="write the study as JSON (- for stdout)")
     parser.add_argument(
         "--plot", metavar="DIR", type=Path, help="write the work-precision diagram to this folder"
     )
     parser.add_argument(
         "--resume", metavar="FILE", type=Path,
-        help="finished runs: read where the file is there, written after each run",
+        help="file of finished runs: read if it exists, updated after each run",
     )  # fmt: skip
-    parser.set_defaults(command=accuracy)
 
 
 def _add_verify(commands: Any) -> None:
-    parser = commands.add_parser(
-        "verify", help="solve one position by nonlinear finite elements, too (CalculiX)"
+    parser = _command(
+        commands,
+        "verify",
+        verify,
+        "compare one position with a nonlinear finite element solution (CalculiX)",
     )
-    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
     parser.add_argument(
         "--position", metavar="K", type=int, default=0, help="index of the position; default: 0"
     )
     parser.add_argument(
-        "-o", dest="folder", metavar="DIR", type=Path, help="keep deck and output in this folder"
+        "-o",
+        dest="folder",
+        metavar="DIR",
+        type=Path,
+        help="folder that keeps input deck and output",
     )
-    parser.add_argument("--no-run", action="store_true", help="write the deck, solve nothing")
+    parser.add_argument("--no-run", action="store_true", help="only write the input deck")
     parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
     parser.add_argument(
-        "--large-displacement", action="store_true", help="CalculiX follows the deformed geometry"
+        "--large-displacement",
+        action="store_true",
+        help="let CalculiX include the deformation of the geometry",
     )
     parser.add_argument(
         "--elements", metavar="N", type=float, default=6.0,
-        help="elements on the half-width of a contact; default: 6",
+        help="elements on the half-width of each contact; default: 6",
     )  # fmt: skip
     parser.add_argument(
-        "--time-limit", metavar="S", type=float, help="seconds after which CalculiX is stopped"
+        "--time-limit", metavar="S", type=float, help="stop CalculiX after this many seconds"
     )
     parser.add_argument(
         "--program", metavar="CCX", default="ccx", help="name or path of CalculiX; default: ccx"
     )
-    parser.set_defaults(command=verify)

@@ -49,7 +49,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    p = _telling_position(result) if position is None else position
+    p = _representative_position(result) if position is None else position
     table = result.pairs(p)
     carrying = [
         (s, site)
@@ -67,35 +67,11 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
         )
         figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
         if result.whole_circle:
-            axes = figure.add_subplot()
-            _draw_bodies(axes, result, p)
-            largest = _largest_force(result, p)
-            part = 0.08 if result.coast is None else 0.05  # less space between two flanks
-            for s, site in carrying:
-                _draw_force_on_flank(
-                    axes, table, site, result.site_force_N[p, s] / largest, COLOURS[1], part
-                )
-            if result.coast is not None:
-                coast = result.coast.pair_tables[p]
-                for s, site in coast_sites(result):
-                    _draw_force_on_flank(
-                        axes, coast, site, result.coast.force_N[p, s] / largest, COLOURS[2], part
-                    )
+            _draw_whole_circle(figure.add_subplot(), result, p, carrying)
             return figure
         rows = max(1, len(carrying))
         grid = figure.add_gridspec(rows, 2, width_ratios=(1.55, 1.0) if carrying else (1.0, 1e-3))
-        axes = figure.add_subplot(grid[:, 0])
-        _draw_bodies(axes, result, p)
-        for s, site in carrying:
-            _draw_pressure_on_flank(
-                axes, result, p, table, site, f"{result.site_force_N[p, s] / 1e3:.2f} kN"
-            )
-        if result.coast is not None:
-            coast = result.coast.pair_tables[p]
-            for s, site in coast_sites(result):
-                if (force := result.coast.force_N[p, s]) > 0:
-                    words = f"coast {force / 1e3:.2f} kN"
-                    _draw_pressure_on_flank(axes, result, p, coast, site, words)
+        _draw_teeth_in_mesh(figure.add_subplot(grid[:, 0]), result, p, carrying)
         # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
         # that widths and heights can be compared.
         curves = [_pressure_along(result, p, site) for _, site in carrying]
@@ -106,7 +82,39 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
         return figure
 
 
-def _telling_position(result: Result) -> int:
+def _draw_whole_circle(axes: Axes, result: Result, p: int, carrying: list[tuple[int, int]]) -> None:
+    """Bodies with contact all around, and a bar for the force on each flank."""
+    _draw_bodies(axes, result, p)
+    table, largest = result.pairs(p), _largest_force(result, p)
+    part = 0.08 if result.coast is None else 0.05  # less space between two flanks
+    for s, site in carrying:
+        force = result.site_force_N[p, s] / largest
+        _draw_force_on_flank(axes, table, site, force, COLOURS[1], part)
+    if result.coast is not None:
+        coast = result.coast.pair_tables[p]
+        for s, site in coast_sites(result):
+            force = result.coast.force_N[p, s] / largest
+            _draw_force_on_flank(axes, coast, site, force, COLOURS[2], part)
+
+
+def _draw_teeth_in_mesh(
+    axes: Axes, result: Result, p: int, carrying: list[tuple[int, int]]
+) -> None:
+    """Teeth in mesh with the pressure on each flank that carries."""
+    _draw_bodies(axes, result, p)
+    table = result.pairs(p)
+    for s, site in carrying:
+        label = f"{result.site_force_N[p, s] / 1e3:.2f} kN"
+        _draw_pressure_on_flank(axes, result, p, table, site, label)
+    if result.coast is not None:
+        coast = result.coast.pair_tables[p]
+        for s, site in coast_sites(result):
+            if (force := result.coast.force_N[p, s]) > 0:
+                label = f"coast {force / 1e3:.2f} kN"
+                _draw_pressure_on_flank(axes, result, p, coast, site, label)
+
+
+def _representative_position(result: Result) -> int:
     """Position with most pairs in contact, off corners if possible, and the most even sharing.
 
     With a cam, the position of the largest pressure.

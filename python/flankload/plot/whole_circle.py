@@ -11,10 +11,13 @@ from matplotlib import rc_context
 from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, subtitle
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import Result
+
+    Floats = NDArray[np.float64]
 
 
 def most_loaded(result: Result) -> tuple[int, int]:
@@ -47,33 +50,14 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
         largest = max(float(force.max()), 0.0 if coast is None else float(coast.max())) or 1.0
         # From a ring, not from a point: near the axis bars would have no width.
         bottom = 0.45 * largest
-        parts = [(force, COLOURS[0], 0.0)]
-        if coast is not None:  # beside the working flank, on the other side of the tooth
-            parts = [(force, COLOURS[0], 0.25), (coast, COLOURS[2], -0.25)]
-        for height, colour, beside in parts:
-            axes.bar(
-                angle + 0.8 * beside * 2 * np.pi / teeth,
-                height,
-                width=0.8 * 2 * np.pi / teeth / len(parts),
-                bottom=bottom,
-                color=colour,
-                edgecolor="white",
-                linewidth=0.5,
-            )
+        _draw_bars(axes, angle, force, coast, bottom)
         axes.set_ylim(0, bottom + 1.05 * largest)
         mean = float(force.mean())
         turn = np.linspace(0, 2 * np.pi, 361)
         axes.plot(turn, np.full(turn.size, bottom + mean), color=COLOURS[1], linewidth=1.2)
         axes.plot(turn, np.full(turn.size, bottom), color="#404040", linewidth=0.8)
-        axes.text(
-            0.0,
-            0.0,
-            f"{result.loaded_pairs[p]} of {teeth}\nteeth carry",
-            ha="center",
-            va="center",
-            fontsize=9,
-            color=GREY,
-        )
+        carrying = f"{result.loaded_pairs[p]} of {teeth}\nteeth carry load"
+        axes.text(0.0, 0.0, carrying, ha="center", va="center", fontsize=9, color=GREY)
         step = max(1, round(teeth / 24))
         axes.set_xticks(angle[::step], [f"{site}" for site in result.sites[::step]])
         ticks = _round_steps(largest)
@@ -90,10 +74,30 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
             figure,
             result,
             f"Load per tooth{_where(result, p)}",
-            f"mean {mean:.3g} kN (line), most {force.max() / mean if mean else 0:.2f} times that"
+            f"mean {mean:.3g} kN (line), largest {force.max() / mean if mean else 0:.2f} times that"
             + ("" if coast is None else "; coast flanks green"),
         )
         return figure
+
+
+def _draw_bars(
+    axes: Axes, angle: Floats, force: Floats, coast: Floats | None, bottom: float
+) -> None:
+    """A bar for each tooth; beside it, on the other side of the tooth, that of the coast flank."""
+    pitch = 2 * np.pi / angle.size
+    parts = [(force, COLOURS[0], 0.0)]
+    if coast is not None:
+        parts = [(force, COLOURS[0], 0.25), (coast, COLOURS[2], -0.25)]
+    for height, colour, beside in parts:
+        axes.bar(
+            angle + 0.8 * beside * pitch,
+            height,
+            width=0.8 * pitch / len(parts),
+            bottom=bottom,
+            color=colour,
+            edgecolor="white",
+            linewidth=0.5,
+        )
 
 
 def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:

@@ -4,7 +4,7 @@ from flankload.base.files import write_atomically
 from flankload.result.export import results_to_csv, results_to_json
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of as results_to_text
 
@@ -14,7 +14,6 @@ __all__ = [
     "PairTable",
     "Result",
     "StiffnessTable",
-    "make_result",
     "results_to_csv",
     "results_to_json",
     "results_to_text",

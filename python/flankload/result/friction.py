@@ -79,9 +79,7 @@ class FrictionResult:
 
 
 def friction_result(
-    pairs: Mapping[str, Floats],
-    position: NDArray[np.int64],
-    site: NDArray[np.intc],
+    pairs: Mapping[str, NDArray[Any]],
     *,
     n_sites: int,
     n_working: int,
@@ -96,9 +94,8 @@ def friction_result(
     Parameters
     ----------
     pairs : mapping
-        Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs; mm, N.
-    position, site : (N,) arrays
-        Number of each pair's position and site.
+        Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
+        of each pair's position and site.
     n_sites : int
     n_working : int
         Sites from this number on are those of coast flanks.
@@ -114,22 +111,22 @@ def friction_result(
     -------
     FrictionResult
     """
-    n = speeds.shape[1]
-    force, rub = pairs["force"], pairs["force"] * pairs["friction"]
+    n, position = speeds.shape[1], pairs["position"]
+    force, friction = pairs["force"], pairs["force"] * pairs["friction"]
     # on body 2: n F - mu sigma t F, where t is n rotated backward, on coast flanks forward
-    turned = np.where(site < n_working, rub, -rub)
+    turned = np.where(pairs["site"] < n_working, friction, -friction)
     force_x = pairs["normal_x"] * force - pairs["normal_y"] * turned
     force_y = pairs["normal_y"] * force + pairs["normal_x"] * turned
     moment = (pairs["x"] - center_distance_mm) * force_y - pairs["y"] * force_x
     sense = 1.0 if driver == "body_1" else -1.0
-    cell = position * n_sites + site
-    site_friction = np.asarray(np.bincount(cell, rub, minlength=n * n_sites), dtype=np.float64)
+    cell = position * n_sites + pairs["site"]
+    site_friction = np.bincount(cell, friction, minlength=n * n_sites).astype(np.float64)
 
     def over_positions(values: Floats) -> Floats:
         return np.bincount(position, values, minlength=n) / 1000.0
 
     torque_2 = over_positions(moment) * sense * np.sign(speeds[1])
-    loss = over_positions(rub * pairs["sliding"])
+    loss = over_positions(friction * pairs["sliding"])
     return FrictionResult(
         driver=driver,
         speed_1=speeds[0],

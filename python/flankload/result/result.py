@@ -32,6 +32,22 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+#: Axes (P positions, S sites) and type of each array of a result.
+ARRAYS: Mapping[str, tuple[str, type]] = {
+    "sites": ("S", int),
+    "position_rad": ("P", float),
+    "rotation_rad": ("P", float),
+    "site_force_N": ("PS", float),
+    "peak_pressure_MPa": ("PS", float),
+    "stiffness_tangent_Nm_per_rad": ("P", float),
+    "status": ("P", int),
+    "corner_contact": ("PS", bool),
+    "follower_angle_rad": ("P", float),
+    "unloaded_rotation_rad": ("P", float),
+}
+#: Those that may be None.
+OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
+
 
 @dataclass(frozen=True, eq=False)
 class Result(ContactQuantities):
@@ -111,7 +127,6 @@ class Result(ContactQuantities):
     pitch_rad: float
     period_rad: float
     closed: bool
-    whole_circle: bool
     site_force_N: Floats
     peak_pressure_MPa: Floats
     stiffness_tangent_Nm_per_rad: Floats
@@ -122,6 +137,7 @@ class Result(ContactQuantities):
     cost: Mapping[str, Any]
     warnings: tuple[str, ...]
     drawing: PairDrawing
+    whole_circle: bool = False
     friction: FrictionResult | None = None
     geometry: PairGeometry | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
@@ -167,6 +183,28 @@ class Result(ContactQuantities):
         if not over.covers_period:
             return None
         return float(self.load_share.max() * over.mean_of_steps(self.loaded_pairs))
+
+    def __post_init__(self) -> None:
+        """Copy the arrays and make them read-only.
+
+        Raises
+        ------
+        ValueError
+            If an array has another shape than (P,), (P, S) or (S,), or P or S is 0.
+        """
+        size = {"P": np.size(self.position_rad), "S": np.size(self.sites)}
+        if 0 in size.values():
+            raise ValueError(f"expected positions and sites, found {size['P']} and {size['S']}")
+        for key, (axes, kind) in ARRAYS.items():
+            value = getattr(self, key)
+            if value is None and key in OPTIONAL_ARRAYS:
+                continue
+            array: NDArray[Any] = np.array(value, dtype=kind)
+            if array.shape != (shape := tuple(size[axis] for axis in axes)):
+                raise ValueError(f"{key}: expected shape {shape}, found {array.shape}")
+            object.__setattr__(self, key, frozen(array))
+        if len(self.pair_tables) != size["P"]:
+            raise ValueError(f"pair_tables: expected {size['P']}, found {len(self.pair_tables)}")
 
     @property
     def coast_force_N(self) -> Floats | None:
@@ -355,96 +393,3 @@ class Result(ContactQuantities):
     def cost_table(self) -> str:
         """Return the cost of the run as text, stage by stage, beside the prediction."""
         return cost_table(self.cost)
-
-
-def make_result(
-    *,
-    name: str,
-    torque_Nm: float,
-    sites: NDArray[np.int64] | Sequence[int],
-    position_rad: Floats,
-    rotation_rad: Floats,
-    reference_radius_mm: float,
-    site_force_N: Floats,
-    peak_pressure_MPa: Floats,
-    stiffness_tangent_Nm_per_rad: Floats,
-    status: NDArray[np.int64],
-    pair_tables: Sequence[PairTable],
-    corner_contact: NDArray[np.bool_],
-    period_rad: float,
-    closed: bool,
-    face_width_mm: float,
-    estimate: Mapping[str, Any] | None,
-    cost: Mapping[str, Any],
-    warnings: Sequence[str],
-    drawing: PairDrawing,
-    pitch_rad: float | None = None,
-    whole_circle: bool = False,
-    geometry: PairGeometry | None = None,
-    root_readings: tuple[RootReading | None, RootReading | None] = (None, None),
-    follower_angle_rad: Floats | None = None,
-    unloaded_rotation_rad: Floats | None = None,
-) -> Result:
-    """Make a result; arrays are copied and made read-only.
-
-    Parameters
-    ----------
-    name, torque_Nm, …
-        The attributes of `Result`, with P positions and S sites; without a pitch it equals the
-        period.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    ValueError
-        If an array has another shape than (P,), (P, S) or (S,), or P or S is 0.
-    """
-    n_positions, n_sites = np.size(position_rad), np.size(sites)
-    if n_positions == 0 or n_sites == 0:
-        raise ValueError(f"expected positions and sites, found {n_positions} and {n_sites}")
-    along, across = (n_positions,), (n_positions, n_sites)
-
-    def array(key: str, value: Any, shape: tuple[int, ...], dtype: type = float) -> NDArray[Any]:
-        found: NDArray[Any] = np.array(value, dtype=dtype)
-        if found.shape != shape:
-            raise ValueError(f"{key}: expected shape {shape}, found {found.shape}")
-        return frozen(found)
-
-    if len(pair_tables) != n_positions:
-        raise ValueError(f"pair_tables: expected {n_positions}, found {len(pair_tables)}")
-    return Result(
-        name=name,
-        torque_Nm=float(torque_Nm),
-        sites=array("sites", sites, (n_sites,), int),
-        position_rad=array("position_rad", position_rad, along),
-        rotation_rad=array("rotation_rad", rotation_rad, along),
-        reference_radius_mm=float(reference_radius_mm),
-        face_width_mm=float(face_width_mm),
-        pitch_rad=float(period_rad if pitch_rad is None else pitch_rad),
-        period_rad=float(period_rad),
-        closed=bool(closed),
-        whole_circle=bool(whole_circle),
-        site_force_N=array("site_force_N", site_force_N, across),
-        peak_pressure_MPa=array("peak_pressure_MPa", peak_pressure_MPa, across),
-        stiffness_tangent_Nm_per_rad=array(
-            "stiffness_tangent_Nm_per_rad", stiffness_tangent_Nm_per_rad, along
-        ),
-        status=array("status", status, along, int),
-        pair_tables=pair_tables,
-        corner_contact=array("corner_contact", corner_contact, across, bool),
-        estimate=estimate,
-        cost=cost,
-        warnings=tuple(warnings),
-        drawing=drawing,
-        geometry=geometry,
-        root_readings=root_readings,
-        follower_angle_rad=None
-        if follower_angle_rad is None
-        else array("follower_angle_rad", follower_angle_rad, along),
-        unloaded_rotation_rad=None
-        if unloaded_rotation_rad is None
-        else array("unloaded_rotation_rad", unloaded_rotation_rad, along),
-    )

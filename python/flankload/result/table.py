@@ -232,6 +232,35 @@ def _force_and_pressure(contact: Result | CoastContact, p: int, s: int) -> tuple
 
 def _footer(result: Result) -> Iterator[str]:
     summary = result.summary
+    yield from _transmission_error_lines(result)
+    yield _labelled("loaded pairs", _loaded_pairs(result))
+    if summary["peak_pressure_pair"] is not None:
+        yield _labelled("largest pressure", _largest_pressure(summary))
+    if result.drive is not None:
+        yield _labelled(result.drive.name, result.drive.words())
+    yield from _contact_lines(result)
+    for z in (1, 2):
+        if f"root_stress_{z}" in summary and result.torque_Nm > 0:
+            yield _labelled(f"root of body {z}", _root_stress(summary[f"root_stress_{z}"]))
+    if result.friction is not None:
+        yield _labelled("friction", _friction(result.friction))
+    beyond = outside_words(result.outside_limits)
+    yield from _estimate_lines(result, beyond)
+    if result.accuracy is not None:
+        first, *more = accuracy_lines(result.accuracy)
+        yield _labelled("tolerance", first + beyond)
+        for text in more:
+            yield _labelled("", text)
+    yield _labelled("cost", _cost(result.cost))
+    for status, words in STATUS_WORDS.items():
+        positions = np.flatnonzero(result.status == status)
+        if positions.size:
+            listed = ", ".join(map(str, positions[:8])) + (", ..." if positions.size > 8 else "")
+            yield _labelled(f"status {status}", f"{words}: positions {listed}")
+
+
+def _transmission_error_lines(result: Result) -> Iterator[str]:
+    summary = result.summary
     mean, by_load = (summary[f"transmission_error_{kind}mean_um"] for kind in ("", "by_load_"))
     beyond = ""
     if result.torque_Nm > 0 and abs(by_load - mean) > LEAST_UNLOADED * abs(mean):
@@ -247,6 +276,10 @@ def _footer(result: Result) -> Iterator[str]:
     if harmonics is not None and result.period_pitches > 1:
         whole = _amplitudes(summary["transmission_error_harmonics_um"])
         yield _labelled("", f"harmonics of {result.period_pitches} pitches: {whole} um")
+
+
+def _loaded_pairs(result: Result) -> str:
+    summary = result.summary
     least, most = summary["loaded_pairs_min"], summary["loaded_pairs_max"]
     text = f"{least}" if least == most else f"{least} to {most}"
     if summary["contact_ratio_under_load"] is not None:
@@ -258,47 +291,26 @@ def _footer(result: Result) -> Iterator[str]:
             text += f", {by_tips} by geometry"
             text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
-    if result.whole_circle:
-        text += f" of {result.sites.size} teeth carry"
-    yield _labelled("loaded pairs", text)
-    if summary["peak_pressure_pair"] is not None:
-        yield _labelled("largest pressure", _largest_pressure(summary))
-    if result.drive is not None:
-        yield _labelled(result.drive.name, result.drive.words())
-    yield from _contact_lines(result)
-    for z in (1, 2):
-        if f"root_stress_{z}" in summary and result.torque_Nm > 0:
-            yield _labelled(f"root of body {z}", _root_stress(summary[f"root_stress_{z}"]))
-    if result.friction is not None:
-        yield _labelled("friction", _friction(result.friction))
-    beyond = outside_words(result.outside_limits)
-    if result.estimate is not None:
-        estimate = result.estimate
-        if result.position_rad.size == 1:
-            estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
-        text = _estimate(estimate)
-        off_corners = summary["peak_pressure_off_corners_pair"] is not None
-        if summary["peak_pressure_pair"] is not None and not off_corners:
-            text += ", peak pressure not estimated (sharp corners)"
-        yield _labelled("estimated error", text + beyond)
-        for source, label in SHOWN_ALONE.items():
-            left = result.estimate.get("by_source", {}).get(source, {})
-            if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
-                text = _estimate(
-                    {key.removeprefix(OF_ROTATION): error for key, error in left.items()}
-                )
-                yield _labelled(label, text + beyond)
-    if result.accuracy is not None:
-        first, *more = accuracy_lines(result.accuracy)
-        yield _labelled("tolerance", first + beyond)
-        for text in more:
-            yield _labelled("", text)
-    yield _labelled("cost", _cost(result.cost))
-    for status, words in STATUS_WORDS.items():
-        positions = np.flatnonzero(result.status == status)
-        if positions.size:
-            listed = ", ".join(map(str, positions[:8])) + (", ..." if positions.size > 8 else "")
-            yield _labelled(f"status {status}", f"{words}: positions {listed}")
+    return text + f" of {result.sites.size} teeth carry" * result.whole_circle
+
+
+def _estimate_lines(result: Result, beyond: str) -> Iterator[str]:
+    """Estimated errors, and those of single sources; `beyond`: note on violated premises."""
+    if result.estimate is None:
+        return
+    estimate, summary = result.estimate, result.summary
+    if result.position_rad.size == 1:
+        estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
+    text = _estimate(estimate)
+    off_corners = summary["peak_pressure_off_corners_pair"] is not None
+    if summary["peak_pressure_pair"] is not None and not off_corners:
+        text += ", peak pressure not estimated (sharp corners)"
+    yield _labelled("estimated error", text + beyond)
+    for source, label in SHOWN_ALONE.items():
+        left = result.estimate.get("by_source", {}).get(source, {})
+        if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
+            text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
+            yield _labelled(label, text + beyond)
 
 
 def _amplitudes(harmonics: list[float | None]) -> str:

@@ -10,20 +10,21 @@ Strips = Annotated[float, Meta(ge=2, le=200)]
 
 
 class Accuracy(Table, frozen=True, kw_only=True):
-    """How exact, and with which knobs; a knob that is absent follows from the tolerance."""
+    """Tolerance and discretization; parameters that are absent follow from the tolerance."""
 
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-4, le=0.1)],
         about(
             "-",
-            "wanted relative error of transmission error, load share, peak pressure off sharp "
-            "corners and secant stiffness; named, it decides on the knobs that are not",
+            "requested relative error of transmission error, load share, peak pressure off "
+            "sharp corners and secant stiffness; if set, it determines the discretization "
+            "parameters that are not set",
         ),
     ] = 0.01
     plane: Annotated[
         Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
     ] = "strain"
-    estimate: Annotated[bool, about("", "false skips the error estimate")] = True
+    estimate: Annotated[bool, about("", "false: no error estimate")] = True
     flank_element_mm: Annotated[
         Length | None, about("mm", "length of the finite elements along the flank")
     ] = None
@@ -34,11 +35,11 @@ class Accuracy(Table, frozen=True, kw_only=True):
         Strips | None, about("-", "contact strips per Hertz half-width")
     ] = None
     corner_strips_per_half_width: Annotated[
-        Strips | None, about("-", "the same where a sharp tip corner carries")
+        Strips | None, about("-", "the same at sharp tip corners that carry load")
     ] = None
     zone_half_widths: Annotated[
         Annotated[float, Meta(gt=1, le=20)] | None,
-        about("-", "half-width of the strips' zone in Hertz half-widths"),
+        about("-", "half-width of the zone of strips in Hertz half-widths"),
     ] = None
     slices: Annotated[
         Annotated[int, Meta(ge=1, le=200)] | None,

@@ -33,7 +33,7 @@ ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
 
 
 class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
-    """A pulley for timing belts: rigid, or a ring that is held at its bore."""
+    """A pulley for timing belts: rigid, or an elastic ring fixed at its bore."""
 
     partner: ClassVar[str | None] = "belt"
 
@@ -46,40 +46,47 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
         Literal["T", "HTD"],
         about(
             "",
-            "teeth of the belt and grooves: 'T' are trapezoids, 'HTD' are round at the tip, their "
-            "sides straight where they are higher than half as wide",
+            "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip "
+            "and, if the height exceeds half the width, straight sides",
         ),
     ] = "T"
     groove_width_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "width of the grooves at the land; what it is more than that of the belt's teeth is "
-            "clearance; absent = none",
+            "width of the grooves at the land; the excess over the width of the belt's "
+            "teeth is clearance; absent = no clearance",
         ),
     ] = None
     groove_depth_mm: Annotated[
         Length | None,
         about(
-            "mm", "depth of the grooves; absent = any that is enough; elastic: as the belt's teeth"
+            "mm",
+            "depth of the grooves; absent = deep enough (rigid pulley) or the height of "
+            "the belt's teeth (elastic pulley)",
         ),
     ] = None
     groove_angle_deg: Annotated[
         FlankAngle | None,
-        about("deg", "between flank and centre line of a groove, 'T' only; absent = as the belt's"),
+        about(
+            "deg",
+            "angle between flank and centre line of a groove, 'T' only; absent = that of the belt",
+        ),
     ] = None
     rigid: Annotated[
         bool,
         about(
             "",
-            "true: the pulley does not yield; false: it does, needs bore_diameter_mm; per mm of "
-            "width, as wide as the belt",
+            "true: rigid pulley; false: elastic pulley, as wide as the belt; requires "
+            "bore_diameter_mm",
         ),
     ] = True
     bore_diameter_mm: Annotated[
         Length | None,
         about(
-            "mm", "diameter of the bore, which is fixed; elastic pulleys need it", usual=USUAL_SIZE
+            "mm",
+            "diameter of the bore, where the pulley is fixed; required for elastic pulleys",
+            usual=USUAL_SIZE,
         ),
     ] = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -92,7 +99,7 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
 
 
 class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
-    """A timing belt around a pulley, its tight strand held."""
+    """A timing belt around a pulley; the end of its tight strand is fixed."""
 
     partner: ClassVar[str | None] = "pulley"
     known: ClassVar[Mapping[str, frozenset[str]]] = {
@@ -104,43 +111,50 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
     pitch_mm: Pitch
     wrapped_teeth: Annotated[
         Annotated[int, Meta(ge=1, le=200)],
-        about("-", "teeth of the belt that lie in grooves"),
+        about("-", "number of belt teeth in grooves"),
     ]
     width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
     cord_stiffness_N_per_mm: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e9)],
-        about("N/mm", "tension of the cord over its strain, per mm of width"),
+        about("N/mm", "tension of the cord per unit of strain, per mm of width"),
     ]
     land_distance_mm: Annotated[
-        Length, about("mm", "from the land between the teeth to the pitch line, where the cord is")
+        Length,
+        about(
+            "mm", "distance from the land between the teeth to the cord, which is the pitch line"
+        ),
     ]
-    back_mm: Annotated[Length, about("mm", "thickness from the land to the back")]
-    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth over the land")]
+    back_mm: Annotated[Length, about("mm", "thickness from the land to the back of the belt")]
+    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth above the land")]
     tooth_width_mm: Annotated[
-        Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round")
+        Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round tip")
     ]
     flank_angle_deg: Annotated[
         FlankAngle | None,
-        about("deg", "between flank and centre line of a tooth, 'T' only, needed there"),
+        about(
+            "deg",
+            "angle between flank and centre line of a tooth; required for 'T', not allowed for "
+            "'HTD'",
+        ),
     ] = None
     young_modulus_MPa: Annotated[
         Modulus,
         # from soft rubber to filled polyurethane
         about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
     ]
-    poisson_ratio: Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson ratio")] = (
-        0.45
-    )
+    poisson_ratio: Annotated[
+        Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")
+    ] = 0.45
     pitch_difference_um: Annotated[
         Deviation,
-        about("um", "pitch of the belt without load, minus body_1.pitch_mm", usual=(0.1, 2000.0)),
+        about("um", "pitch of the unloaded belt minus body_1.pitch_mm", usual=(0.1, 2000.0)),
     ] = 0.0
     prestress_N: Annotated[
         Force,
         about(
             "N",
-            "mean tension of the cord, which holds it straight; half of tight and slack tension "
-            "together is a good one",
+            "mean tension of the cord, which keeps it straight; the mean of tight and "
+            "slack tension is a good value",
         ),
     ] = 0.0
 

@@ -32,7 +32,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
     has_teeth: ClassVar[bool] = False
 
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, which is fixed", usual=USUAL_SIZE)
+        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -45,7 +45,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
 
 
 class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
-    """A disc cam by the table of its profile, held at its bore."""
+    """A disc cam defined by a table of its profile, fixed at its bore."""
 
     partner: ClassVar[str | None] = "follower"
 
@@ -53,25 +53,25 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
         tuple[ProfileRow, ...] | None,
         about(
             "",
-            "rows [angle in deg, radius in mm] around the cam, counter-clockwise; a smooth closed "
-            "curve goes through them (periodic cubic spline). At position 0 angle 0 points from "
-            "the cam's axis to that of the follower",
+            "rows [angle in deg, radius in mm] around the cam, counter-clockwise, "
+            "interpolated by a smooth closed curve (periodic cubic spline). At position 0, "
+            "angle 0 points from the cam's axis to that of the follower",
         ),
     ] = None
     profile_file: Annotated[
         Text | None,
         about(
             "",
-            "the same as a .csv file with two columns, angle_deg and radius_mm; relative to the "
-            "folder of the scene file",
+            "the same table as a .csv file with the columns angle_deg and radius_mm; "
+            "relative to the folder of the scene file",
         ),
     ] = None
     sense: Annotated[
         Literal["clockwise", "counter_clockwise"],
         about(
             "",
-            "how the cam turns; clockwise: at position a its angle a points to the follower's "
-            "axis. The follower is pressed onto the cam counter-clockwise",
+            "sense of rotation of the cam; clockwise: at position a, its angle a points to "
+            "the follower's axis. The follower is pressed onto the cam counter-clockwise",
         ),
     ] = "clockwise"
 
@@ -90,7 +90,7 @@ Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
 
 
 class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
-    """A lever that turns about its own axis and follows a cam with a roller or a flat."""
+    """A lever that rotates about its own axis and follows a cam with a roller or a flat."""
 
     partner: ClassVar[str | None] = "cam"
 
@@ -100,7 +100,7 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
     ] = None
     roller_radius_mm: Annotated[
         Length | None,
-        about("mm", "radius of the roller, which is one piece with its arm", usual=USUAL_SIZE),
+        about("mm", "radius of the roller, which does not rotate on its arm", usual=USUAL_SIZE),
     ] = None
     flat_offset_mm: Annotated[
         Place | None,
@@ -111,20 +111,25 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
     ] = None
     flat_from_mm: Annotated[
         Length | None,
-        about("mm", "where the flat begins, along its line from the foot of the axis"),
+        about(
+            "mm",
+            "beginning of the flat, along its line from the foot of the perpendicular from the "
+            "axis",
+        ),
     ] = None
-    flat_to_mm: Annotated[Length | None, about("mm", "where it ends")] = None
+    flat_to_mm: Annotated[
+        Length | None, about("mm", "end of the flat, measured in the same way")
+    ] = None
     arm_width_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "width of the arm; absent = the roller's radius, or a fifth of the flat's end "
-            "(flat_to_mm)",
+            "width of the arm; absent = the roller's radius, or a fifth of flat_to_mm",
         ),
     ] = None
     hub_diameter_mm: Annotated[
         Length | None,
-        about("mm", "outside of the hub; absent = as large as bore and arm need it"),
+        about("mm", "outer diameter of the hub; absent = as large as bore and arm require"),
     ] = None
 
     @property

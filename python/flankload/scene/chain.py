@@ -29,12 +29,12 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
         Literal["tight", "wide"],
         about(
             "",
-            "tooth form by the limits of ISO 606: 'tight' has the least roller seat and flank "
-            "radius, 'wide' the largest; keys beside it replace single numbers",
+            "tooth form at the limits of ISO 606: 'tight' has the smallest roller seat and "
+            "flank radius, 'wide' the largest; the following keys replace single values",
         ),
     ] = "wide"
     roller_seat_radius_mm: Annotated[
-        Length | None, about("mm", "radius of the arc in which a roller sits")
+        Length | None, about("mm", "radius of the arc that seats a roller")
     ] = None
     flank_radius_mm: Annotated[
         Length | None, about("mm", "radius of the tooth flank that follows the seat")
@@ -64,7 +64,7 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
 
 
 class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
-    """A roller chain around a sprocket, its tight strand held."""
+    """A roller chain around a sprocket; the end of its tight strand is fixed."""
 
     partner: ClassVar[str | None] = "sprocket"
     known: ClassVar[Mapping[str, frozenset[str]]] = {
@@ -79,26 +79,26 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
     roller_diameter_mm: RollerDiameter
     wrap_angle_deg: Annotated[
         Annotated[float, Meta(gt=0, le=360)],
-        about("deg", "angle around the sprocket between the places where both strands leave"),
+        about("deg", "angle around the sprocket between the points where the strands leave it"),
     ]
     link_stiffness_N: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e12)],
-        about("N", "tension of the chain over its strain"),
+        about("N", "tension of the chain per unit of strain"),
     ]
     contact_stiffness_N_per_mm: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e12)],
-        about("N/mm", "force of a roller on its pocket over how far it yields there"),
+        about("N/mm", "force of a roller on its pocket per mm of local deformation"),
     ]
     elongation: Annotated[
         Annotated[float, Meta(ge=0, le=0.05)],
-        about("-", "by which wear has lengthened every link, relative"),
+        about("-", "relative elongation of every link by wear"),
     ] = 0.0
     span_length_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "length of the free strands, whose tension holds the outer rollers sideways; absent "
-            "= 40 pitches",
+            "length of the free strands, whose tension supports the outer rollers "
+            "laterally; absent = 40 pitches",
         ),
     ] = None
 

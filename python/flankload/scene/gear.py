@@ -70,8 +70,8 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         Literal["linear", "parabolic"],
         about(
             "",
-            "shape of the tip relief over the roll angle: 'linear', as drawings have it, begins "
-            "with a kink, which is a sharp corner; 'parabolic' without",
+            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
+            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink",
         ),
     ] = "linear"
     tip_radius_mm: Annotated[
@@ -117,16 +117,16 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     ] = 1.25
     fillet_radius_factor: Annotated[
         Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
+        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
     ] = 0.38
 
 
 class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
-    """An external spur or helical gear with a generated root fillet, held at its bore."""
+    """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, which is fixed", usual=USUAL_SIZE)
+        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -165,15 +165,15 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
         Shift,
         about(
             "-",
-            "profile shift in modules, positive outwards: the space is as wide as the tooth of an "
-            "external gear with the same shift",
+            "profile shift in modules, positive outwards: the space is as wide as the "
+            "tooth of an external gear with the same profile shift",
         ),
     ] = 0.0
     root_diameter_mm: Annotated[
         Length, about("mm", "diameter of the root circle", usual=USUAL_SIZE)
     ]
     outer_diameter_mm: Annotated[
-        Length, about("mm", "outside of the rim, which is fixed", usual=USUAL_SIZE)
+        Length, about("mm", "outer diameter of the rim, where the body is fixed", usual=USUAL_SIZE)
     ]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -193,14 +193,14 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
 
 
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
-    """An internal spur gear, held at the outside of its rim."""
+    """An internal spur gear, fixed at the outside of its rim."""
 
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "radius of the arc that touches flank and root circle; absent = the largest, which "
-            "rounds the whole root",
+            "radius of the arc that is tangent to flank and root circle; absent = the "
+            "largest, which rounds the whole root",
             usual=USUAL_ROUNDING,
         ),
     ] = None
@@ -213,8 +213,9 @@ IndexErrors = Annotated[
     tuple[Deviation, ...],
     about(
         "um",
-        "one deviation per tooth along the base tangent, positive = metal that touches early; "
-        "entry j is tooth j, counted in the sense of the torque from the tooth of pair 0",
+        "one deviation per tooth along the base tangent, positive = excess material, early "
+        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of "
+        "pair 0",
         usual=USUAL_ERRORS,
     ),
 ]
@@ -223,7 +224,7 @@ SPLINE_FILLET = 0.16
 
 
 class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
-    """An involute spline on a shaft, held at its bore; its root is that of a generating rack."""
+    """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
     conforms: ClassVar[bool] = True
@@ -234,16 +235,16 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
         Length,
         about(
             "mm",
-            "diameter of the root circle, which says how deep the rack cuts",
+            "diameter of the root circle; determines the depth of the rack",
             usual=USUAL_SIZE,
         ),
     ]
     fillet_radius_factor: Annotated[
         Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; it makes the root fillet"),
+        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
     ] = SPLINE_FILLET
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, which is fixed", usual=USUAL_SIZE)
+        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -268,7 +269,7 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
 
 
 class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
-    """An involute spline in a hub, held at the outside of its rim."""
+    """An involute spline in a hub, fixed at the outside of its rim."""
 
     partner: ClassVar[str | None] = "spline_shaft"
     called: ClassVar[str] = "hub"

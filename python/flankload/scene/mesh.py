@@ -24,17 +24,17 @@ from flankload.scene.table import (
 
 
 class Profile(Geometry, frozen=True, kw_only=True):
-    """The exact profile of a body that comes as a mesh: the geometry keys of a gear."""
+    """The exact profile of a body from a mesh file, by the geometry keys of a gear."""
 
     kind: Annotated[Literal["gear"], about("", "kind of the profile")] = "gear"
     teeth: Annotated[
         Teeth | None,
-        about("-", "number of teeth; absent = that of the mesh, else equal to it"),
+        about("-", "number of teeth, equal to that of the mesh; absent = that of the mesh"),
     ] = None
 
 
 class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
-    """A body as a mesh file: one sector with its cut faces, or the whole body with many flanks."""
+    """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
 
@@ -43,19 +43,19 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
         Teeth | None,
         about(
             "-",
-            "number of equal sectors of the body; a whole body: absent = as many as flank_sets",
+            "number of equal sectors of the body; for a whole body, absent = number of flank_sets",
         ),
     ] = None
-    flank_set: Annotated[Text, about("", "set of the working flank's edges or nodes")] = "FLANK"
+    flank_set: Annotated[Text, about("", "set of edges or nodes of the working flank")] = "FLANK"
     flank_sets: Annotated[
         Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
         about(
             "",
-            "a whole body: sets of its working flanks, that of pair 0 first; no flank_set and no "
-            "cut_sets then",
+            "for a whole body: sets of its working flanks, that of pair 0 first; replaces "
+            "flank_set and cut_sets",
         ),
     ] = None
-    fixed_set: Annotated[Text, about("", "set that is held (the bore)")] = "BORE"
+    fixed_set: Annotated[Text, about("", "set of fixed nodes (the bore)")] = "BORE"
     cut_sets: Annotated[tuple[Text, Text], about("", "sets of the sector's two cut faces")] = (
         "CUT_LEFT",
         "CUT_RIGHT",
@@ -64,17 +64,17 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
         Length | None,
         about(
             "mm",
-            "radius that turns rotation into transmission error; needed without profile, else the "
-            "base radius",
+            "radius that converts rotation into transmission error; required without "
+            "profile; absent = base radius of the profile",
             usual=USUAL_SIZE,
         ),
     ] = None
     profile: Annotated[
         Profile | None,
-        about("", "the exact profile, where it is known; else the curve goes through the nodes"),
+        about("", "the exact profile, if known; absent = the flank curve goes through the nodes"),
     ] = None
     one_material: Annotated[
-        bool, about("", "true: groups of elements in the file are one material all the same")
+        bool, about("", "true: element groups of the file are treated as one material")
     ] = False
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -112,7 +112,7 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
 
 
 class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
-    """A body whose flank and compliance come from a file, computed before, here or elsewhere."""
+    """A body whose flank and compliance come from a file of flankload or of another program."""
 
     from_file: ClassVar[bool] = True
     brings_compliance: ClassVar[bool] = True

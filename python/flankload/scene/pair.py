@@ -25,14 +25,14 @@ Misalignment = Annotated[float, Meta(ge=-100, le=100)]
 
 
 class Pair(Table, frozen=True, kw_only=True):
-    """How the bodies stand to each other."""
+    """Relative position of the bodies."""
 
     center_distance_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "distance of the two axes as they stand: a centre-distance error is part of it, while "
-            "teeth and flanks stay what they are; needed, but for splines",
+            "actual distance of the two axes, including a centre distance error, which "
+            "does not change the teeth; required, except for splines",
             usual=USUAL_SIZE,
         ),
     ] = None
@@ -40,13 +40,13 @@ class Pair(Table, frozen=True, kw_only=True):
         Annotated[float, Meta(ge=0, le=1e5)] | None,
         about(
             "mm",
-            "distance of a spline's two axes; absent = 0, they are one",
+            "distance of the two axes of a spline; absent = 0 (common axis)",
             # a hundredth is usual; ten probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None
     face_width_mm: Annotated[
-        Length, about("mm", "width over which the flanks touch", usual=(0.05, 5000.0))
+        Length, about("mm", "common width of the flanks in contact", usual=(0.05, 5000.0))
     ]
 
     inclination_um_per_mm: Annotated[
@@ -102,12 +102,12 @@ class Pair(Table, frozen=True, kw_only=True):
 
 
 class Load(Table, frozen=True, kw_only=True):
-    """What body 1 carries."""
+    """Load on body 1."""
 
     torque_Nm: Annotated[
         Torque | Torques,
         about(
-            "N m", "torque on body 1, or a list: one result per torque; 0 is the unloaded motion"
+            "N m", "torque on body 1, or a list with one result per torque; 0 = motion without load"
         ),
     ]
     slack_tension_N: Annotated[
@@ -123,58 +123,58 @@ class Load(Table, frozen=True, kw_only=True):
 
 
 class Positions(Table, frozen=True, kw_only=True):
-    """Where the pair is looked at."""
+    """Positions at which the pair is solved."""
 
     count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)],
         about(
             "-",
-            "positions per tooth pitch of body 1 (per turn of a cam), equally spaced; with "
-            "adaptive those to begin with; concentric splines have one",
+            "equally spaced positions per tooth pitch of body 1 (per turn of a cam); with "
+            "adaptive, the initial positions; concentric splines have one position",
         ),
     ] = 32
     angles_deg: Annotated[
         Angles | None,
-        about(
-            "deg", "angles of body 1 (of a cam: of the cam) from position zero, instead of count"
-        ),
+        about("deg", "angles of body 1 (with a cam: of the cam) from position 0, instead of count"),
     ] = None
     pitches: Annotated[
         Annotated[int, Meta(ge=1, le=10000)] | Literal["hunting"],
         about(
             "-",
-            "tooth pitches of body 1 that the positions run over; 'hunting' = until all repeats: "
-            "with pitch errors on both bodies the least common multiple of their tooth numbers, "
-            "without any one pitch",
+            "tooth pitches of body 1 that the positions cover; 'hunting' = the whole "
+            "period: with pitch errors on both bodies the least common multiple of their "
+            "tooth numbers, without pitch errors one pitch",
         ),
     ] = 1
     adaptive: Annotated[
         bool,
         about(
             "",
-            "true: more positions where the transmission error bends, the same for all torques, "
-            "until its harmonics 1 to 3 and its peak to peak are known to the tolerance",
+            "true: positions are added where the transmission error is curved, the same "
+            "for all torques, until its harmonics 1 to 3 and its peak to peak meet the "
+            "tolerance",
         ),
     ] = False
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-5, le=0.1)] | None,
         about(
             "-",
-            "with adaptive: what the positions may leave in doubt of a harmonic (of a tenth of "
-            "the largest, where it is smaller) and of the peak to peak; absent = 0.3 of "
-            "accuracy.tolerance",
+            "with adaptive: relative uncertainty that the positions may leave in a "
+            "harmonic (for small ones, relative to a tenth of the largest) and in the peak "
+            "to peak; absent = 0.3 of accuracy.tolerance",
         ),
     ] = None
     max_count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)] | None,
         about(
             "-",
-            "with adaptive: most positions per tooth pitch; where they do not suffice a warning "
-            "says what is left in doubt; absent = 8 count",
+            "with adaptive: largest number of positions per tooth pitch; if it does not "
+            "suffice, a warning gives the remaining uncertainty; absent = 8 count",
         ),
     ] = None
     driver: Annotated[
-        Literal["body_1", "body_2"], about("", "the driving body; decides the sliding direction")
+        Literal["body_1", "body_2"],
+        about("", "the driving body; determines the direction of sliding"),
     ] = "body_1"
 
     @property

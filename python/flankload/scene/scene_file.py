@@ -27,13 +27,14 @@ BodySpec = Body1 | Body2
 
 
 class SceneFile(Table, frozen=True, kw_only=True):
-    """A whole scene file."""
+    """A scene file."""
 
     name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
-    body_1: Annotated[Body1, about("", "free to turn, carries the torque")]
-    body_2: Annotated[Body2, about("", "stands at its kinematic angle")]
+    body_1: Annotated[Body1, about("", "the body that carries the torque; free to rotate")]
+    body_2: Annotated[Body2, about("", "the body that is fixed at its kinematic angle")]
     pair: Annotated[
-        Pair | None, about("", "needed, but for chains and belts, which know none of it")
+        Pair | None,
+        about("", "required, except for chains and belts, which do not have this table"),
     ] = None
     load: Load
     positions: Positions = Positions()
@@ -63,7 +64,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
         if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
             refuse(
                 "body_2.rigid",
-                "false, since body_1.rigid is true: where neither body yields, nothing says how "
-                "the flanks share the torque",
+                "false, since body_1.rigid is true: the load sharing of two rigid bodies "
+                "is undetermined",
                 True,
             )

@@ -57,13 +57,14 @@ YoungModulus = Annotated[
     about("MPa", "Young's modulus", usual=(400.0, 1e6)),
 ]
 PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
-Rigid = Annotated[bool, about("", "true: the body does not yield; no finite elements")]
+Rigid = Annotated[bool, about("", "true: the body is rigid and has no finite elements")]
 PitchErrors = Annotated[
     tuple[Deviation, ...],
     about(
         "um",
-        "one deviation per tooth along the base tangent, positive = metal that touches early; in "
-        "the order in which the teeth come into contact, from the tooth of pair 0",
+        "one deviation per tooth along the base tangent, positive = excess material, early "
+        "contact; in the order in which the teeth come into contact, from the tooth of "
+        "pair 0",
         usual=USUAL_ERRORS,
     ),
 ]

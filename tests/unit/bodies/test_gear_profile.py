@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import GearProfile, gear_profile
 from flankload.bodies.profile.involute import InvoluteFlank, Modifications
 from flankload.errors import SceneError
@@ -328,7 +328,7 @@ def test_outline_goes_from_cut_to_cut() -> None:
 )
 def test_impossible_gear_is_refused(keys: dict, key: str, expected: str, found: str) -> None:
     with pytest.raises(SceneError) as caught:
-        build_gear(gear(rigid=True, **keys), "body_1", flank_element_mm=1.0)
+        build_involute_body(gear(rigid=True, **keys), "body_1", flank_element_mm=1.0)
     assert caught.value.key == f"body_1.{key}"
     assert expected in caught.value.expected
     assert caught.value.found.startswith(found)

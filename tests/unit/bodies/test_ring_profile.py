@@ -7,7 +7,7 @@ from math import cos, hypot, pi, radians, sqrt, tan
 import numpy as np
 import pytest
 
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.bodies.profile.ring_profile import RingProfile, ring_profile
 from flankload.errors import SceneError
@@ -212,7 +212,7 @@ def test_outline_goes_from_space_to_space() -> None:
 
 
 def test_body_has_what_pairing_asks_for() -> None:
-    body = build_ring(ring(rigid=True), "body_2", flank_element_mm=1.0)
+    body = build_involute_body(ring(rigid=True), "body_2", flank_element_mm=1.0)
     assert (body.kind, body.outward, body.mesh) == ("ring", -1, None)
     assert body.reference_radius_mm == pytest.approx(90.0 * cos(radians(20.0)), rel=ROUND_OFF)
     assert (body.tip_radius_mm, body.root_radius_mm, body.bore_radius_mm) == (87.6, 93.75, 110.0)
@@ -263,7 +263,7 @@ def test_body_has_what_pairing_asks_for() -> None:
 )
 def test_impossible_ring_is_refused(keys: dict, key: str, expected: str, found: str) -> None:
     with pytest.raises(SceneError) as caught:
-        build_ring(ring(rigid=True, **keys), "body_2", flank_element_mm=1.0)
+        build_involute_body(ring(rigid=True, **keys), "body_2", flank_element_mm=1.0)
     assert caught.value.key == f"body_2.{key}"
     assert expected in caught.value.expected
     assert caught.value.found.startswith(found)

@@ -10,9 +10,7 @@ from skfem import Basis, ElementQuad2, MeshQuad2
 
 from flankload.bodies import build_body
 from flankload.bodies.body import Body, SectorMesh
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
-from flankload.bodies.involute.sector_mesh import sector_mesh
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.elasticity.compliance import flank_compliance, modes
 from flankload.errors import SceneError
@@ -25,7 +23,7 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 
 
 def built(element_mm: float = 1.0, **keys) -> Body:
-    return build_gear(gear(**keys), "body_1", flank_element_mm=element_mm)
+    return build_involute_body(gear(**keys), "body_1", flank_element_mm=element_mm)
 
 
 def mesh_of(body: Body) -> SectorMesh:
@@ -90,7 +88,7 @@ def ring_built(element_mm: float = 1.0, **keys) -> Body:
         "root_diameter_mm": 187.5,
         "outer_diameter_mm": 220.0,
     }
-    return build_ring(Ring(**(given | keys)), "body_2", flank_element_mm=element_mm)
+    return build_involute_body(Ring(**(given | keys)), "body_2", flank_element_mm=element_mm)
 
 
 @pytest.fixture(
@@ -296,13 +294,6 @@ def test_body_has_what_pairing_asks_for() -> None:
     assert body.flank_angle_known
     assert body.pitch_errors_um == tuple(range(16))
     assert body.kind == "gear"
-
-
-def test_bore_too_wide_for_a_mesh_is_refused() -> None:
-    with pytest.raises(SceneError, match=r"body_1\.bore_diameter_mm: expected less than the root"):
-        sector_mesh(
-            gear_profile(gear(), "body_1"), bore_radius_mm=31.2, flank_element_mm=1.0, key="body_1"
-        )
 
 
 def test_element_size_follows_the_module_where_none_is_given(tmp_path) -> None:

@@ -186,7 +186,7 @@ def test_flank_beside_its_share_is_a_pitch_deviation(tmp_path: Path) -> None:
     write_mesh(tmp_path / "moved.msh", moved, cells, sets)
     body = whole("body_1", tmp_path / "moved.msh")
     found = fl.solve(scene_of(body, sector("body_2", COARSE_WHEEL), count=8))
-    assert any("taken as pitch deviations" in warning for warning in found.warnings)
+    assert any("used as pitch deviations" in warning for warning in found.warnings)
     # pair 0 is the first of the list; metal further on at tooth 0 touches early
     errors = [error_um] + [0.0] * 15
     named = fl.solve(
@@ -312,7 +312,7 @@ def test_missing_flank_is_named_with_those_that_exist(folder: Path) -> None:
 def test_wrong_number_of_teeth_is_flanks_off_their_pitch(folder: Path) -> None:
     error = refusal(whole("body_1", folder / "pinion_whole.msh", teeth=17))
     assert error.key == "body_1.flank_sets[2]"
-    assert error.expected == "flanks that stand whole pitches (360/17 deg) from 'FLANK_0'"
+    assert error.expected == "flanks that are whole pitches (360/17 deg) from 'FLANK_0'"
     assert error.found == "'FLANK_2' at 2.125 pitches"
 
 

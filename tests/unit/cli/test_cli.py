@@ -120,7 +120,7 @@ def test_check_says_what_was_understood(scene: Path, capsys: pytest.CaptureFixtu
     assert words["tip diameter"] == "118.3600 mm"
     assert words["working pressure angle"].startswith("22.4")
     assert words["contact ratio"].startswith("1.4")
-    assert words["body 1 yields"] == "yes (body_1.rigid absent)"
+    assert words["elastic body 1"] == "yes (body_1.rigid absent)"
     assert words["friction"] == "no (effects.friction_coefficient absent)"
 
 

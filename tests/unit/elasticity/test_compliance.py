@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.compliance import BodyCompliance, flank_compliance, flank_compliances
 from flankload.elasticity.finite_elements import place_load, stiffness
@@ -64,7 +63,7 @@ def test_ring_closure_of_teeth_that_stand_inwards_equals_the_meshed_ring() -> No
         root_diameter_mm=43.0,
         outer_diameter_mm=55.0,
     )
-    body = build_ring(spec, "body_2", flank_element_mm=2.0)
+    body = build_involute_body(spec, "body_2", flank_element_mm=2.0)
     matrix = stiffness(body.mesh.nodes, body.mesh.cells, STEEL, "strain")
     loads = mode_loads(body.mesh, body.mode_range_mm, 3)
     found = close_ring(condense(matrix, loads, body.mesh)[0], 12)
@@ -111,7 +110,7 @@ def test_even_pressure_converges_with_the_square_of_the_elements() -> None:
 def test_rigid_body_has_no_compliance_and_no_elements() -> None:
     spec = Gear(teeth=16, module_mm=4.5, tip_diameter_mm=81.0, bore_diameter_mm=30.0, rigid=True)
     found = flank_compliance(
-        build_gear(spec, "body_1", flank_element_mm=1.0), n_modes=5, plane="strain"
+        build_involute_body(spec, "body_1", flank_element_mm=1.0), n_modes=5, plane="strain"
     )
     assert found.kernel == 0.0
     assert not found.smooth.any()

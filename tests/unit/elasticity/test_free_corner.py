@@ -13,7 +13,7 @@ from scipy.integrate import dblquad, quad
 import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.free_corner import corner_angles, image_strength, image_strengths
-from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.near_field import (
     mode_norms,
     projected_image,
@@ -136,7 +136,7 @@ def test_a_rigid_body_has_no_corner() -> None:
 def test_edge_of_an_undercut_is_a_corner() -> None:
     keys = {"teeth": 12, "profile_shift": -0.1, "tip_diameter_mm": 62.0, "bore_diameter_mm": 20.0}
     scene = fl.Scene.from_dict(SCENE | {"body_1": SCENE["body_1"] | keys})
-    body = build_gear(scene.body_1, "body_1", flank_element_mm=0.5)
+    body = build_involute_body(scene.body_1, "body_1", flank_element_mm=0.5)
     low = body.mode_range_mm[0]
     before, behind = (body.curve.tangent([low + step])[0] for step in (-1e-6, 1e-6))
     turned = np.degrees(np.arccos(before @ behind))

@@ -12,8 +12,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies import Body
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.finite_elements import stiffness
@@ -72,12 +71,12 @@ def with_stress() -> Result:
 
 def gear_body() -> Body:
     keys = {key: value for key, value in GEAR.items() if key != "kind"}
-    return build_gear(Gear(**keys), "body_1", flank_element_mm=1.5)
+    return build_involute_body(Gear(**keys), "body_1", flank_element_mm=1.5)
 
 
 def ring_body() -> Body:
     keys = {key: value for key, value in RING_PAIR["body_2"].items() if key != "kind"}
-    return build_ring(Ring(**{**keys, "teeth": 60}), "body_2", flank_element_mm=1.5)
+    return build_involute_body(Ring(**{**keys, "teeth": 60}), "body_2", flank_element_mm=1.5)
 
 
 # --- places and strains ---------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import flankload as fl
 from flankload.bodies.body import Body
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance import flank_compliance
 from flankload.elasticity.near_field import (
     mirrored_loads,
@@ -279,7 +279,10 @@ RING = Ring(
 
 @pytest.mark.parametrize(
     "body",
-    [gear_body(7, 2.5, profile_shift=0.5), build_ring(RING, "body_2", flank_element_mm=2.0)],
+    [
+        gear_body(7, 2.5, profile_shift=0.5),
+        build_involute_body(RING, "body_2", flank_element_mm=2.0),
+    ],
     ids=["outwards", "inwards"],
 )
 def test_what_crosses_a_tooth_is_that_of_the_meshed_ring(body: Body) -> None:

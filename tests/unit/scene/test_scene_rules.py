@@ -7,8 +7,8 @@ import pytest
 
 from tests.support.gear_scenes import MESH, ROUNDED, one_line
 
-#: What two rigid bodies are told.
-UNDETERMINED = "where neither body yields, nothing says how the flanks share the torque"
+#: Reason for the refusal of two rigid bodies.
+UNDETERMINED = "the load sharing of two rigid bodies is undetermined"
 
 
 @pytest.mark.parametrize(

@@ -272,7 +272,7 @@ def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
     said = [effect.name for effect in plan.effects if effect.remark]
     assert said == ["thermal_growth", "friction"]
     warm, rubs = plan.remarks
-    assert warm.startswith("thermal growth is off (effects.temperature_rise_K absent): with ")
+    assert warm.startswith("thermal expansion is off (effects.temperature_rise_K absent): with ")
     off = "friction is off (effects.friction_coefficient absent)"
     assert rubs.startswith(f"{off}: with effects.friction_coefficient = 0.1 it would change 2 % of")
     assert rubs in str(plan)

@@ -26,6 +26,8 @@ from flankload.meshes.plane_mesh import REVERSED
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.bodies.imported.mesh_curve import FlankFit
+    from flankload.meshes.plane_mesh import Cells
     from flankload.scene import MeshBody
 
 #: Largest relative difference of the elastic constants in the file from those of the scene.
@@ -38,7 +40,6 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     Parameters
     ----------
     spec : MeshBody
-        Keys of the scene.
     key : str
         "body_1" or "body_2".
     folder : Path
@@ -50,56 +51,29 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
 
     Raises
     ------
-    MeshError
-        If the file is missing or unreadable, its mesh has a defect, a set is missing, a flank is
-        not one line, the cut faces do not match, or the flanks differ in shape.
-    SceneError
-        If the profile does not fit the mesh.
+    MeshError, SceneError
+        If the file is missing or unreadable, its mesh, its sets, a flank or the cuts are faulty, or
+        the profile does not fit.
     """
     source = read_source(spec, key, folder=folder)
-    nodes, cells = source.body.nodes, source.body.cells
-    names = [("flank_set", spec.flank_set)]
-    if spec.flank_sets is not None:
-        names = [(f"flank_sets[{k}]", name) for k, name in enumerate(spec.flank_sets)]
-    flanks = [flank_edges(source, where, name) for where, name in names]
-    notes = list(source.body.notes)
-    bare = _is_bare(source, spec)
-    radii = np.hypot(*nodes.T)
+    nodes, cells, notes = source.body.nodes, source.body.cells, source.body.notes
+    named, bare = _named_flanks(source, spec), _is_bare(source, spec)
+    flanks, radii = list(named.values()), np.hypot(*nodes.T)
     inwards = _is_ring(source, spec, radii, radii[flanks[0][:, 0]], bare=bare)
-    mirrored = faces_clockwise(nodes, flanks[0], inwards=inwards)
-    if mirrored:
-        nodes = nodes * np.array([1.0, -1.0])
-        cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells)
-        flanks = [flank[::-1][:, [1, 0, 2]] for flank in flanks]
-        notes.append("the flank faces clockwise: the body is taken in its mirror image")
-    fixed = np.empty(0, dtype=np.int64)
-    if not bare:
-        fixed = _fixed_nodes(
-            source, spec, dict(zip((name for _, name in names), flanks, strict=True))
-        )
-    fit = fit_flank(source, spec, names[0][0], nodes, flanks[0])
-    turns: tuple[float, ...] = ()
-    named: tuple[int, ...] = ()
+    if mirrored := faces_clockwise(nodes, flanks[0], inwards=inwards):
+        nodes, cells, flanks = _mirrored(nodes, cells, flanks)
+        notes = (*notes, "the flank faces clockwise: the mirror image of the body is used")
+    fixed = np.empty(0, dtype=np.int64) if bare else _fixed_nodes(source, spec, named)
+    fit = fit_flank(source, spec, nodes, flanks[0])
     mesh: SectorMesh | WholeMesh | None = None
+    turns: tuple[float, ...] = ()
     if bare:
         outline = sketched_tooth(nodes[in_order(fit.edges)], spec.number_of_teeth)
     elif spec.flank_sets is None:
         mesh, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
     else:
         mesh, outline, turns, more = whole_of(source, spec, nodes, cells, flanks, fixed, fit)
-        notes += more
-        if len(mesh.flanks) < spec.number_of_teeth:
-            named = tuple(flank.tooth for flank in mesh.flanks)
-    notes += _material_notes(source, spec)
-    reference = spec.reference_radius_mm
-    if reference is None and fit.involute is not None:
-        reference = fit.involute.base_radius_mm
-    if reference is None:
-        raise SceneError(
-            key=f"{key}.reference_radius_mm",
-            expected="a radius in mm, since without a profile there is no base circle",
-            found="nothing",
-        )
+        notes = (*notes, *more)
     return Body(
         kind="mesh",
         curve=fit.curve,
@@ -108,17 +82,55 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         rigid=spec.rigid,
         mesh=None if spec.rigid else mesh,
         mode_range_mm=fit.mode_range_mm,
-        reference_radius_mm=reference,
+        reference_radius_mm=_reference_radius(spec, key, fit),
         involute=fit.involute,
         flank_angle_known=fit.involute is not None,
         pitch_errors_um=tuple(spec.pitch_errors_um),
         outline=outline,
         bore_radius_mm=float(_rim(radii, inwards) if bare else radii[fixed].mean()),
-        notes=(*notes, *fit.notes),
+        notes=(*notes, *_material_notes(source, spec), *fit.notes),
         flank_turns_rad=turns,
-        named_teeth=named,
+        named_teeth=_named_teeth(mesh, spec.number_of_teeth),
         flank_nodes=fit.nodes,
         mirrored=mirrored,
+    )
+
+
+def _named_flanks(source: MeshSource, spec: MeshBody) -> dict[str, NDArray[np.int64]]:
+    """Edges of each flank by the name of its set, tooth 0 first."""
+    names = [("flank_set", spec.flank_set)]
+    if spec.flank_sets is not None:
+        names = [(f"flank_sets[{k}]", name) for k, name in enumerate(spec.flank_sets)]
+    return {name: flank_edges(source, where, name) for where, name in names}
+
+
+def _mirrored(
+    nodes: NDArray[np.float64], cells: Cells, flanks: list[NDArray[np.int64]]
+) -> tuple[NDArray[np.float64], Cells, list[NDArray[np.int64]]]:
+    return (
+        nodes * np.array([1.0, -1.0]),
+        tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells),
+        [flank[::-1][:, [1, 0, 2]] for flank in flanks],
+    )
+
+
+def _named_teeth(mesh: SectorMesh | WholeMesh | None, teeth: int) -> tuple[int, ...]:
+    """Teeth with a flank in a whole mesh, if these are not all."""
+    if not isinstance(mesh, WholeMesh) or len(mesh.flanks) == teeth:
+        return ()
+    return tuple(flank.tooth for flank in mesh.flanks)
+
+
+def _reference_radius(spec: MeshBody, key: str, fit: FlankFit) -> float:
+    """The given radius, or that of the base circle of the profile."""
+    if spec.reference_radius_mm is not None:
+        return spec.reference_radius_mm
+    if fit.involute is not None:
+        return fit.involute.base_radius_mm
+    raise SceneError(
+        key=f"{key}.reference_radius_mm",
+        expected="a radius in mm, since without a profile there is no base circle",
+        found="nothing",
     )
 
 

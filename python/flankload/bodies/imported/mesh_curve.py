@@ -68,17 +68,13 @@ class FlankFit:
     notes: tuple[str, ...]
 
 
-def fit_flank(
-    source: MeshSource, spec: MeshBody, key: str, nodes: Floats, edges: Numbers
-) -> FlankFit:
-    """Find the curve of a flank.
+def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers) -> FlankFit:
+    """Find the curve of the flank of tooth 0.
 
     Parameters
     ----------
     source : MeshSource
     spec : MeshBody
-    key : str
-        Key that names the flank's set, without the body's.
     nodes : (N, 2) array
         Mesh of the body, mirrored if necessary.
     edges : (m, 3) array
@@ -95,6 +91,7 @@ def fit_flank(
     SceneError
         If the given profile does not fit.
     """
+    key = "flank_set" if spec.flank_sets is None else "flank_sets[0]"
     straight = middles_are_straight(nodes, edges)
     points = nodes[in_order(edges)]
     on_profile = points[::2] if straight else points

@@ -16,6 +16,8 @@ from flankload.bodies.imported.mesh_flank import faces_clockwise, in_order, midd
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from numpy.typing import NDArray
 
     from flankload.bodies.imported.mesh_curve import FlankFit
@@ -74,51 +76,58 @@ def whole_of(
     MeshError
         If the flanks differ in shape or are not whole pitches apart.
     """
-    teeth = spec.number_of_teeth
-    names = spec.flank_sets or ()
-    pitch = 2 * np.pi / teeth
+    teeth, names = spec.number_of_teeth, spec.flank_sets or ()
     turns = np.zeros(teeth)
     meshed: dict[int, MeshedFlank] = {}
     first = nodes[in_order(flanks[0])]
     for k, (name, flank) in enumerate(zip(names, flanks, strict=True)):
         turn, edges, s = 0.0, fit.edges, fit.s
         if k > 0:
-            turn, edges, s = _stand(source, nodes, flank, first, fit, k, name)
-        tooth = round(turn / pitch) % teeth
-        beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
-        if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
-            source.refuse(
-                f"flank_sets[{k}]",
-                f"flanks that stand whole pitches (360/{teeth} deg) from {names[0]!r}",
-                f"{name!r} at {turn / pitch:.3f} pitches",
-            )
+            turn, edges, s = _turn_of(source, nodes, flank, first, fit, k, name)
+        tooth, beside = _tooth_at(source, turn, teeth, k, names)
         if tooth in meshed:
             source.refuse(f"flank_sets[{k}]", "one flank to a tooth", f"{name!r} on another one")
         arc_length = np.full(len(nodes), np.nan)
         arc_length[in_order(edges)] = s
         meshed[tooth] = MeshedFlank(tooth, nodes, edges, arc_length)
         turns[tooth] = beside if abs(beside) > EQUAL_SHARE else 0.0
-    mesh = WholeMesh(
-        nodes=nodes,
-        cells=cells,
-        fixed_nodes=fixed,
-        flanks=tuple(meshed[tooth] for tooth in sorted(meshed)),
-    )
-    notes = []
+    in_order_of_teeth = tuple(meshed[tooth] for tooth in sorted(meshed))
+    mesh = WholeMesh(nodes=nodes, cells=cells, fixed_nodes=fixed, flanks=in_order_of_teeth)
+    outline = _outline(nodes, cells, flanks[0], 2 * np.pi / teeth)
+    notes = tuple(_notes(turns, len(meshed)))
+    return mesh, outline, tuple(turns.tolist()) if turns.any() else (), notes
+
+
+def _tooth_at(
+    source: MeshSource, turn: float, teeth: int, k: int, names: Sequence[str]
+) -> tuple[int, float]:
+    """Number of the tooth of set k at an angle from tooth 0, and its deviation, rad."""
+    pitch = 2 * np.pi / teeth
+    tooth = round(turn / pitch) % teeth
+    beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
+    if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
+        source.refuse(
+            f"flank_sets[{k}]",
+            f"flanks that are whole pitches (360/{teeth} deg) from {names[0]!r}",
+            f"{names[k]!r} at {turn / pitch:.3f} pitches",
+        )
+    return tooth, beside
+
+
+def _notes(turns: Floats, with_flank: int) -> Iterator[str]:
     if turns.any():
-        notes.append(
-            f"the flanks stand up to {np.degrees(np.abs(turns).max()):.2g} deg beside equal shares "
-            "of the body: taken as pitch deviations"
+        yield (
+            f"the flanks deviate by up to {np.degrees(np.abs(turns).max()):.2g} deg from equal "
+            "shares of the body: used as pitch deviations"
         )
-    if len(meshed) < teeth:
-        notes.append(
-            f"{len(meshed)} of {teeth} teeth have a flank in the file: the others cannot carry"
+    if with_flank < turns.size:
+        yield (
+            f"{with_flank} of {turns.size} teeth have a flank in the file: "
+            "the others cannot carry load"
         )
-    outline = _outline(nodes, cells, flanks[0], pitch)
-    return mesh, outline, tuple(turns.tolist()) if turns.any() else (), tuple(notes)
 
 
-def _stand(
+def _turn_of(
     source: MeshSource,
     nodes: Floats,
     edges: Numbers,

@@ -104,31 +104,11 @@ def read_modal(found: NamedArrays) -> Body:
     flanks, named = _read_teeth(found, "flanks", teeth), _read_teeth(found, "named_teeth", teeth)
     if named and flanks != named:
         found.refuse("named_teeth", "none, or the teeth of flanks", f"{len(named)} others")
-    turns = found.numbers("flank_turns_rad", None)
-    if turns.size not in (0, teeth):
-        found.refuse("flank_turns_rad", f"no entries or {teeth}", f"{turns.size}")
+    turns = _read_per_tooth(found, "flank_turns_rad", teeth)
     if (np.abs(turns) > pi).any():
         found.refuse("flank_turns_rad", "angles from -pi to pi", f"{np.abs(turns).max():g}")
-    blocks = len(flanks) ** 2 if flanks else teeth
-    smooth = found.numbers("smooth", blocks, None, None)
-    if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
-        found.refuse("smooth", f"an array of shape ({blocks}, p, p), p >= 1", f"{smooth.shape}")
-    tangential, jump = _read_tangential(found, smooth.shape)
-    given = ModalCompliance(
-        file=found.file,
-        plane=found.text("plane", "strain", "stress"),
-        smooth=smooth,
-        kernel=found.number("kernel", above=0.0),
-        asymmetry=found.number("asymmetry", least=0.0),
-        flanks=flanks,
-        tangential=tangential,
-        jump=jump,
-        corner_angles_deg=read_corner_angles(found),
-        tip=_read_tip(found, float(high), curve.length_mm, smooth.shape[1]),
-    )
-    errors = found.numbers("pitch_errors_um", None)
-    if errors.size not in (0, teeth):
-        found.refuse("pitch_errors_um", f"no entries or {teeth}", f"{errors.size}")
+    given = _read_compliance(found, flanks, teeth, (float(high), curve.length_mm))
+    errors = _read_per_tooth(found, "pitch_errors_um", teeth)
     return Body(
         kind=found.text("kind"),
         curve=curve,
@@ -147,6 +127,37 @@ def read_modal(found: NamedArrays) -> Body:
         flank_turns_rad=tuple(turns.tolist()),
         named_teeth=named,
         given=given,
+    )
+
+
+def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> NDArray[np.float64]:
+    """A number for each tooth, or none."""
+    numbers = found.numbers(name, None)
+    if numbers.size not in (0, teeth):
+        found.refuse(name, f"no entries or {teeth}", f"{numbers.size}")
+    return numbers
+
+
+def _read_compliance(
+    found: NamedArrays, flanks: tuple[int, ...], teeth: int, ends_mm: tuple[float, float]
+) -> ModalCompliance:
+    """The matrices of the modes; `ends_mm` are those of the modes of the flank and of the curve."""
+    blocks = len(flanks) ** 2 if flanks else teeth
+    smooth = found.numbers("smooth", blocks, None, None)
+    if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
+        found.refuse("smooth", f"an array of shape ({blocks}, p, p), p >= 1", f"{smooth.shape}")
+    tangential, jump = _read_tangential(found, smooth.shape)
+    return ModalCompliance(
+        file=found.file,
+        plane=found.text("plane", "strain", "stress"),
+        smooth=smooth,
+        kernel=found.number("kernel", above=0.0),
+        asymmetry=found.number("asymmetry", least=0.0),
+        flanks=flanks,
+        tangential=tangential,
+        jump=jump,
+        corner_angles_deg=read_corner_angles(found),
+        tip=_read_tip(found, *ends_mm, smooth.shape[1]),
     )
 
 

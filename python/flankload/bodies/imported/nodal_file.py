@@ -81,33 +81,13 @@ def read_nodal(found: NamedArrays) -> Body:
     if "teeth_stand" in found:
         inwards = found.text("teeth_stand", "outwards", "inwards") == "inwards"
     points = _read_points(found, quadratic, inwards=inwards)
-    offsets = _read_offsets(found, teeth)
-    shape = (len(offsets), len(points), len(points))
-    single = found.dimensions("compliance") == 2 and len(offsets) == 1
-    matrix = found.numbers("compliance", *(shape[1:] if single else shape)).reshape(shape)
     curve = curve_through_nodes(points)
-    s, _ = curve.arc_length_of(points)
-    of_pressures = found.text("columns", "nodal_forces", "nodal_pressures") == "nodal_pressures"
-    if of_pressures:
-        matrix = mass_matrix(s, quadratic=quadratic) @ matrix
-    matrix, asymmetry = _symmetric(found, matrix, offsets, teeth)
-    given = NodalCompliance(
-        file=found.file,
-        plane=found.text("plane", "strain", "stress"),
-        arc_length_mm=s,
-        quadratic=quadratic,
-        of_pressures=of_pressures,
-        offsets=offsets,
-        matrix=matrix,
-        asymmetry=asymmetry,
-        corner_angles_deg=read_corner_angles(found),
-    )
-    _check_work(found, given, teeth)
+    given = _read_compliance(found, curve.arc_length_of(points)[0], teeth, quadratic=quadratic)
     deviation = nodes_deviation(points)
-    told = f"{1000 * deviation:.2g} um" if np.isfinite(deviation) else "unknown"
+    estimate = f"{1000 * deviation:.2g} um" if np.isfinite(deviation) else "unknown"
     note = (
         "the flank is a smooth curve through these nodes, estimated deviation from the true "
-        f"profile {told}"
+        f"profile {estimate}"
     )
     return Body(
         kind="compliance",
@@ -126,6 +106,33 @@ def read_nodal(found: NamedArrays) -> Body:
         notes=(_note_of(given, len(points), teeth), note),
         given=given,
     )
+
+
+def _read_compliance(
+    found: NamedArrays, arc_length_mm: Floats, teeth: int, *, quadratic: bool
+) -> NodalCompliance:
+    """The matrix between the nodes, made symmetric and checked."""
+    offsets, n = _read_offsets(found, teeth), arc_length_mm.size
+    shape = (len(offsets), n, n)
+    single = found.dimensions("compliance") == 2 and len(offsets) == 1
+    matrix = found.numbers("compliance", *(shape[1:] if single else shape)).reshape(shape)
+    of_pressures = found.text("columns", "nodal_forces", "nodal_pressures") == "nodal_pressures"
+    if of_pressures:
+        matrix = mass_matrix(arc_length_mm, quadratic=quadratic) @ matrix
+    matrix, asymmetry = _symmetric(found, matrix, offsets, teeth)
+    given = NodalCompliance(
+        file=found.file,
+        plane=found.text("plane", "strain", "stress"),
+        arc_length_mm=arc_length_mm,
+        quadratic=quadratic,
+        of_pressures=of_pressures,
+        offsets=offsets,
+        matrix=matrix,
+        asymmetry=asymmetry,
+        corner_angles_deg=read_corner_angles(found),
+    )
+    _check_work(found, given, teeth)
+    return given
 
 
 def _note_of(given: NodalCompliance, points: int, teeth: int) -> str:

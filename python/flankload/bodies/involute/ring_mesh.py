@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import SectorMesh
-from flankload.bodies.involute.sector_mesh import tooth_mesh, worst_element
+from flankload.bodies.involute.sector_mesh import inverted_element, tooth_mesh
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -102,12 +102,7 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 
 
 def ring_mesh(
-    profile: RingProfile,
-    *,
-    outer_radius_mm: float,
-    flank_element_mm: float,
-    key: str,
-    flank_nodes_mm: float | None = None,
+    profile: RingProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
     """Mesh one tooth of a ring and its share of the rim.
 
@@ -116,13 +111,10 @@ def ring_mesh(
     profile : RingProfile
     outer_radius_mm : float
         Outside of the rim, larger than the root circle.
-    flank_element_mm : float
-        Largest length of an element along the flank.
+    lengths_mm : (float, float or None)
+        As in `tooth_mesh`.
     key : str
         Key of the body in the scene, for messages.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
 
     Returns
     -------
@@ -145,7 +137,7 @@ def ring_mesh(
         root_radius_mm=radius**2 / involute.root_radius_mm,
         tip_radius_mm=radius**2 / involute.tip_radius_mm,
     )
-    image = tooth_mesh(tooth, radius**2 / outer_radius_mm, flank_element_mm, flank_nodes_mm)
+    image = tooth_mesh(tooth, radius**2 / outer_radius_mm, lengths_mm)
     c, s = np.cos(half_pitch), np.sin(half_pitch)
     mesh = replace(
         image,
@@ -153,13 +145,12 @@ def ring_mesh(
         left_nodes=image.right_nodes,
         right_nodes=image.left_nodes,
     )
-    worst, place = worst_element(mesh)
-    if not worst > 0.0:
+    place, found = inverted_element(mesh)
+    if found:
         in_rim = place > involute.root_radius_mm
         raise SceneError(
             key=f"{key}.{'outer' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
-            f"relative to its mean (outside of the rim {2 * outer_radius_mm:g} mm)",
+            found=f"{found} (outside of the rim {2 * outer_radius_mm:g} mm)",
         )
     return mesh

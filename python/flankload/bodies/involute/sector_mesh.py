@@ -35,12 +35,7 @@ SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile,
-    *,
-    bore_radius_mm: float,
-    flank_element_mm: float,
-    key: str,
-    flank_nodes_mm: float | None = None,
+    profile: GearProfile, bore_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
     """Mesh one tooth and its share of the rim.
 
@@ -50,13 +45,10 @@ def sector_mesh(
         Profile with its tooth on the +x axis.
     bore_radius_mm : float
         Radius of the bore, smaller than the root circle.
-    flank_element_mm : float
-        Largest length of an element along the flank.
+    lengths_mm : (float, float or None)
+        As in `tooth_mesh`.
     key : str
         Key of the body in the scene, for messages.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
 
     Returns
     -------
@@ -67,39 +59,34 @@ def sector_mesh(
     SceneError
         If no valid mesh can be made.
     """
-    if not bore_radius_mm < profile.involute.root_radius_mm:
-        raise SceneError(
-            key=f"{key}.bore_diameter_mm",
-            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
-            found=f"{2 * bore_radius_mm:g}",
-        )
-    mesh = tooth_mesh(profile, bore_radius_mm, flank_element_mm, flank_nodes_mm)
-    worst, place = worst_element(mesh)
-    if not worst > 0.0:
+    mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
+    place, found = inverted_element(mesh)
+    if found:
         in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
             key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
-            f"relative to its mean (bore {2 * bore_radius_mm:g} mm)",
+            found=f"{found} (bore {2 * bore_radius_mm:g} mm)",
         )
     return mesh
 
 
-def worst_element(mesh: SectorMesh) -> tuple[float, float]:
-    """Least Jacobian of all elements, relative to the element's mean, and its radius in mm."""
+def inverted_element(mesh: SectorMesh) -> tuple[float, str]:
+    """Radius in mm of the worst element, and what is wrong with it; "" if it is valid."""
     cells = mesh.cells[0][1]
     determinants = jacobians(mesh.nodes, "quad9", cells)
     worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
-    place = mesh.nodes[cells[worst.argmin(), 8]]
-    return float(worst.min()), float(np.linalg.norm(place))
+    place = float(np.linalg.norm(mesh.nodes[cells[worst.argmin(), 8]]))
+    if worst.min() > 0.0:
+        return place, ""
+    return place, (
+        f"an element at radius {place:.3f} mm with a Jacobian of {worst.min():.3g} "
+        "relative to its mean"
+    )
 
 
 def tooth_mesh(
-    profile: ToothForm,
-    bore_radius: float,
-    flank_element_mm: float,
-    flank_nodes_mm: float | None = None,
+    profile: ToothForm, bore_radius: float, lengths_mm: tuple[float, float | None]
 ) -> SectorMesh:
     """Mesh of an external tooth on the +x axis; its elements are not checked.
 
@@ -108,24 +95,20 @@ def tooth_mesh(
     profile : ToothForm
     bore_radius : float
         mm.
-    flank_element_mm : float
-        Largest length of an element along the flank.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
+    lengths_mm : (float, float or None)
+        Largest length of an element along the flank; largest distance of the flank's nodes, if
+        nodal forces need finer elements there than elsewhere.
 
     Returns
     -------
     SectorMesh
     """
-    breaks = sector_breaks(profile, bore_radius, flank_element_mm, flank_nodes_mm)
-    curve, teeth = profile.curve, profile.teeth
-    tip_radius = profile.tip_radius_mm
+    breaks = sector_breaks(profile, bore_radius, *lengths_mm)
+    curve = profile.curve
     mirror = np.array([1.0, -1.0])
     s_flank = with_middles(breaks.flank)
     flank = curve.point(s_flank)
     split = flank[0]
-    up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
     columns = with_middles(breaks.columns)
     rows = with_middles(breaks.rows)
     angle = atan2(split[1], split[0])
@@ -134,7 +117,7 @@ def tooth_mesh(
     n = 2 * breaks.layers
     inside = columns[n : columns.size - n]
     inside = (inside - inside[0]) / (inside[-1] - inside[0])
-    top, top_parts = _tip_line(curve, s_tip, tip_radius, inside)
+    top, top_parts = _tip_line(curve, s_tip, profile.tip_radius_mm, inside)
     shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
 
     # Looking towards the tip, left to right means from the working flank (positive angle) through
@@ -145,40 +128,53 @@ def tooth_mesh(
             mesh, curve, s_flank, (foot, columns), (top, top_parts), n
         )
     else:
-        sides = (flank, flank * mirror)
+        up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
         parts = (np.stack([columns, top_parts]), np.stack([up, up]))
-        tooth = mesh.add(coons(foot, top, *sides, *parts), {})
+        tooth = mesh.add(coons(foot, top, flank, flank * mirror, *parts), {})
         on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
     bore = _arc(bore_radius, angle * (1 - 2 * columns))
-    middle = mesh.add(
-        coons(
-            bore,
-            foot,
-            shaft[::-1],
-            shaft[::-1] * mirror,
-            np.stack([columns, columns]),
-            np.stack([1 - rows[::-1]] * 2),
-        ),
-        {"top": on_foot},
-    )
-    side_top, side_parts = _root_line(profile, breaks.low)
-    bore = _arc(bore_radius, angle + (pi / teeth - angle) * (1 - side_parts))
-    ray = np.array([cos(pi / teeth), sin(pi / teeth)])
+    parts = (np.stack([columns, columns]), np.stack([1 - rows[::-1]] * 2))
+    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, *parts)
+    middle = mesh.add(grid, {"top": on_foot})
+    grid = _side_grid(profile, breaks.low, rows, shaft, bore_radius)
+    right = mesh.add(grid, {"right": middle[:, 0]})
+    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+    fixed = np.unique(np.concatenate([right[0], middle[0], left[0]]))
+    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
+    lengths = np.concatenate([s_flank, s_tip[1:]])
+    return _sector(profile, mesh, (numbers, lengths), fixed, (left[1:, -1], right[1:, 0]))
+
+
+def _side_grid(
+    profile: ToothForm, low: Floats, rows: Floats, shaft: Floats, bore_radius: float
+) -> Floats:
+    """Places of the side block, from the cut to the line from the split point to the bore."""
+    half_pitch = pi / profile.teeth
+    side_top, side_parts = _root_line(profile, low)
+    angle = atan2(shaft[0, 1], shaft[0, 0])
+    bore = _arc(bore_radius, angle + (half_pitch - angle) * (1 - side_parts))
+    ray = np.array([cos(half_pitch), sin(half_pitch)])
     cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
-    cut_line = cut[::-1, None] * ray
-    grid = coons(
+    return coons(
         bore,
         side_top,
-        cut_line,
+        cut[::-1, None] * ray,
         shaft[::-1],
         np.stack([side_parts, side_parts]),
         np.stack([1 - rows[::-1]] * 2),
     )
-    right = mesh.add(grid, {"right": middle[:, 0]})
-    left = mesh.add(grid[:, ::-1] * mirror, {"left": middle[:, -1]})
+
+
+def _sector(
+    profile: ToothForm,
+    mesh: BlockMesh,
+    outline: tuple[NDArray[np.int64], Floats],
+    fixed: NDArray[np.int64],
+    cuts: tuple[NDArray[np.int64], NDArray[np.int64]],
+) -> SectorMesh:
+    """The mesh with its edges; `outline`: nodes from the split point to the tip, arc lengths."""
     nodes = np.concatenate(mesh.places)
-    numbers = np.concatenate([on_flank, on_top[1 : s_tip.size]])
-    lengths = np.concatenate([s_flank, s_tip[1:]])
+    numbers, lengths = outline
     low, high = profile.mode_range_mm
     rounding = TIE * (high - low)
     carries = (lengths >= low - rounding) & (lengths <= high + rounding)
@@ -192,10 +188,10 @@ def tooth_mesh(
         cells=(("quad9", np.concatenate(mesh.cells)),),
         flank_edges=_edges(path),
         flank_arc_length=arc_length,
-        fixed_nodes=np.unique(np.concatenate([right[0], middle[0], left[0]])),
-        left_nodes=left[1:, -1],
-        right_nodes=right[1:, 0],
-        teeth=teeth,
+        fixed_nodes=fixed,
+        left_nodes=cuts[0],
+        right_nodes=cuts[1],
+        teeth=profile.teeth,
         tip_edges=_edges(beyond),
         tip_arc_length=_edges(s_beyond),
     )

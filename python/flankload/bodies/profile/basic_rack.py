@@ -188,12 +188,11 @@ def basic_rack(
 
     Parameters
     ----------
-    teeth, module_mm, pressure_angle_rad, profile_shift, dedendum_factor, fillet_radius_factor
-        Geometry of gear and rack, in the normal section.
+    teeth, module_mm, …
+        Geometry of gear and rack in the normal section; `key` is that of the body in the scene, for
+        messages.
     helix_angle_rad : float
         On the reference circle.
-    key : str
-        Key of the body in the scene, for messages.
 
     Returns
     -------

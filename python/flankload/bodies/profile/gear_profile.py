@@ -156,8 +156,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
         base_half_angle_rad=base_half_angle,
     )
     _check_tooth(involute, rack, start, spec, key)
-    modifications = modifications_of(spec, involute, start.roll, key)
-    flank = replace(plain, modifications=modifications)
+    flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
     curve = fit_flank_curve(
         [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
         corner_at_end=spec.tip_radius_mm is None,

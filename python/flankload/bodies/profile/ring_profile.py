@@ -148,16 +148,8 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     )
     _check_circles(involute, spec, key)
     arc = _root_arc(involute, spec, key)
-    form_radius = involute.base_radius_mm * hypot(1.0, arc.roll)
-    involute = replace(involute, form_radius_mm=form_radius)
-    if form_radius <= involute.tip_radius_mm:
-        given = "nothing: the largest arc, " if spec.root_fillet_radius_mm is None else ""
-        raise SceneError(
-            key=f"{key}.root_fillet_radius_mm",
-            expected=f"a fillet that leaves some flank outside the tip diameter "
-            f"{2 * involute.tip_radius_mm:g}",
-            found=f"{given}{arc.radius_mm:.6g}, reaches in to the diameter {2 * form_radius:.4f}",
-        )
+    involute = replace(involute, form_radius_mm=involute.base_radius_mm * hypot(1.0, arc.roll))
+    _check_fillet(involute, arc, spec, key)
     flank = InvoluteFlank(
         involute.base_radius_mm,
         involute.base_half_angle_rad,
@@ -175,6 +167,20 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
         teeth=z,
         mode_range_mm=curve.range_of("flank", "relief"),
         root_half_angle_rad=arc.center_angle_rad,
+    )
+
+
+def _check_fillet(involute: Involute, arc: RootArc, spec: RingGeometry, key: str) -> None:
+    """Check that the fillet leaves some flank."""
+    if involute.form_radius_mm > involute.tip_radius_mm:
+        return
+    default = "nothing: the largest arc, " if spec.root_fillet_radius_mm is None else ""
+    raise SceneError(
+        key=f"{key}.root_fillet_radius_mm",
+        expected="a fillet that leaves some flank outside the tip diameter "
+        f"{2 * involute.tip_radius_mm:g}",
+        found=f"{default}{arc.radius_mm:.6g}, reaches in to the diameter "
+        f"{2 * involute.form_radius_mm:.4f}",
     )
 
 

@@ -210,11 +210,23 @@ def solve_belt(
         if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
         else None,
     )
+    return _state_of(strip, response, asked, state, slack_N_per_mm, land_friction)
+
+
+def _state_of(
+    strip: Strip,
+    response: StripResponse,
+    asked: _Problem,
+    state: ContactState,
+    slack_N_per_mm: float,
+    land_friction: float,
+) -> BeltState:
+    """Forces on teeth and lands from the solution of the contact problem."""
     n = response.flanks.tooth.size
     force, lift = state.normal_forces[:n], np.zeros(response.land.size)
     pushed = asked.push @ force + asked.push_0
     tight = response.tight @ force + response.tight_by_slack * slack_N_per_mm
-    if land_lift and response.lifting is not None:
+    if state.normal_forces.size > n and response.lifting is not None:
         lift = state.normal_forces[n:]
         pushed = pushed + response.lifting.reaction @ lift
         tight += response.lifting.tight @ lift

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ import numpy as np
 from flankload.mechanisms.belt.states import lands_in_words
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
@@ -67,7 +66,7 @@ def result_of_belt(
     force = _over_sites(
         sites, standings, [width * state.tooth_N_per_mm for state in states], nothing=0.0
     )
-    result = make_result(
+    return Result(
         name=scene.name,
         torque_Nm=scene.torques_Nm[number],
         sites=sites,
@@ -88,8 +87,8 @@ def result_of_belt(
         cost=_cost(states, standings[0].degrees_of_freedom),
         warnings=(*question_notes(scene), *_warnings(scene, sites, drive)),
         drawing=_drawing(strip, sites, position_rad),
+        drive=drive,
     )
-    return replace(result, drive=drive)
 
 
 def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_breaks import FIRST_ROW, GROWTH
-from flankload.bodies.involute.sector_mesh import worst_element
+from flankload.bodies.involute.sector_mesh import inverted_element
 from flankload.errors import SceneError
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
 from flankload.meshes.blocks import BlockMesh, coons, even_breaks, growing_breaks, with_middles
@@ -80,13 +80,12 @@ def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> 
     land = pulley.land_radius_mm * _ways(turns)
     plain = pulley.groove is None
     mesh = _plain(pulley, land, size) if plain else _grooved(pulley, land, flank_elements, size)
-    worst, place = worst_element(mesh.sector)
-    if not worst > 0.0:
+    _, found = inverted_element(mesh.sector)
+    if found:
         raise SceneError(
             key="body_1.bore_diameter_mm",
             expected="teeth and a rim that can be meshed in blocks",
-            found=f"an element at radius {place:.3f} mm with a Jacobian of {worst:.3g} "
-            f"relative to its mean (bore {2 * pulley.bore_radius_mm:g} mm)",
+            found=f"{found} (bore {2 * pulley.bore_radius_mm:g} mm)",
         )
     return mesh
 

@@ -327,6 +327,15 @@ def _turn(angle_rad: float) -> Floats:
     return np.array([[cosine, sine], [-sine, cosine]])
 
 
+def _joined_flanks(pieces: Sequence[Piece]) -> Flanks:
+    return Flanks(
+        *(
+            np.concatenate([getattr(piece.flanks, name) for piece in pieces])
+            for name in Flanks.__dataclass_fields__
+        )
+    )
+
+
 def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     """Assemble consecutive pieces.
 
@@ -356,12 +365,7 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
             reaction = 0.5 * (reaction + reaction.T)
         return LandColumns(seen(Kind.PAIR, kind), reaction, seen(Kind.TIGHT, kind)[0])
 
-    flanks = Flanks(
-        *(
-            np.concatenate([getattr(piece.flanks, name) for piece in pieces])
-            for name in Flanks.__dataclass_fields__
-        )
-    )
+    flanks = _joined_flanks(pieces)
     land = np.concatenate([piece.land for piece in pieces])
     first = int(flanks.tooth.min()) if flanks.tooth.size else 0
     compliance = seen(Kind.PAIR, Kind.PAIR)

@@ -107,60 +107,62 @@ def solve_piece(
     basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
     matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
     held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
-    pull = assembled(
-        np.ones(pulled.size), pulled, np.arange(pulled.size), (matrix.shape[0], pulled.size)
-    )
-    given = np.concatenate([lands.degrees, held])
+    shape = (matrix.shape[0], pulled.size)
+    pull = assembled(np.ones(pulled.size), pulled, np.arange(pulled.size), shape)
+    prescribed = np.concatenate([lands.degrees, held])
     forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
-    columns = np.hstack([forces, -matrix[:, given].toarray()])
-    direct = np.zeros((columns.shape[1],) * 2)
-    direct[forces.shape[1] :, : forces.shape[1]] = forces[given]
-    direct[: forces.shape[1], forces.shape[1] :] = forces[given].T
-    direct[forces.shape[1] :, forces.shape[1] :] = -matrix[given][:, given].toarray()
-    kinds = np.repeat(
-        list(Kind),
-        [
-            flanks.tooth.size,
-            pull.shape[1],
-            rubbing * lands.number.size,
-            lands.number.size,
-            held.size,
-        ],
-    )
+    columns, direct = _columns(matrix, forces, prescribed)
+    sizes = (pairs.shape[1], pulled.size, rubbing * lands.number.size, lands.number.size, held.size)
+    kinds = np.repeat(list(Kind), sizes)
     loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.WAY))
-    faces = [
-        degrees_of(face if cut else face[:0])
-        for face, cut in zip((mesh.left, mesh.right), cuts, strict=True)
-    ]
-    cut = np.concatenate(faces)
-    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([given, cut]))
+    left, right = mesh.left[: None if cuts[0] else 0], mesh.right[: None if cuts[1] else 0]
+    cut = np.concatenate([degrees_of(left), degrees_of(right)])
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([prescribed, cut]))
     solve, complement = condensed(matrix, inner, cut, account)
     solved = solve(columns[inner])
     if account is not None:
-        account.count(
-            unit_loads_normal=int((kinds[loads] != Kind.RUB).sum()),
-            unit_loads_tangential=int((kinds[loads] == Kind.RUB).sum()),
-        )
+        normal = int((kinds[loads] != Kind.RUB).sum())
+        account.count(unit_loads_normal=normal, unit_loads_tangential=loads.size - normal)
         account.workspace_bytes += columns.nbytes + solved.nbytes
+    local = columns[inner].T @ solved[:, loads] + direct[:, loads]
     carried = columns[cut] - matrix[cut][:, inner] @ solved
-    left = faces[0].size
     return Piece(
-        cell=RowCell(
-            local=(columns[inner].T @ solved[:, loads] + direct[:, loads],),
-            carried=((carried[:left], carried[left:]),),
-            stiffness=(
-                complement[:left, :left],
-                complement[:left, left:],
-                complement[left:, :left],
-                complement[left:, left:],
-            ),
-        ),
+        cell=_cell(local, carried, complement, degrees_of(left).size),
         kinds=kinds,
         flanks=flanks,
         lines=lines,
         land=lands.number,
         land_angle_rad=lands.angle_rad,
         degrees_of_freedom=inner.size,
+    )
+
+
+def _columns(matrix: csc_array, forces: Floats, prescribed: Numbers) -> tuple[Floats, Floats]:
+    """Nodal forces of all columns, and their direct response.
+
+    After the columns of `forces` follow those of unit displacements of the `prescribed` degrees of
+    freedom: their output is the negative reaction.
+    """
+    held = matrix[:, prescribed].toarray()
+    columns, loads = np.hstack([forces, -held]), forces.shape[1]
+    direct = np.zeros((columns.shape[1],) * 2)
+    direct[loads:, :loads] = forces[prescribed]
+    direct[:loads, loads:] = forces[prescribed].T
+    direct[loads:, loads:] = -held[prescribed]
+    return columns, direct
+
+
+def _cell(local: Floats, carried: Floats, complement: Floats, left: int) -> RowCell:
+    """Cell whose first `left` degrees of freedom of the cuts are those of the left face."""
+    return RowCell(
+        local=(local,),
+        carried=((carried[:left], carried[left:]),),
+        stiffness=(
+            complement[:left, :left],
+            complement[:left, left:],
+            complement[left:, :left],
+            complement[left:, left:],
+        ),
     )
 
 

@@ -15,7 +15,7 @@ any more.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -158,13 +158,9 @@ def solve_wrap(
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
     if growth:
+        start = found if large_displacement else None
         other = _follow(
-            wrap,
-            chain,
-            torque_Nmm + more,
-            slack_N,
-            large_displacement=large_displacement,
-            start=found if large_displacement else None,
+            wrap, chain, torque_Nmm + more, slack_N, start, large_displacement=large_displacement
         )
     step = found.step
     polar = wrap.angles_rad + found.turned
@@ -186,6 +182,35 @@ def solve_wrap(
 
 
 @dataclass(frozen=True)
+class _Load:
+    """Load of a contact problem.
+
+    Attributes
+    ----------
+    run_mm : float
+        Motion of the tight end along its strand.
+    tight_N, slack_N : float
+        Tensions of both strands.
+    torque_Nmm : float
+    """
+
+    run_mm: float
+    tight_N: float
+    slack_N: float
+    torque_Nmm: float
+
+
+def _load(wrap: Wrap, chain: Chain, torque_Nmm: float, slack_N: float) -> _Load:
+    """Load of a linear state: its tight tension is that of a rigid wrap."""
+    one, two = wrap.levers_mm
+    torque = max(torque_Nmm, LEAST_TORQUE * slack_N * two)
+    tight = (torque + slack_N * two) / one
+    # the tight strand moves uniformly: a pitch of the loaded chain with each tooth
+    run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
+    return _Load(run, tight, slack_N, torque)
+
+
+@dataclass(frozen=True)
 class _Followed:
     """Result of an iteration."""
 
@@ -202,24 +227,19 @@ def _follow(
     chain: Chain,
     torque: float,
     slack_N: float,
+    start: _Followed | None = None,
     *,
     large_displacement: bool,
-    start: _Followed | None = None,
 ) -> _Followed:
     """One linear state, or passes until convergence, optionally from an earlier result."""
     centers = wrap.centers
-    one, two = wrap.levers_mm
-    torque = max(torque, LEAST_TORQUE * slack_N * two)
-    tight = (torque + slack_N * two) / one
-    # the tight strand moves uniformly: a pitch of the loaded chain with each tooth
-    run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
+    load = _load(wrap, chain, torque, slack_N)
     if start is None:
         half = wrap.sprocket.seat_half_angle_rad
-        nominal = np.linspace(tight, slack_N, len(centers) + 1)
+        nominal = np.linspace(load.tight_N, slack_N, len(centers) + 1)
         step = _one_pass(
             wrap, chain, centers, nominal[1:-1], np.zeros((len(centers), 2, 2)),
-            seat_planes(wrap, centers, 0.0, np.linspace(-half, half, SEAT_PLANES)),
-            run=run, ends=(tight, slack_N), torque=torque,
+            seat_planes(wrap, centers, 0.0, np.linspace(-half, half, SEAT_PLANES)), load,
         )  # fmt: skip
         place, turned = centers + step.move, step.turn
         passes, pivots, moves = 1, step.state.info.pivots, 0.0
@@ -233,8 +253,7 @@ def _follow(
     while passes < MOST_PASSES:
         step = _one_pass(
             wrap, chain, place, chain.tensions(place), step.bend,
-            nearest_planes(wrap, place, turned),
-            run=run, ends=(step.tight_N, slack_N), torque=torque,
+            nearest_planes(wrap, place, turned), replace(load, tight_N=step.tight_N),
         )  # fmt: skip
         passes, pivots = passes + 1, pivots + step.state.info.pivots
         part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
@@ -266,26 +285,14 @@ def _one_pass(
     tension: Floats,
     bend: Floats,
     planes: Planes,
-    *,
-    run: float,
-    ends: tuple[float, float],
-    torque: float,
+    load: _Load,
 ) -> _Pass:
     """One contact problem about these places."""
     n = len(place)
-    stiffness, force = chain.truss(place, tension)
-    blocks = stiffness.reshape(n, 2, n, 2)
-    blocks[np.arange(n), :, np.arange(n), :] += bend
-    pull = force.reshape(n, 2)
-    pull[-1] += ends[1] * wrap.slack
-    for k, way, strand in ((0, wrap.tight, ends[0]), (-1, wrap.slack, ends[1])):
-        across = np.array([-way[1], way[0]])
-        spring = strand / chain.span_mm * np.outer(across, across)
-        blocks[k, :, k, :] += spring
-        pull[k] -= spring @ (place[k] - wrap.centers[k])
+    stiffness, force = _truss_with_strands(wrap, chain, place, tension, bend, load)
     # the tight end is fixed along its strand: one direction of roller 0 is prescribed
     known = np.zeros(2 * n)
-    known[:2] = -(run + place[0] @ wrap.tight) * wrap.tight
+    known[:2] = -(load.run_mm + place[0] @ wrap.tight) * wrap.tight
     free = np.eye(2 * n)[:, 1:]
     free[:2, 0] = [-wrap.tight[1], wrap.tight[0]]
     parts = np.zeros((planes.gap.size, n, 2))
@@ -306,7 +313,7 @@ def _one_pass(
         0.5 * (matrix + matrix.T),
         planes.gap + rows @ base,
         levers,
-        torque + float(drag @ base),
+        load.torque_Nmm + float(drag @ base),
         float(drag @ (_turning(place).ravel() - dragged)),
     )
     on_planes = state.normal_forces[: planes.gap.size]
@@ -314,27 +321,50 @@ def _one_pass(
     pushed = on_planes[:, None] * planes.normal
     forces = np.zeros((n, 2))
     np.add.at(forces, planes.roller, pushed)
-    along = np.column_stack([-planes.normal[:, 1], planes.normal[:, 0]])
-    bends = np.zeros((n, 2, 2))
-    np.add.at(
-        bends,
-        planes.roller,
-        (on_planes * np.maximum(planes.curvature, 0.0))[:, None, None]
-        * along[:, :, None]
-        * along[:, None, :],
-    )
     # the reaction at the tight end is its tension
     held = (stiffness @ move - drag * turn - force - forces.ravel())[:2] @ wrap.tight
     return _Pass(
         move=move.reshape(n, 2),
         turn=turn,
         force=forces,
-        bend=bends,
+        bend=_curvature_stiffness(n, planes, on_planes),
         tight_N=float(held),
         link_N=_link_tensions(chain, place, move.reshape(n, 2)),
         state=state,
         planes=planes.gap.size,
     )
+
+
+def _truss_with_strands(
+    wrap: Wrap, chain: Chain, place: Floats, tension: Floats, bend: Floats, load: _Load
+) -> tuple[Floats, Floats]:
+    """Stiffness and forces of the links, of both strands and of the curvature of the seats."""
+    n = len(place)
+    stiffness, force = chain.truss(place, tension)
+    blocks = stiffness.reshape(n, 2, n, 2)
+    blocks[np.arange(n), :, np.arange(n), :] += bend
+    pull = force.reshape(n, 2)
+    pull[-1] += load.slack_N * wrap.slack
+    for k, way, strand in ((0, wrap.tight, load.tight_N), (-1, wrap.slack, load.slack_N)):
+        across = np.array([-way[1], way[0]])
+        spring = strand / chain.span_mm * np.outer(across, across)
+        blocks[k, :, k, :] += spring
+        pull[k] -= spring @ (place[k] - wrap.centers[k])
+    return stiffness, force
+
+
+def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> Floats:
+    """(n, 2, 2) Tangential stiffness of each roller: forces times the curvature of the seats."""
+    along = np.column_stack([-planes.normal[:, 1], planes.normal[:, 0]])
+    bends = np.zeros((rollers, 2, 2))
+    np.add.at(
+        bends,
+        planes.roller,
+        (on_planes_N * np.maximum(planes.curvature, 0.0))[:, None, None]
+        * along[:, :, None]
+        * along[:, None, :],
+    )
+    return bends
 
 
 def _turning(place: Floats) -> Floats:

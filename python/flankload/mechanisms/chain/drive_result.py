@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from math import pi, radians
 from typing import TYPE_CHECKING
@@ -12,7 +11,7 @@ import numpy as np
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.result.drive import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
@@ -57,8 +56,44 @@ def result_of_chain(
     Result
         Its `cost` contains the part of this torque.
     """
-    chain, wraps = assembly.chain, assembly.wraps
-    position_rad, pitches = assembly.position_rad, assembly.pitches
+    wraps, position_rad, pitches = assembly.wraps, assembly.position_rad, assembly.pitches
+    sprocket = wraps[0].sprocket
+    sites, force, drive = _chain_drive(scene, wraps, states)
+    pitch = 2 * sprocket.half_pitch_rad
+    return Result(
+        name=scene.name,
+        torque_Nm=scene.torques_Nm[number],
+        sites=sites,
+        position_rad=position_rad,
+        rotation_rad=np.array([state.rotation_rad for state in states]),
+        reference_radius_mm=sprocket.pitch_radius_mm,
+        site_force_N=force,
+        peak_pressure_MPa=np.zeros_like(force),
+        stiffness_tangent_Nm_per_rad=tangent_stiffness(states),
+        status=np.array([state.status for state in states]),
+        pair_tables=PairTables(len(wraps), partial(_rollers, wraps, states)),
+        corner_contact=np.zeros(force.shape, dtype=bool),
+        pitch_rad=pitch,
+        period_rad=pitch * (pitches or 1),
+        closed=pitches is not None and position_rad.size > 1,
+        face_width_mm=scene.pair.face_width_mm,
+        estimate=estimate,
+        cost={
+            "positions": len(wraps),
+            "of_this_torque": work_of(states),
+            "largest_backward_error": max(state.backward_error for state in states),
+            "largest_condition": max(state.condition for state in states),
+        },
+        warnings=(*question_notes(scene), *_warnings(assembly.chain, sprocket, drive)),
+        drawing=_drawing(sprocket, wraps, position_rad),
+        drive=drive,
+    )
+
+
+def _chain_drive(
+    scene: Scene, wraps: Sequence[Wrap], states: Sequence[WrapState]
+) -> tuple[NDArray[np.int64], Floats, ChainDrive]:
+    """Numbers of all rollers on the sprocket, their forces (P, S), and the chain's own results."""
     sprocket = wraps[0].sprocket
     first = min(wrap.first for wrap in wraps)
     last = max(wrap.first + len(wrap.angles_rad) for wrap in wraps)
@@ -88,35 +123,7 @@ def result_of_chain(
         roller_height_um=height,
         force_angle_deg=angle,
     )
-    pitch = 2 * sprocket.half_pitch_rad
-    result = make_result(
-        name=scene.name,
-        torque_Nm=scene.torques_Nm[number],
-        sites=sites,
-        position_rad=position_rad,
-        rotation_rad=np.array([state.rotation_rad for state in states]),
-        reference_radius_mm=sprocket.pitch_radius_mm,
-        site_force_N=force,
-        peak_pressure_MPa=np.zeros_like(force),
-        stiffness_tangent_Nm_per_rad=tangent_stiffness(states),
-        status=np.array([state.status for state in states]),
-        pair_tables=PairTables(len(wraps), partial(_rollers, wraps, states)),
-        corner_contact=np.zeros(force.shape, dtype=bool),
-        pitch_rad=pitch,
-        period_rad=pitch * (pitches or 1),
-        closed=pitches is not None and position_rad.size > 1,
-        face_width_mm=scene.pair.face_width_mm,
-        estimate=estimate,
-        cost={
-            "positions": len(wraps),
-            "of_this_torque": work_of(states),
-            "largest_backward_error": max(state.backward_error for state in states),
-            "largest_condition": max(state.condition for state in states),
-        },
-        warnings=(*question_notes(scene), *_warnings(chain, sprocket, drive)),
-        drawing=_drawing(sprocket, wraps, position_rad),
-    )
-    return replace(result, drive=drive)
+    return sites, force, drive
 
 
 def tangent_stiffness(states: Sequence[WrapState]) -> Floats:

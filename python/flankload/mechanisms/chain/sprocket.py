@@ -216,6 +216,13 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
     except for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of
     its limits, or less if both flanks of a tooth meet below it.
     """
+    built = _proportions(spec)
+    _check(built, spec, key)
+    return replace(built, tip_radius_mm=min(built.tip_radius_mm, built.tooth_top_mm))
+
+
+def _proportions(spec: SprocketKeys) -> Sprocket:
+    """Sprocket from its keys and from ISO 606 where they are missing, unchecked."""
     d, z = spec.roller_diameter_mm, spec.teeth
     wide = spec.seat == "wide"
     seat = spec.roller_seat_radius_mm or SEAT_PART * d + (SEAT_ROOT * d ** (1 / 3) if wide else 0.0)
@@ -225,12 +232,19 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
     # between d + (1 - 1.6/z) p - d1 and d + 1.25 p - d1
     middle = 0.5 * (2.25 - 1.6 / z)
     tip = spec.tip_diameter_mm or pitch_diameter + middle * spec.pitch_mm - d
-    if seat <= 0.5 * d:
+    return Sprocket(z, spec.pitch_mm, d, seat - 0.5 * d, flank + 0.5 * d, 0.5 * angle, 0.5 * tip)
+
+
+def _check(built: Sprocket, spec: SprocketKeys, key: str) -> None:
+    """Refuse a sprocket whose rollers do not fit its pockets."""
+    d, z = built.roller_diameter_mm, built.teeth
+    pitch_diameter, tip = 2 * built.pitch_radius_mm, 2 * built.tip_radius_mm
+    if built.seat_radius_mm <= 0.0:
         raise SceneError(
             key=f"{key}.roller_seat_radius_mm",
             expected=f"more than half of {key}.roller_diameter_mm ({0.5 * d:g}): the roller has to "
             "fit its pocket",
-            found=f"{seat:g}",
+            found=f"{built.seat_radius_mm + 0.5 * d:g}",
         )
     if d >= spec.pitch_mm:
         raise SceneError(
@@ -238,12 +252,12 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
             expected=f"less than {key}.pitch_mm ({spec.pitch_mm:g})",
             found=f"{d:g}",
         )
-    if 0.5 * angle + pi / z >= 0.5 * pi:
+    if built.seat_half_angle_rad + built.half_pitch_rad >= 0.5 * pi:
         raise SceneError(
             key=f"{key}.seating_angle_deg",
             expected=f"less than 180 - 360/teeth ({180 - 360 / z:g}), since flanks steeper than "
             "the links hold no tension",
-            found=f"{np.degrees(angle):g}",
+            found=f"{np.degrees(2 * built.seat_half_angle_rad):g}",
         )
     if tip <= pitch_diameter:
         raise SceneError(
@@ -251,7 +265,6 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
             expected=f"more than the pitch diameter ({pitch_diameter:g})",
             found=f"{tip:g}",
         )
-    built = Sprocket(z, spec.pitch_mm, d, seat - 0.5 * d, flank + 0.5 * d, 0.5 * angle, 0.5 * tip)
     top = 2 * built.tooth_top_mm
     if top <= pitch_diameter:
         raise SceneError(
@@ -266,4 +279,3 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
             expected=f"at most {top:g}, where the flanks of a tooth end",
             found=f"{tip:g}",
         )
-    return replace(built, tip_radius_mm=0.5 * min(tip, top))

@@ -5,15 +5,17 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from flankload.analysis.error_rules import of_positions
 from flankload.analysis.estimate import estimate_errors
-from flankload.analysis.period_error import OtherTeeth
+from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.tip_error import tip_error
 from flankload.cost import held_bytes
 from flankload.mechanisms.flank_pair.states import window_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
+    from flankload.analysis.error_rules import Left
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.flank_pair.states import FlankStates
@@ -61,24 +63,13 @@ def error_estimates(
                     progress=clock.sweep_progress("estimate", sweep=part),
                 )
 
-            width = scene.pair.face_width_mm
-            window = None if pair.pitches is None else window_of(pair)
             estimated = estimate_errors(
                 tuple(found[t] for t in loaded),
                 run_again,
                 compliances,
                 pair.discretization.grid,
                 lumped=pair.effects.lumped_contact,
-                position_rad=pair.position_rad,
-                window=None if pair.adaptive else window,
-                unlike=None if window is None else OtherTeeth.of(pair, compliances, width, window),
-                tip=partial(
-                    tip_error,
-                    bodies=(pair.body_1, pair.body_2),
-                    compliances=compliances,
-                    pairing=pair.pairing,
-                    face_width_mm=width,
-                ),
+                sources=_sources(pair, compliances, scene.pair.face_width_mm),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
@@ -86,6 +77,30 @@ def error_estimates(
         account.bytes += held_bytes(compliance.missed)
         clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
     return estimates
+
+
+def _sources(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], face_width_mm: float
+) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
+    """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
+    sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {
+        "tip": partial(
+            tip_error,
+            bodies=(pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pair.pairing,
+            face_width_mm=face_width_mm,
+        )
+    }
+    if pair.pitches is None:
+        return sources
+    window = window_of(pair)
+    if not pair.adaptive:
+        sources["positions"] = partial(of_positions, window=window, position_rad=pair.position_rad)
+    others = OtherTeeth.of(pair, compliances, face_width_mm, window)
+    if others is not None:
+        sources["period"] = partial(of_other_teeth, others=others)
+    return sources
 
 
 def unseen_notes(

@@ -17,7 +17,7 @@ from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result, make_result
+from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
 from flankload.result.slices import SliceLoads
 
@@ -76,7 +76,7 @@ def result_of(
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = face_width_mm
-    result = make_result(
+    result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
         sites=pair.pairing.sites[carries],
@@ -220,9 +220,11 @@ def _friction(
         return whole.mean(values) * result.period_rad if whole.covers_period else None
 
     summed = friction_result(
-        {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
-        np.concatenate([pairs.position for pairs, _ in parts]),
-        np.concatenate([pairs.sites + first for pairs, first in parts]),
+        {
+            **{name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
+            "position": np.concatenate([pairs.position for pairs, _ in parts]),
+            "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+        },
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,

@@ -20,15 +20,15 @@ PerBody = Annotated[tuple[Number, ...], Meta(min_length=2, max_length=2)]
 
 
 class EffectsAsked(Table, frozen=True, kw_only=True):
-    """Effects beyond elastic bodies and their given geometry; what is absent is not simulated."""
+    """Effects beyond elastic bodies of given geometry; effects without keys are not computed."""
 
     choose: Annotated[
         Literal["auto"] | None,
         about(
             "",
-            "'auto': effects that change less than a quarter of accuracy.tolerance are left out, "
-            "those that change more are put in where the scene leaves them open; absent = effects "
-            "are as the keys say",
+            "'auto': effects that change the result by less than a quarter of "
+            "accuracy.tolerance are omitted; those that change it by more are included "
+            "unless the scene sets their keys; absent = effects as set by their keys",
         ),
     ] = None
     dimension: Annotated[
@@ -44,74 +44,80 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
         Coefficient | Coefficients | None,
         about(
             "-",
-            "Coulomb friction between the flanks: a number; or one per tooth of body 1, in the "
-            "order in which the teeth come into contact, from the tooth of pair 0; or rows of roll "
-            "position in mm (along the line of action from the pitch point, positive towards "
-            "recess as body 1's torque turns it, whoever drives; ascending) and coefficient, "
-            "linear between; 0 = no friction",
+            "coefficient of Coulomb friction between the flanks: a number; or one per "
+            "tooth of body 1, in the order in which the teeth come into contact, from the "
+            "tooth of pair 0; or rows of roll position in mm (ascending; along the line of "
+            "action from the pitch point, positive towards recess for rotation in the "
+            "sense of body 1's torque, whichever body drives) and coefficient, "
+            "interpolated linearly; 0 = no friction",
         ),
     ] = None
     near_field: Annotated[
         Literal["analytic", "nodes"],
         about(
             "",
-            "how flanks give way near a force: 'analytic' = pressure modes and a half-plane's "
-            "logarithm; 'nodes' = forces at the nodes of the flanks, with tables between these "
-            "(a fifth of the Hertz half-width apart, or accuracy.flank_element_mm)",
+            "model of the local deformation near a force: 'analytic' = pressure modes and "
+            "the logarithm of a half-plane; 'nodes' = forces at the nodes of the flanks, "
+            "with tables between the nodes (spacing: a fifth of the Hertz half-width, or "
+            "accuracy.flank_element_mm)",
         ),
     ] = "analytic"
     influence: Annotated[
         Literal["small", "finite"],
         about(
             "",
-            "influence numbers: 'small' = of small forces; 'finite' = of the forces found, by "
-            "where the deformed flank cuts the circle of a pair",
+            "influence coefficients: 'small' = for small forces; 'finite' = for the actual "
+            "forces, from the intersection of the deformed flank with the circle of a "
+            "contact pair",
         ),
     ] = "small"
     root_stress: Annotated[
         bool,
         about(
             "",
-            "true: stress along both root fillets of the teeth in mesh, of each body that yields",
+            "true: stress along both root fillets of the teeth in mesh, for each elastic body",
         ),
     ] = False
     contact: Annotated[
         Literal["pairs", "lumped"],
         about(
             "",
-            "lumped: one unknown for each place of contact, as wide as Hertz contact (two to "
-            "three times as fast, no strips; not where flanks conform); pairs: pressure as it is",
+            "'pairs': pressure resolved by contact pairs; 'lumped': one unknown per place "
+            "of contact, with the width of a Hertz contact (two to three times as fast, no "
+            "strips; not for conforming flanks)",
         ),
     ] = "pairs"
     body: Annotated[
         Literal["whole", "segment", "tooth"],
         about(
             "",
-            "how much of a body yields: all of it; 'segment': the sectors of segment_teeth around "
-            "the teeth in question, both ends held; 'tooth': one tooth, its cuts held. Stiffer, "
-            "and hardly cheaper: for comparison with such models",
+            "elastic part of a body: 'whole'; 'segment' = the sectors of segment_teeth "
+            "teeth around the loaded tooth, both ends fixed; 'tooth' = one tooth, cuts "
+            "fixed. The last two are stiffer and hardly cheaper; they serve for comparison "
+            "with such models",
         ),
     ] = "whole"
     segment_teeth: Annotated[
         Annotated[int, Meta(ge=3, le=9999)] | None,
-        about("-", "teeth of the segment, an odd number, with body = 'segment'"),
+        about("-", "number of teeth of the segment, odd; with body = 'segment'"),
     ] = None
     tooth_coupling: Annotated[
-        bool, about("", "false: a load on a tooth moves no other tooth of the body")
+        bool, about("", "false: a load on a tooth does not deform other teeth of the body")
     ] = True
     temperature_rise_K: Annotated[
         Rise | PerBody[Rise] | None,
         about(
             "K",
-            "temperature of the bodies above that at which their dimensions hold: a number, or one "
-            "for each body; the centre distance stays what it is",
+            "temperature of the bodies above the temperature of their dimensions: a "
+            "number, or one for each body; the centre distance does not change",
         ),
     ] = None
     thermal_expansion_per_K: Annotated[
         Expansion | PerBody[Expansion] | None,
         about(
             "1/K",
-            "linear thermal expansion of the bodies, or of each; absent = 11.5e-6, steel",
+            "coefficient of linear thermal expansion: one for both bodies, or one for "
+            "each; absent = 11.5e-6, steel",
             usual=(5e-7, 5e-4),
         ),
     ] = None
@@ -119,22 +125,24 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
         Expansion | PerBody[Expansion] | None,
         about(
             "1/K",
-            "the same of what holds them (shaft in the bore, housing around a ring), which is as "
-            "warm; 0 = it stays as it is; absent = as the body, which then grows without stress",
+            "the same coefficient for their supports (shaft in the bore, housing around a "
+            "ring), which have the same temperature; 0 = rigid support without expansion; "
+            "absent = that of the body, which then expands without stress",
         ),
     ] = None
     speed_rpm: Annotated[
         Annotated[float, Meta(ge=0, le=2e5)] | None,
         about(
             "1/min",
-            "speed of body 1, which stretches the bodies; body 2 turns by the ratio of the teeth",
+            "speed of body 1 for the centrifugal expansion of the bodies; that of body 2 "
+            "follows from the ratio",
         ),
     ] = None
     density_kg_m3: Annotated[
         Density | PerBody[Density] | None,
         about(
             "kg/m^3",
-            "density of the bodies, or of each; absent = 7850, steel",
+            "density: one for both bodies, or one for each; absent = 7850, steel",
             usual=(200.0, 25000.0),
         ),
     ] = None
@@ -142,44 +150,45 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
         bool,
         about(
             "",
-            "true: a chain's rollers are followed to where they stand, in place of one linear "
-            "solution about their places on the pitch circle",
+            "true: equilibrium of a chain at the displaced positions of its rollers, "
+            "instead of one linear solution about their positions on the pitch circle",
         ),
     ] = False
     coast_flank: Annotated[
         bool,
         about(
             "",
-            "true: the flanks on the other side of the teeth can carry, too; teeth may then be "
-            "wider than the spaces (press fit, negative backlash)",
+            "true: the coast flanks can carry load as well; teeth may then be wider than "
+            "the spaces (press fit, negative backlash)",
         ),
     ] = False
     tip_contact: Annotated[
         bool,
         about(
             "",
-            "false: tip corners, tip roundings and chamfers, and root fillets touch nothing; the "
-            "active flanks alone carry",
+            "false: no contact at tip corners, tip roundings, chamfers and root fillets; "
+            "only the active flanks carry load",
         ),
     ] = True
     land_friction: Annotated[
         Annotated[float, Meta(ge=-1, le=1)],
         about(
             "-",
-            "coefficient of friction between the lands of a belt and its pulley, all of them "
-            "sliding; positive: helps the teeth, negative: opposes them",
+            "coefficient of friction between the lands of a belt and its pulley, all of "
+            "which slide; positive: friction assists the teeth, negative: it opposes them",
         ),
     ] = 0.0
     land_lift: Annotated[
         bool,
-        about("", "true: the lands of a belt may lift off its pulley; needs body_2.prestress_N"),
+        about("", "true: the lands of a belt can lift off its pulley; requires body_2.prestress_N"),
     ] = False
     beyond_limits: Annotated[
         bool,
         about(
             "",
-            "true: a scene that breaks a premise of the model (docs/guide/limits.md) is solved all "
-            "the same, its error estimates marked as outside the model's limits",
+            "true: a scene that violates a premise of the model (docs/guide/limits.md) is "
+            "solved nevertheless; its error estimates are marked as outside the limits of "
+            "the model",
         ),
     ] = False
 

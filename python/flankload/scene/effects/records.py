@@ -45,7 +45,7 @@ class Effects:
     """The effects that a scene requests: one truth value per effect, with its record (`Effect`)."""
 
     elastic_body_1: bool = _effect(
-        "body 1 yields",
+        "elastic body 1",
         keys=("body_1.rigid",),
         called_for=is_elastic(1),
         needs_load=True,
@@ -55,7 +55,7 @@ class Effects:
         size_by="compliance",
     )
     elastic_body_2: bool = _effect(
-        "body 2 yields",
+        "elastic body 2",
         keys=("body_2.rigid",),
         called_for=is_elastic(2),
         needs_load=True,
@@ -79,7 +79,7 @@ class Effects:
         of_teeth=True,
     )
     segment: bool = _effect(
-        "a segment of the teeth with held cuts",
+        "segment of teeth with fixed cuts",
         on={"body": "segment", "segment_teeth": 5},
         stages=BODIES,
         size_by="compliance",
@@ -87,7 +87,7 @@ class Effects:
         coarser=True,
     )
     single_tooth: bool = _effect(
-        "a single tooth with held cuts",
+        "single tooth with fixed cuts",
         on={"body": "tooth", "segment_teeth": None},
         stages=BODIES,
         size_by="compliance",
@@ -102,7 +102,7 @@ class Effects:
         of_teeth=True,
     )
     nodal_near_field: bool = _effect(
-        "near field from plain nodes",
+        "near field from nodal forces",
         on={"near_field": "nodes"},
         stages=(*BODIES, *SWEEPS),
         counters=("unit_loads_nodal",),
@@ -120,7 +120,7 @@ class Effects:
         },
     )
     finite_influence: bool = _effect(
-        "influence numbers of finite force",
+        "influence coefficients of finite forces",
         on={"influence": "finite"},
         stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=2, solves=2),
@@ -182,7 +182,7 @@ class Effects:
         of_teeth=True,
     )
     thermal_growth: bool = _effect(
-        "thermal growth",
+        "thermal expansion",
         keys=(
             "effects.temperature_rise_K",
             "effects.thermal_expansion_per_K",
@@ -221,7 +221,7 @@ class Effects:
         stages=("result",),
     )
     root_stress: bool = _effect(
-        "stress in the tooth roots",
+        "tooth root stress",
         on={"root_stress": True},
         needs_load=True,
         stages=(*BODIES, "result"),
@@ -242,7 +242,7 @@ class Effects:
         work=Work(columns=1, solves=1),
     )
     large_displacement: bool = _effect(
-        "rollers of a chain followed to where they stand",
+        "large displacements of chain rollers",
         on={"large_displacement": True},
         stages=("sweep",),
         work=Work(columns=10, solves=10),
@@ -259,7 +259,7 @@ class Effects:
         only_for="belt",
     )
     land_lift: bool = _effect(
-        "lands of a belt that lift off",
+        "lift-off of the lands of a belt",
         on={"land_lift": True},
         stages=("compliance body 2", "sweep"),
         work=Work(normal_loads=1, columns=1),

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
     from flankload.scene import Scene
+    from flankload.studies.verification.deck import Deck
+    from flankload.studies.verification.model import Model
 
     Floats = NDArray[np.float64]
 
@@ -120,10 +122,9 @@ def verify(
 ) -> Verification:
     """Solve one position of a scene by nonlinear finite elements as well.
 
-    Both whole bodies are passed to CalculiX in their places at that position, with fine elements at
-    the contacts; it uses neither pressure modes nor influence coefficients, and rotation, forces
-    and pressures are its own output. Flankload's solution only determines the element size and the
-    flanks that are near enough for a contact pair.
+    CalculiX gets both whole bodies in their places at that position, with fine elements at the
+    contacts. Rotation, forces and pressures are its own output. Flankload's solution determines
+    only the element size and the flanks that are near enough for a contact pair.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def verify(
         Folder for deck.inp and the files of CalculiX, which are kept; by default a temporary
         folder, which is kept only if CalculiX was not run or found no solution.
     run : bool
-        False: the deck is written but not solved.
+        Whether CalculiX solves the deck.
     time_limit_s : float, optional
         Wall-clock limit of CalculiX.
     elements_per_half_width : float
@@ -154,12 +155,9 @@ def verify(
     SceneError
         If there is no such position, a body has no elements, or there is no torque.
     OtherProgramError
-        If CalculiX is missing or finds no solution; its files are kept in `folder` of the
-        exception.
+        If CalculiX is missing or finds no solution; `folder` of the exception keeps its files.
     """
-    scene, _ = choose_effects(first_scene(scene))
-    check_bodies(scene)
-    result = _result(scene, position)
+    scene, result = _solved(scene, position)
     model = model_of(
         scene,
         result,
@@ -167,24 +165,49 @@ def verify(
         elements_per_half_width=elements_per_half_width,
         large_displacement=large_displacement,
     )
+    path = _write(model.deck, folder)
+    keep = folder is not None
+    answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
+    return _comparison(scene, result, position, model, path if path.exists() else None, answer)
+
+
+def _write(deck: Deck, folder: str | Path | None) -> Path:
+    """Write the deck into the folder, or into a new temporary one."""
     place = Path(folder) if folder is not None else Path(tempfile.mkdtemp(prefix="flankload_"))
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{JOB}.inp"
-    write_atomically(path, deck_text(model.deck).encode("ascii", errors="replace"))
-    answer = None
-    if run:
-        try:
-            found = find_program(program)
-        except OtherProgramError as error:
-            raise OtherProgramError(str(error), folder=place) from None
-        try:
-            answer = run_deck(found, place, model.deck, time_limit_s=time_limit_s)
-        except KeyboardInterrupt:
-            if folder is None:
-                shutil.rmtree(place)
-            raise
-        if folder is None:
-            shutil.rmtree(place)
+    write_atomically(path, deck_text(deck).encode("ascii", errors="replace"))
+    return path
+
+
+def _run(
+    folder: Path, deck: Deck, program: str, time_limit_s: float | None, *, keep: bool
+) -> Answer:
+    """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
+    try:
+        found = find_program(program)
+    except OtherProgramError as error:
+        raise OtherProgramError(str(error), folder=folder) from None
+    try:
+        answer = run_deck(found, folder, deck, time_limit_s=time_limit_s)
+    except KeyboardInterrupt:
+        if not keep:
+            shutil.rmtree(folder)
+        raise
+    if not keep:
+        shutil.rmtree(folder)
+    return answer
+
+
+def _comparison(
+    scene: Scene,
+    result: Result,
+    position: int,
+    model: Model,
+    deck: Path | None,
+    answer: Answer | None,
+) -> Verification:
+    """Flankload's values at the sites of the deck, beside the solution of CalculiX."""
     sites = np.array(model.deck.sites)
     column = {site: s for s, site in enumerate(result.sites.tolist())}
     rows = [column.get(site, -1) for site in sites.tolist()]
@@ -192,7 +215,7 @@ def verify(
     def of_sites(values: NDArray[Any]) -> NDArray[Any]:
         return np.append(values[position], np.zeros(1, values.dtype))[rows]
 
-    stages = result.cost["stages"]
+    stages, positions = result.cost["stages"], result.position_rad.size
     return Verification(
         name=result.name,
         position=position,
@@ -206,19 +229,20 @@ def verify(
         peak_pressure_MPa=of_sites(result.peak_pressure_MPa),
         corner_contact=of_sites(result.corner_contact),
         job_cpu_s=sum(stage["cpu_s"] for stage in stages.values()),
-        position_cpu_s=stages["sweep"]["cpu_s"]
-        / (result.position_rad.size * len(scene.torques_Nm)),
-        positions=result.position_rad.size,
+        position_cpu_s=stages["sweep"]["cpu_s"] / (positions * len(scene.torques_Nm)),
+        positions=positions,
         nodes=model.deck.node_count,
         elements=sum(len(part.cells) for part in model.deck.parts),
         finest_mm=model.finest_mm,
-        deck=path if answer is None or folder is not None else None,
+        deck=deck,
         calculix=answer,
     )
 
 
-def _result(scene: Scene, position: int) -> Result:
-    """Flankload's own result for the largest torque."""
+def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
+    """The scene with its effects chosen, and Flankload's own result for the largest torque."""
+    scene, _ = choose_effects(first_scene(scene))
+    check_bodies(scene)
     if not any(scene.torques_Nm):
         raise SceneError(
             file=scene.file, key="load.torque_Nm", expected="a torque to hold", found="0"
@@ -233,4 +257,4 @@ def _result(scene: Scene, position: int) -> Result:
             expected=f"an index from 0 to {count - 1}, since there are {count} positions",
             found=f"{position}",
         )
-    return result
+    return scene, result

@@ -92,46 +92,86 @@ def contact_places(
     FlankloadError
         If no flanks meet.
     """
+    compliance = sum(_half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
+    meetings = _meetings(pair, turns)
+    if not meetings:
+        raise FlankloadError("no flanks meet at this position")
+    touch = min(meeting.gap_rad for meeting in meetings)
+    least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
+    return tuple(
+        meeting.place(
+            compliance * max(force_N_per_mm.get(meeting.site, 0.0), least), elements_per_half_width
+        )
+        for meeting in meetings
+        if meeting.gap_rad <= touch + reach * (rotation_rad - touch)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Meeting:
+    """Two flanks of a pair with opposite points: samples of the gap on flank 1.
+
+    Attributes
+    ----------
+    site : int
+        Pair number.
+    curve_1, curve_2 : FlankCurve
+        Rotated to the position; curve 2 about its own axis.
+    center_distance_mm : float
+    gaps_rad, arc_mm : (n,) arrays
+        Gap angles and arc lengths on flank 1 of the samples.
+    points : (n, 2) array
+        The samples, mm.
+    """
+
+    site: int
+    curve_1: FlankCurve
+    curve_2: FlankCurve
+    center_distance_mm: float
+    gaps_rad: Floats
+    arc_mm: Floats
+    points: Floats
+
+    @property
+    def gap_rad(self) -> float:
+        """The least gap."""
+        return float(self.gaps_rad.min())
+
+    def place(self, force_compliance: float, elements_per_half_width: float) -> Place:
+        """Element size and zone from the force times the compliance of both half-planes, mm."""
+        best = int(self.gaps_rad.argmin())
+        s_1, middle = self.arc_mm[best], self.points[best]
+        lever = abs(float(_cross(middle, self.curve_1.normal([s_1])[0])))
+        s_2 = self.curve_2.arc_length_of(middle - [self.center_distance_mm, 0.0])[0]
+        bend = float(self.curve_1.curvature([s_1])[0] + self.curve_2.curvature(s_2)[0])
+        longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
+        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch over their whole
+        # length
+        width = np.sqrt(2 * force_compliance / bend) if bend > 0 else np.inf
+        size = float(min(width / elements_per_half_width, longest))
+        near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
+        return Place(self.site, self.gap_rad, size, _spread(self.points[near], middle, size))
+
+
+def _meetings(pair: BodyPair, turns: tuple[float, float]) -> list[_Meeting]:
+    """The pairs of flanks that have opposite points, by ascending pair number."""
     pairing = pair.pairing
-    total = sum(force_N_per_mm.values())
-    give = sum(_give(body.material, plane) for body in (pair.body_1, pair.body_2))
-    seen = []
+    meetings = []
     for number, site in enumerate(pairing.sites.tolist()):
-        curves = [
+        curve_1, curve_2 = (
             body.curve.rotated(turn + float(angles[number]))
             for body, turn, angles in zip(
                 (pair.body_1, pair.body_2), turns, pairing.site_angles_rad, strict=True
             )
-        ]
-        flank = _gaps(curves[0], curves[1], pairing.center_distance_mm, pairing.period_rad)
-        if flank is not None:
-            seen.append((site, curves, *flank))
-    if not seen:
-        raise FlankloadError("no flanks meet at this position")
-    touch = min(float(gaps.min()) for _, _, gaps, _, _ in seen)
-    places = []
-    for site, curves, gaps, s_1, points in seen:
-        best = int(gaps.argmin())
-        if gaps[best] > touch + reach * (rotation_rad - touch):
-            continue
-        force = max(force_N_per_mm.get(site, 0.0), LEAST_PART * total / len(force_N_per_mm))
-        lever = abs(float(_cross(points[best], curves[0].normal([s_1[best]])[0])))
-        s_2 = curves[1].arc_length_of(points[best] - [pairing.center_distance_mm, 0.0])[0]
-        bend = float(curves[0].curvature([s_1[best]])[0] + curves[1].curvature(s_2)[0])
-        longest = LARGEST_PART * min(curve.length_mm for curve in curves)
-        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch over their whole
-        # length
-        width = np.sqrt(2 * force * give / bend) if bend > 0 else np.inf
-        size = min(width / elements_per_half_width, longest)
-        near = (gaps - gaps[best]) * lever <= ZONE_HALF_WIDTHS**2 * force * give
-        places.append(
-            Place(site, float(gaps[best]), float(size), _spread(points[near], points[best], size))
         )
-    return tuple(places)
+        found = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
+        if found is not None:
+            meetings.append(_Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *found))
+    return meetings
 
 
-def _give(material: Material, plane: str) -> float:
-    """c0 of a half-plane, mm²/N."""
+def _half_plane(material: Material, plane: str) -> float:
+    """Compliance c0 of a half-plane, mm²/N."""
     ratio = material.poisson_ratio if plane == "strain" else 0.0
     return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)
 
@@ -153,10 +193,10 @@ def _gaps(
     begin, step = mate_radius[:-1], np.diff(mate_radius)
     with np.errstate(divide="ignore", invalid="ignore"):
         part = (radius[:, None] - begin) / step
-        crossing = mate_angle[:-1] + part * np.diff(mate_angle)
-    gap = (crossing - angle[:, None] + np.pi) % (2 * np.pi) - np.pi
-    there = (part >= 0) & (part <= 1) & (np.abs(gap) < 0.5 * pitch_rad)
-    gap = np.where(there, gap, np.inf).min(axis=1)
+        opposite = mate_angle[:-1] + part * np.diff(mate_angle)
+    gap = (opposite - angle[:, None] + np.pi) % (2 * np.pi) - np.pi
+    inside = (part >= 0) & (part <= 1) & (np.abs(gap) < 0.5 * pitch_rad)
+    gap = np.where(inside, gap, np.inf).min(axis=1)
     found = np.isfinite(gap)
     return (gap[found], s[found], points[found]) if found.any() else None
 

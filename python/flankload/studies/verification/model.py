@@ -136,12 +136,13 @@ def model_of(
     pair = _coarse_bodies(scene)
     plane = scene.accuracy.plane
     angle = float(result.position_rad[position])
-    turn_1, turn_2 = (float(turn) for turn in pair.pairing.turns(np.float64(angle)))  # type: ignore[arg-type]
+    turn_1, turn_2 = pair.pairing.turns(np.float64(angle))  # type: ignore[arg-type]
+    turns = float(turn_1), float(turn_2)
     loads = result.site_force_N[position] / result.face_width_mm
     rotation = float(result.rotation_rad[position])
     places = contact_places(
         pair,
-        (turn_1, turn_2),
+        turns,
         force_N_per_mm=dict(zip(result.sites.tolist(), loads.tolist(), strict=True)),
         rotation_rad=rotation,
         reach=REACH,
@@ -150,17 +151,9 @@ def model_of(
     )
     touch = min(place.gap_rad for place in places)
     start = touch + START_PART * (rotation - touch)
-    size = _sizes(places)
-    parts = []
-    for z, (body, turn, shift) in enumerate(
-        ((pair.body_1, turn_1, 0.0), (pair.body_2, turn_2, pair.pairing.center_distance_mm))
-    ):
-        flanks = _flanks_of(pair, z, places)
-        further = start if z == 0 else 0.0
-        parts.append(_part(body, flanks, (turn, further, shift), size))
     deck = Deck(
         title=f"{result.name}, position {position}",
-        parts=(parts[0], parts[1]),
+        parts=_parts(pair, places, turns, start),
         sites=tuple(place.site for place in places),
         torque_N=1000.0 * result.torque_Nm / result.face_width_mm,
         start_rad=start,
@@ -242,6 +235,18 @@ def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
         return np.asarray(finest[nearest] + GROWTH * np.maximum(distance - finest[nearest], 0.0))
 
     return size_at
+
+
+def _parts(
+    pair: BodyPair, places: tuple[Place, ...], turns: tuple[float, float], start_rad: float
+) -> tuple[Part, Part]:
+    """Both bodies at the position; body 1 is rotated by the initial angle."""
+    size = _sizes(places)
+    distance = pair.pairing.center_distance_mm
+    return (
+        _part(pair.body_1, _flanks_of(pair, 0, places), (turns[0], start_rad, 0.0), size),
+        _part(pair.body_2, _flanks_of(pair, 1, places), (turns[1], 0.0, distance), size),
+    )
 
 
 def _part(

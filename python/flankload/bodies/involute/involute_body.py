@@ -1,0 +1,135 @@
+"""Bodies with involute teeth: gears, rings, and the shafts and hubs of splines.
+
+External teeth are fixed at a bore, internal ones at the outside of their rim.
+"""
+
+from __future__ import annotations
+
+from math import pi, radians, tan
+from typing import TYPE_CHECKING
+
+from msgspec import structs
+
+from flankload.bodies.body import Body, Material, checked_pitch_errors
+from flankload.bodies.involute.ring_mesh import ring_mesh
+from flankload.bodies.involute.sector_mesh import sector_mesh
+from flankload.bodies.profile.gear_profile import gear_profile
+from flankload.bodies.profile.ring_profile import ring_profile
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from flankload.bodies.body import SectorMesh
+    from flankload.bodies.profile.gear_profile import GearProfile
+    from flankload.bodies.profile.ring_profile import RingProfile
+    from flankload.scene import Gear, Ring, SplineHub, SplineShaft
+
+
+def build_involute_body(
+    spec: Gear | Ring | SplineShaft | SplineHub,
+    key: str,
+    *,
+    flank_element_mm: float,
+    flank_nodes_mm: float | None = None,
+) -> Body:
+    """Build a body with involute teeth.
+
+    Parameters
+    ----------
+    spec : Gear, Ring, SplineShaft or SplineHub
+        Keys of the body.
+    key : str
+        Key of the body in the scene, for messages.
+    flank_element_mm : float
+        Largest length of a finite element along the flank; not used for a rigid body.
+    flank_nodes_mm : float, optional
+        Largest distance of the flank's nodes, if nodal forces need finer elements there than
+        elsewhere.
+
+    Returns
+    -------
+    Body
+        The reference radius of a spline is its pitch radius, otherwise the base radius.
+
+    Raises
+    ------
+    SceneError
+        If the body is impossible or cannot be meshed; names the key.
+    """
+    from flankload.scene.gear import Ring, SplineHub
+
+    lengths = (flank_element_mm, flank_nodes_mm)
+    profile: GearProfile | RingProfile
+    if isinstance(spec, Ring | SplineHub):
+        profile, rim_radius, mesh = _inward(spec, key, lengths)
+    else:
+        profile, rim_radius, mesh = _outward(spec, key, lengths)
+    involute = profile.involute
+    return Body(
+        kind=spec.kind,
+        curve=profile.curve,
+        teeth=profile.teeth,
+        material=Material(spec.young_modulus_MPa, spec.poisson_ratio),
+        rigid=spec.rigid,
+        mesh=mesh,
+        mode_range_mm=profile.mode_range_mm,
+        reference_radius_mm=involute.reference_radius_mm
+        if spec.conforms
+        else involute.base_radius_mm,
+        involute=involute,
+        flank_angle_known=True,
+        pitch_errors_um=checked_pitch_errors(spec.pitch_errors_um, profile.teeth, key),
+        outline=profile.outline(),
+        bore_radius_mm=rim_radius,
+    )
+
+
+def _outward(
+    spec: Gear | SplineShaft, key: str, lengths: tuple[float, float | None]
+) -> tuple[GearProfile, float, SectorMesh | None]:
+    """Profile, bore radius and mesh of a body with external teeth."""
+    from flankload.scene.gear import SplineShaft
+
+    if isinstance(spec, SplineShaft):
+        _check_root(spec, key)
+    profile, bore_radius = gear_profile(spec, key), 0.5 * spec.bore_diameter_mm
+    if bore_radius >= profile.involute.root_radius_mm:
+        raise SceneError(
+            key=f"{key}.bore_diameter_mm",
+            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
+            found=f"{spec.bore_diameter_mm:g}",
+        )
+    mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
+    return profile, bore_radius, mesh
+
+
+def _inward(
+    spec: Ring | SplineHub, key: str, lengths: tuple[float, float | None]
+) -> tuple[RingProfile, float, SectorMesh | None]:
+    """Profile, outer radius and mesh of a body with internal teeth."""
+    from flankload.scene.gear import SPLINE_FILLET, SplineHub
+
+    if isinstance(spec, SplineHub) and spec.root_fillet_radius_mm is None:
+        spec = structs.replace(spec, root_fillet_radius_mm=SPLINE_FILLET * spec.module_mm)
+    profile, outer_radius = ring_profile(spec, key), 0.5 * spec.outer_diameter_mm
+    mesh = None if spec.rigid else ring_mesh(profile, outer_radius, lengths, key)
+    return profile, outer_radius, mesh
+
+
+def _check_root(spec: SplineShaft, key: str) -> None:
+    """Check that the rack for the root circle has a positive depth and a land at its tip."""
+    pitch_diameter = spec.teeth * spec.module_mm
+    deepest = 0.25 * pi / tan(radians(spec.pressure_angle_deg))
+    largest = pitch_diameter + 2 * spec.profile_shift * spec.module_mm
+    least = largest - 2 * deepest * spec.module_mm
+    if not max(least, 0.0) < spec.root_diameter_mm < min(largest, spec.tip_diameter_mm):
+        raise SceneError(
+            key=f"{key}.root_diameter_mm",
+            expected=f"more than {max(least, 0.0):.4f}, where the generating rack is pointed, and "
+            f"less than {min(largest, spec.tip_diameter_mm):.4f}, "
+            + (
+                f"{key}.tip_diameter_mm"
+                if spec.tip_diameter_mm <= largest
+                else "where the rack does not cut below its pitch line"
+            ),
+            found=f"{spec.root_diameter_mm:g}",
+        )
