@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from flankload.contact.sweep import Level, sweep
+from flankload.contact.core_call import Level
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing
