@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.contact.slices import Slices
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
@@ -30,6 +31,8 @@ PARTS = (
     "shift",
     "sides",
     "friction",
+    "axial",
+    "slices",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -43,6 +46,7 @@ def body_records(
     *,
     friction: Friction | None = None,
     tangential: bool = False,
+    slices: Slices | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Records of both bodies for the sweep of the core.
 
@@ -56,6 +60,8 @@ def body_records(
         Friction of the flanks.
     tangential : bool
         Whether the compliances under loads along the flanks are needed.
+    slices : Slices, optional
+        Cut flanks; compliances are then those of the whole width, in mm/N.
 
     Returns
     -------
@@ -69,11 +75,14 @@ def body_records(
     common = _pair_parts(pairing, friction), ()
     one, two = (
         _packed(
-            _main_arguments(body, compliance, pairing, z, face_width_mm),
+            _main_arguments(
+                body, compliance, pairing, z, face_width_mm if slices is None else 1.0, slices
+            ),
             [
                 *_compliance_parts(compliance, _teeth(pairing, z)),
                 *(_tangential_parts(compliance, face_width_mm) if tangential else ()),
                 *common[z],
+                *(() if slices is None else slices.parts(z)),
             ],
         )
         for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
@@ -90,7 +99,12 @@ def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
 
 
 def _main_arguments(
-    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int, face_width_mm: float
+    body: Body,
+    compliance: BodyCompliance,
+    pairing: Pairing,
+    z: int,
+    face_width_mm: float,
+    slices: Slices | None,
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
@@ -98,6 +112,9 @@ def _main_arguments(
         angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
         deviations = np.concatenate([deviations, np.zeros_like(deviations)])
     block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
+    if slices is not None:
+        angles, deviations = slices.angles(angles, z), slices.deviations(deviations, z)
+        block = slices.blocks(block)
     curve, corners = body.curve, body.curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
         curve = curve.cut(*body.active_range_mm)
