@@ -10,13 +10,14 @@ module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_lapack, only: set_product
+    use flankload_rounding, only: tie
     use flankload_line_potential, only: mean_potential
     implicit none
     private
 
     public :: segment_type, slices_type
-    public :: add_segment_field, axial_means, flank_of, mean_width, middle_of, sliced_compliance, &
-        & slice_of, width_of
+    public :: add_segment_field, axial_means, flank_of, holds_slices, mean_width, middle_of, &
+        & slice_of, sliced_compliance, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
@@ -39,6 +40,22 @@ module flankload_slice_field
     end type segment_type
 
 contains
+
+    !> Whether a body reaches over all slices.
+    pure function holds_slices(slices, compliance) result(holds)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: compliance
+        logical :: holds
+
+        real(wp) :: same
+
+        same = tie*(compliance%z_high - compliance%z_low)
+        holds = compliance%z_high > compliance%z_low &
+            & .and. slices%edges(1) >= compliance%z_low - same &
+            & .and. slices%edges(size(slices%edges)) <= compliance%z_high + same
+    end function holds_slices
 
     !> Slice of a site.
     elemental function slice_of(slices, site) result(slice)

@@ -108,6 +108,17 @@ end subroutine flankload_pack_body
 !> |                   | along the line of centres                                                 |
 !> | fl_part_friction  | (n_mu, 1 + n_sites), of body 1 alone: ascending arc lengths of flank 1    |
 !> |                   | [mm], then the friction coefficient of each site there, linear between    |
+!> | fl_part_axial     | (6), of both bodies of a pair in slices: number of Legendre polynomials   |
+!> |                   | over the width by which each mode along the profile is multiplied (mode a |
+!> |                   | and polynomial b: mode (a - 1)*number + b); both end faces z [mm]; twist, |
+!> |                   | by which sections turn with z [rad/mm]; strengths psi of the mirror images |
+!> |                   | behind both end faces, 0 where the body goes on. The kernel is then in    |
+!> |                   | mm²/N, and the smooth part is that of the whole body [mm/N]               |
+!> | fl_part_slices    | (n + 1), of body 1 alone: where n slices of the flanks end [mm],          |
+!> |                   | ascending. Sites are the slices, those of a flank pair together in this   |
+!> |                   | order; their angles are those of their middle sections, their deviations  |
+!> |                   | those of its slice in the plane of the section. Contact must be lumped,   |
+!> |                   | without friction                                                          |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
 !> is as before. info = -i: argument i is not valid.

@@ -22,6 +22,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     use flankload_position_sweep, only: n_counters, pair_columns, pair_columns_with_friction, &
         & sweep_positions, sweep_type
     use flankload_recorded_body, only: read_body
+    use flankload_slice_field, only: holds_slices
     implicit none
     !> Numbers of positions, torques and sites; both bodies have the same sites
     integer, intent(in) :: n_positions
@@ -70,7 +71,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> influence numbers of finite forces; also where there is no answer. (8): number of pairs; (9):
     !> which of the packed pairs is the first one (from 1; 0: none is packed)
     integer, intent(out) :: counters(9, n_positions, n_torques)
-    !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (0: none; -1:
+    !> Force [N], peak of force over cell width [N/mm] (in slices: largest pressure [MPa]), body whose sharp corner works (0: none; -1:
     !> the site that touches without torque, -2: no parabola's contact at the lumped level, both off
     !> corners; -3: an end that is left out would touch)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
@@ -106,6 +107,14 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
     ! coast flanks and friction are those of flank 1
     if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
+    ! slices are those of flank 1; both bodies have modes over their widths, and all slices in them
+    if (allocated(body_2%slices)) info = -10
+    if (allocated(body_1%slices)) then
+        if (.not. holds_slices(body_1%slices, body_1%compliance)) info = -8
+        if (.not. holds_slices(body_1%slices, body_2%compliance)) info = -10
+    else if (body_1%compliance%n_axial > 1 .or. body_2%compliance%n_axial > 1) then
+        info = -8
+    end if
     ! nodes of one body go with nodes of the other, unless that is rigid
     associate (one => body_1%compliance, two => body_2%compliance)
         if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then

@@ -7,10 +7,10 @@ module flankload_recorded_body
     use flankload_compliance_field, only: compliance_type
     use flankload_position_zones, only: body_type
     use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
-        & part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
+        & part_axial, part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
         & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
-        & part_sides, part_site_angles, part_smooth, part_tangential, part_tip, part_wedge, &
-        & place_in, shape_in
+        & part_sides, part_site_angles, part_slices, part_smooth, part_tangential, part_tip, &
+        & part_wedge, place_in, shape_in
     implicit none
     private
 
@@ -35,7 +35,7 @@ contains
         logical, intent(out) :: valid
 
         real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), sides(:)
-        real(wp), allocatable :: friction(:, :)
+        real(wp), allocatable :: friction(:, :), edges(:)
 
         valid = is_record(record)
         if (valid) valid = has_valid_parts(record)
@@ -50,6 +50,11 @@ contains
         if (allocated(sides)) body%sides = nint(sides)
         call take(record, part_friction, friction)
         if (allocated(friction)) body%friction = new_friction(friction(:, 1), friction(:, 2:))
+        call take(record, part_slices, edges)
+        if (allocated(edges)) then
+            allocate (body%slices)
+            call move_alloc(edges, body%slices%edges)
+        end if
         call read_compliance(record, body%compliance)
         body%compliance%closed = body%flank%curve%closed
         ! images behind free corners are in tables between nodes already
@@ -63,7 +68,7 @@ contains
         !> The compliance
         type(compliance_type), intent(inout) :: compliance
 
-        real(wp) :: ends(2), tip(3), strength(1)
+        real(wp) :: ends(2), tip(3), strength(1), axial(6)
         real(wp), allocatable :: block(:, :)
 
         call take_few(record, part_mode_range, ends)
@@ -87,6 +92,13 @@ contains
         compliance%jump = strength(1)
         call take(record, part_along, compliance%along)
         call take(record, part_shift, compliance%shift)
+        axial = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+        call take_few(record, part_axial, axial)
+        compliance%n_axial = nint(axial(1))
+        compliance%z_low = axial(2)
+        compliance%z_high = axial(3)
+        compliance%twist = axial(4)
+        compliance%end_strength = axial(5:6)
     end subroutine read_compliance
 
     !> Whether all values of a record are possible.

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
 
     Part = tuple[str, NDArray[np.float64]]
 
@@ -31,6 +32,8 @@ PARTS = (
     "shift",
     "sides",
     "friction",
+    "axial",
+    "slices",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -44,6 +47,7 @@ def body_records(
     *,
     friction: Friction | None = None,
     tangential: bool = False,
+    slices: Slices | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Records of both bodies for the sweep of the core.
 
@@ -57,6 +61,8 @@ def body_records(
         Friction of the flanks.
     tangential : bool
         Whether the compliances under loads along the flanks are needed.
+    slices : Slices, optional
+        Cut flanks; compliances are then those of the whole width, in mm/N.
 
     Returns
     -------
@@ -68,14 +74,18 @@ def body_records(
         If the core refuses an argument.
     """
     common = _pair_parts(pairing, friction), ()
-    own = [_of_width(compliance, face_width_mm) for compliance in compliances]
+    own = [
+        compliance if compliance.axial is not None else _of_width(compliance, face_width_mm)
+        for compliance in compliances
+    ]
     one, two = (
         _packed(
-            _main_arguments(body, compliance, pairing, z),
+            _main_arguments(body, compliance, pairing, z, slices),
             [
                 *_compliance_parts(compliance, _teeth(pairing, z)),
                 *(_tangential_parts(compliance) if tangential else ()),
                 *common[z],
+                *(() if slices is None else _slice_parts(compliance, slices, z)),
             ],
         )
         for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
@@ -104,7 +114,7 @@ def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
 
 
 def _main_arguments(
-    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
+    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int, slices: Slices | None
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
@@ -112,6 +122,9 @@ def _main_arguments(
         angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
         deviations = np.concatenate([deviations, np.zeros_like(deviations)])
     block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
+    if slices is not None:
+        angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
+        block = slices.site_blocks(block)
     curve, corners = body.curve, body.curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
         curve = curve.cut(*body.active_range_mm)
@@ -142,6 +155,16 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     if compliance.shifts:
         parts.append(("shift", compliance.shift_of(teeth).ravel()))
     return parts
+
+
+def _slice_parts(compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
+    """Parts of a three-dimensional body: axial modes; of body 1 also the ends of the slices."""
+    edges: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
+    axial = compliance.axial
+    if axial is None:  # rigid
+        return edges
+    numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
+    return [("axial", np.array(numbers, dtype=float)), *edges]
 
 
 def _tangential_parts(compliance: BodyCompliance) -> list[Part]:

@@ -31,6 +31,7 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
     -18: PivotLimit,
     -20: PivotLimit,
     -21: NoContactState,
+    -22: InputError,
 }
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
 
 #: Value of the core for a site at which an omitted end would touch.
@@ -74,9 +75,13 @@ class Sweep:
     n_pairs : (P,) array
         Including those of coast flanks.
     pairs : PackedPairs
-        Pairs of working flanks; empty if pairs are not kept.
+        Pairs of working flanks; empty if pairs are not kept. Those of flanks in J slices have site
+        s J + j.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
+    slice_force_N, slice_peak_MPa : (P, S, J) arrays or None
+        Force and largest pressure of each slice, if flanks are cut; `site_force_N` is then the sum
+        over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
     """
@@ -94,6 +99,8 @@ class Sweep:
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
     coast: CoastSweep | None = None
+    slice_force_N: NDArray[np.float64] | None = None
+    slice_peak_MPa: NDArray[np.float64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
 
     @property
@@ -115,6 +122,7 @@ def sweep(
     level: Level = "pairs",
     friction: Friction | None = None,
     finite_steps: int = 0,
+    slices: Slices | None = None,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -149,6 +157,10 @@ def sweep(
         Number of force steps for influence coefficients of finite forces, 0: of small forces.
         Finite steps require compliances with tangential parts, with friction also those along the
         flanks.
+    slices : Slices, optional
+        Flanks cut along the face width: contact in three dimensions, lumped and without friction.
+        Compliances are those of the whole width in mm/N, their modes products with Legendre
+        polynomials over it.
     keep_pairs : bool
         Whether single pairs are stored; results per site are always stored.
     account : Account, optional
@@ -172,7 +184,7 @@ def sweep(
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
     core = CoreCall(
-        n_sites=pairing.sites.size * (1 if pairing.coast is None else 2),
+        n_sites=pairing.sites.size * _parts_of_site(pairing, slices),
         motion=_motion(pairing, positions, friction),
         center_distance_mm=pairing.center_distance_mm,
         torques_Nmm=torques,
@@ -183,6 +195,7 @@ def sweep(
             face_width_mm,
             friction=friction,
             tangential=friction is not None or finite_steps > 0,
+            slices=slices,
         ),
         grid=grid,
         level=level,
@@ -199,12 +212,38 @@ def sweep(
         ).all_positions(0)
         return np.asarray(alone.status[0] >= 0)
 
-    found = core.all_positions(_first_room(pairing, grid) if keep_pairs else 0)
+    found = core.all_positions(_first_room(pairing, grid, slices) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
         found.status, positions, torques, found.certificate, rubs=friction is not None, holds=holds
     )
-    return tuple(_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
+    found_of = (_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
+    return tuple(found_of if slices is None else (_summed(one, slices) for one in found_of))
+
+
+def _parts_of_site(pairing: Pairing, slices: Slices | None) -> int:
+    """Sites of the core for each pair of flanks: coast flanks, slices."""
+    return (1 if pairing.coast is None else 2) * (1 if slices is None else slices.count)
+
+
+def _summed(found: Sweep, slices: Slices) -> Sweep:
+    """Results of the slices, summed over the sites."""
+    shape = (*found.site_force_N.shape[:1], -1, slices.count)
+    force, peak, corner = (
+        part.reshape(shape)
+        for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
+    )
+    # a corner that works in any slice, else another kind of contact in any
+    worst = np.where(corner.max(axis=2) > 0, corner.max(axis=2), corner.min(axis=2))
+    return replace(
+        found,
+        site_force_N=force.sum(axis=2),
+        site_peak_N_per_mm=peak.max(axis=2),
+        site_corner=worst,
+        site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
+        slice_force_N=force,
+        slice_peak_MPa=peak,
+    )
 
 
 def _motion(
@@ -220,7 +259,7 @@ def _motion(
 
 def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
     """Results for one torque; those of coast flanks separately."""
-    n = pairing.sites.size
+    n = len(found.site_force_N) // (1 if pairing.coast is None else 2)
     pairs, coast = found.pairs_of(t), None
     force, peak = found.site_force_N[..., t].T, found.site_peak_N_per_mm[..., t].T
     corner = found.site_corner[..., t].T
@@ -244,9 +283,11 @@ def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Swee
     )
 
 
-def _first_room(pairing: Pairing, grid: Grid) -> int:
+def _first_room(pairing: Pairing, grid: Grid, slices: Slices | None) -> int:
     """Allocated pairs of a state, sufficient for nearly all states."""
     sides = 1 if pairing.coast is None else 2
+    if slices is not None:
+        return 2 * pairing.sites.size * slices.count
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
     cells = grid.zone_half_widths * grid.strips_per_half_width
@@ -279,7 +320,11 @@ def _joined(
 ) -> dict[str, Any]:
     """Fields with a row for each position, and the pairs."""
     single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
-    names = [item.name for item in fields(parts[0]) if item.name not in single]
+    names = [
+        item.name
+        for item in fields(parts[0])
+        if item.name not in single and getattr(parts[0], item.name) is not None
+    ]
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return {name: values[order] for name, values in joined.items()} | {
         "pairs": join_pairs([part.pairs for part in parts], order)

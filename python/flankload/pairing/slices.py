@@ -30,23 +30,32 @@ class Slices:
 
     Attributes
     ----------
-    z_mm, width_mm : (J,) arrays
-        Middle and width of each slice.
+    edges_mm : (J + 1,) array
+        Ends of the slices, ascending, within both bodies.
     turns_rad : two (J,) arrays
         Angle of each body's section in each slice relative to that at z = 0.
     removed_mm : two (J,) arrays
         Metal removed from the flanks of each body in each slice, along the base tangent.
     """
 
-    z_mm: Floats
-    width_mm: Floats
+    edges_mm: Floats
     turns_rad: tuple[Floats, Floats]
     removed_mm: tuple[Floats, Floats]
 
     @property
     def count(self) -> int:
         """J."""
-        return self.z_mm.size
+        return self.edges_mm.size - 1
+
+    @property
+    def z_mm(self) -> Floats:
+        """(J,) Middle of each slice."""
+        return np.asarray(0.5 * (self.edges_mm[1:] + self.edges_mm[:-1]))
+
+    @property
+    def width_mm(self) -> Floats:
+        """(J,) Width of each slice."""
+        return np.diff(self.edges_mm)
 
     def site_angles(self, angles_rad: Floats, body: int) -> Floats:
         """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site."""
@@ -55,6 +64,10 @@ class Slices:
     def site_deviations(self, deviations_mm: Floats, body: int) -> Floats:
         """Metal that touches early (S * J,) from that of the sites (S,), mm."""
         return np.asarray(np.subtract.outer(deviations_mm, self.removed_mm[body]).ravel())
+
+    def site_blocks(self, block: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Blocks (S * J, S * J) of a compliance for all slices from those of the sites (S, S)."""
+        return np.repeat(np.repeat(block, self.count, axis=0), self.count, axis=1)
 
     def by_slice(self, values: Floats) -> Floats:
         """Values of sites and slices (S * J, ...) with an axis for the slices: (S, J, ...)."""
@@ -84,8 +97,7 @@ def slices_of(
     ends = np.linspace(low, high, (count or SLICES) + 1)
     z = 0.5 * (ends[1:] + ends[:-1])
     return Slices(
-        z_mm=z,
-        width_mm=np.diff(ends),
+        edges_mm=ends,
         turns_rad=(one.twist_rad_per_mm * z, two.twist_rad_per_mm * z),
         removed_mm=(one.gap_mm(z), two.gap_mm(z) + misalignment_per_mm * z),
     )

@@ -75,7 +75,9 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
+    # the peaks of slices are pressures
     width = face_width_mm
+    peak_width = width if pair.slices is None else 1.0
     result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -84,12 +86,19 @@ def result_of(
         rotation_rad=found.rotation_rad,
         reference_radius_mm=pair.body_1.reference_radius_mm,
         site_force_N=found.site_force_N[:, carries],
-        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / peak_width,
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=PairTables(
             len(found.n_pairs),
-            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
+            partial(
+                _pair_table,
+                pair.pairing,
+                found.pairs,
+                width,
+                pair.effects.lumped_contact,
+                slices=pair.slices,
+            ),
         ),
         corner_contact=found.site_corner[:, carries] > 0,
         pitch_rad=pair.pairing.pitch_rad,
@@ -117,7 +126,7 @@ def result_of(
         unloaded_rotation_rad=found.unloaded_rad,
     )
     if pair.slices is not None:
-        result = replace(result, slices=_slices(pair, pair.slices, found).at_sites(carries))
+        result = replace(result, slices=_slice_loads(pair, pair.slices, found).at_sites(carries))
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
@@ -126,21 +135,21 @@ def result_of(
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slices(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
-    """Loads of the slices; forces are normal to the flanks, pressures refer to the contact line."""
+def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
+    """Loads of the slices; forces are normal to the flanks."""
     axial, radius = pair.body_1.axial, pair.body_1.base_radius_mm
     assert axial is not None
     assert radius is not None
-    assert found.slices is not None
+    assert found.slice_force_N is not None
+    assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
-    cosine = 1.0 / sqrt(1.0 + tangent**2)
     return SliceLoads(
         z_mm=frozen(slices.z_mm),
         width_mm=frozen(slices.width_mm),
-        force_N=frozen(found.slices.force_N),
-        peak_pressure_MPa=frozen(found.slices.peak_N_per_mm * cosine / slices.width_mm),
+        force_N=frozen(found.slice_force_N),
+        peak_pressure_MPa=frozen(found.slice_peak_MPa),
         tangent_helix_base=tangent,
-        cosine_helix_base=cosine,
+        cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
     )
 
 
@@ -179,11 +188,20 @@ def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _pair_table(
-    pairing: Pairing, pairs: PackedPairs, width: float, lumped: bool, p: int
+    pairing: Pairing,
+    pairs: PackedPairs,
+    width: float,
+    lumped: bool,
+    p: int,
+    slices: Slices | None = None,
 ) -> PairTable:
     """Contact pairs at position p."""
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
+    z_mm, length = None, np.asarray(width)
+    if slices is not None:
+        site, slice_number = np.divmod(site, slices.count)
+        z_mm, length = slices.z_mm[slice_number], slices.width_mm[slice_number]
     return PairTable(
         site=pairing.sites[site],
         arc_length_1_mm=column["s_1"],
@@ -194,12 +212,13 @@ def _pair_table(
         normal_x=column["normal_x"],
         normal_y=column["normal_y"],
         force_N=column["force"],
-        pressure_MPa=column["force"] / (column["cell"] * width),
+        pressure_MPa=column["force"] / (column["cell"] * length),
         gap_um=1000.0 * column["gap"],
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
         half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
+        z_mm=z_mm,
     )
 
 

@@ -229,6 +229,7 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
         pairing=pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
         friction=pair.friction,
+        slices=pair.slices,
         level=scene.effects.contact,
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
     )
