@@ -26,7 +26,7 @@ contains
         real(wp) :: mean
 
         !> From so many lengths on the second moments are enough, to 1e-5 of the mean.
-        real(wp), parameter :: far = 8.0_wp
+        real(wp), parameter :: far = 10.0_wp
         real(wp) :: square, half_sum, half_difference
 
         square = distance**2 + across**2

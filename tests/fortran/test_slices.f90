@@ -1,0 +1,273 @@
+!> Tests of the fields of slices without Python: stops with an error where one fails.
+program test_slices
+    use flankload, only: wp, slices_type
+    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_line_potential, only: mean_potential, own_potential
+    use flankload_near_field, only: image_recession, image_type
+    use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
+        & segment_type, slice_of, sliced_compliance, width_of
+    implicit none
+
+    !> Identities hold to rounding.
+    real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp)
+    !> Differences of closed forms, midpoint rules of many points.
+    real(wp), parameter :: quadrature = 1.0e-5_wp
+
+    call test_mean_potential
+    call test_far_potential
+    call test_own_potential
+    call test_parts_of_a_segment
+    call test_axial_means
+    call test_sites_are_slices
+    call test_smooth_part
+    call test_field_is_symmetric_and_definite
+    call test_end_faces_mirror
+    call test_image_of_a_long_slice
+    print '(a)', 'all passed'
+
+contains
+
+    !> The closed form is the mean of 1/distance over both segments.
+    subroutine test_mean_potential
+        integer, parameter :: n = 400
+        real(wp), parameter :: along(3) = [0.0_wp, 0.8_wp, 3.0_wp]
+        real(wp), parameter :: across = 0.3_wp, one = 1.0_wp, other = 0.6_wp
+        integer :: i, j, k
+        real(wp) :: total, distance
+
+        do k = 1, size(along)
+            total = 0.0_wp
+            do j = 1, n
+                do i = 1, n
+                    distance = along(k) + one*((i - 0.5_wp)/n - 0.5_wp) &
+                        & - other*((j - 0.5_wp)/n - 0.5_wp)
+                    total = total + 1.0_wp/sqrt(distance**2 + across**2)
+                end do
+            end do
+            call expect(abs(mean_potential(along(k), one, other, across)/(total/n**2) - 1.0_wp) &
+                & < quadrature, 'mean potential')
+            call expect(abs(mean_potential(along(k), one, other, across) &
+                & - mean_potential(-along(k), other, one, across)) < round_off, 'its symmetry')
+        end do
+    end subroutine test_mean_potential
+
+    !> Far away the closed form goes over into the moments of both segments.
+    subroutine test_far_potential
+        real(wp), parameter :: length = 1.0_wp, across(2) = [1.0e-3_wp, 5.0_wp]
+        real(wp), parameter :: beside = 1.0e-9_wp
+        integer :: k
+        real(wp) :: along
+
+        do k = 1, size(across)
+            along = sqrt(100.0_wp*length**2 - across(k)**2)
+            call expect(abs(mean_potential(along + beside, length, length, across(k)) &
+                & /mean_potential(along - beside, length, length, across(k)) - 1.0_wp) &
+                & < quadrature, 'far potential')
+        end do
+    end subroutine test_far_potential
+
+    !> Beside a long segment the potential is the logarithm of the plane; its slope is that of
+    !> differences.
+    subroutine test_own_potential
+        real(wp), parameter :: across = 1.0e-3_wp, length = 2.0_wp, step = 1.0e-5_wp
+        real(wp), parameter :: places(3) = [0.05_wp, 1.0_wp, 60.0_wp]
+        integer :: k
+        real(wp) :: mean, slope, more, less, at, unused
+
+        call own_potential(length, across, mean, slope)
+        call expect(abs(0.5_wp*length*mean - (log(2.0_wp*length/across) - 1.0_wp)) < across, &
+            & 'logarithm beside a long segment')
+        do k = 1, size(places)
+            at = places(k)
+            call own_potential(length, at, mean, slope)
+            call own_potential(length, at*(1.0_wp + step), more, unused)
+            call own_potential(length, at*(1.0_wp - step), less, unused)
+            call expect(abs((more - less)/(2.0_wp*step*at)/slope - 1.0_wp) < 2.0_wp*quadrature, &
+                & 'slope of the own potential')
+        end do
+    end subroutine test_own_potential
+
+    !> A load spread over a segment is that over its parts.
+    subroutine test_parts_of_a_segment
+        real(wp), parameter :: across = 0.1_wp
+        real(wp) :: whole, parts
+
+        whole = mean_potential(2.0_wp, 1.0_wp, 1.5_wp, across)
+        ! from 1.25 to 1.75 and from 1.75 to 2.75 beside the other one around 0
+        parts = (0.5_wp*mean_potential(1.5_wp, 0.5_wp, 1.0_wp, across) &
+            & + 1.0_wp*mean_potential(2.25_wp, 1.0_wp, 1.0_wp, across))/1.5_wp
+        call expect(abs(whole - parts) < round_off, 'parts of a segment')
+    end subroutine test_parts_of_a_segment
+
+    !> Legendre polynomials on average over slices.
+    subroutine test_axial_means
+        integer, parameter :: n = 2000
+        real(wp), parameter :: edges(4) = [-2.0_wp, -1.5_wp, 1.0_wp, 3.0_wp]
+        integer :: j, i
+        real(wp) :: means(4, 3), total(4), x
+        type(compliance_type) :: body
+
+        body = body_between(-2.0_wp, 4.0_wp)
+        body%n_axial = 4
+        means = axial_means(body, edges)
+        do j = 1, 3
+            total = 0.0_wp
+            do i = 1, n
+                x = edges(j) + (edges(j + 1) - edges(j))*(i - 0.5_wp)/n
+                x = (x - 1.0_wp)/3.0_wp
+                total = total + [1.0_wp, x, 0.5_wp*(3.0_wp*x**2 - 1.0_wp), &
+                    & 0.5_wp*x*(5.0_wp*x**2 - 3.0_wp)]
+            end do
+            call expect(all(abs(means(:, j) - total/n) < quadrature), 'means of polynomials')
+        end do
+    end subroutine test_axial_means
+
+    !> Site (pair - 1) n + j is slice j of a flank pair.
+    subroutine test_sites_are_slices
+        type(slices_type) :: slices
+
+        slices%edges = [0.0_wp, 1.0_wp, 3.0_wp, 6.0_wp]
+        call expect(all(slice_of(slices, [1, 3, 4, 8]) == [1, 3, 1, 2]), 'slices of sites')
+        call expect(all(flank_of(slices, [1, 3, 4, 8]) == [1, 1, 2, 3]), 'flank pairs of sites')
+        call expect(all(abs(middle_of(slices, [4, 8]) - [0.5_wp, 2.0_wp]) < round_off), 'middles')
+        call expect(all(abs(width_of(slices, [4, 8]) - [1.0_wp, 2.0_wp]) < round_off), 'widths')
+    end subroutine test_sites_are_slices
+
+    !> V g V' with the products of modes, block by block, symmetric to the last bit.
+    subroutine test_smooth_part
+        integer, parameter :: site(5) = [1, 3, 4, 5, 6]
+        real(wp), parameter :: s(5) = [1.0_wp, 1.2_wp, 2.0_wp, 2.5_wp, 3.0_wp]
+        integer :: i, j, a, b
+        real(wp) :: values(5, 6), along(5, 2), over(3, 3), matrix(5, 5), random(6, 6)
+        type(compliance_type) :: body
+        type(slices_type) :: slices
+
+        slices%edges = [-2.0_wp, -0.5_wp, 1.0_wp, 3.0_wp]
+        body = body_between(-2.0_wp, 3.0_wp)
+        body%n_axial = 3
+        body%s_low = 1.0_wp
+        body%s_high = 4.0_wp
+        allocate (body%smooth(6, 6, 3), body%block(6, 6))
+        call random_number(random)
+        body%smooth(:, :, 1) = random + transpose(random)
+        call random_number(random)
+        body%smooth(:, :, 2) = random
+        body%smooth(:, :, 3) = transpose(random)
+        body%block = 1
+        body%block(4:, :3) = 2
+        body%block(:3, 4:) = 3
+        matrix = sliced_compliance(body, slices, site, s)
+        along = mode_values(body, s)
+        over = axial_means(body, slices%edges)
+        do i = 1, 5
+            do a = 1, 2
+                do b = 1, 3
+                    values(i, 3*(a - 1) + b) = along(i, a)*over(b, slice_of(slices, site(i)))
+                end do
+            end do
+        end do
+        do j = 1, 5
+            do i = 1, 5
+                call expect(abs(matrix(i, j) - dot_product(values(i, :), matmul(body%smooth(:, :, &
+                    & body%block(site(i), site(j))), values(j, :)))) < 10.0_wp*round_off, &
+                    & 'modes of both places')
+                call expect(.not. abs(matrix(i, j) - matrix(j, i)) > 0.0_wp, 'symmetric modes')
+            end do
+        end do
+    end subroutine test_smooth_part
+
+    !> Slices thinner than the contact is wide, and uneven ones: symmetric to the last bit, and
+    !> definite, as are the derivatives by the forces.
+    subroutine test_field_is_symmetric_and_definite
+        integer, parameter :: n = 20
+        real(wp), parameter :: half_width = 1.0_wp, beside = 0.5_wp*half_width
+        integer :: i, j
+        real(wp) :: matrix(n, n), edges(n + 1)
+        type(compliance_type) :: body
+        type(segment_type) :: segments(n)
+
+        edges(1) = 0.0_wp
+        do i = 1, n
+            edges(i + 1) = edges(i) + merge(0.1_wp, 0.4_wp, mod(i, 3) == 0)*half_width
+        end do
+        body = body_between(0.0_wp, edges(n + 1))
+        body%kernel = 2.0_wp
+        segments = [(segment_type(flank=1, z=0.5_wp*(edges(i) + edges(i + 1)), &
+            & length=edges(i + 1) - edges(i)), i=1, n)]
+        matrix = 0.0_wp
+        call add_segment_field(body, segments, beside, matrix)
+        call expect(.not. any(abs(matrix - transpose(matrix)) > 0.0_wp), 'symmetry of the field')
+        do i = 1, n
+            ! 1/2 + ln(2/h) in place of -ln(beside), less the derivative by the force
+            matrix(i, i) = matrix(i, i) + body%kernel/segments(i)%length &
+                & *(0.5_wp + log(2.0_wp*beside/half_width) - 0.5_wp)
+        end do
+        do j = 1, n
+            call expect(matrix(j, j) > 0.0_wp, 'thin slices are definite')
+            do i = j + 1, n
+                matrix(i, j + 1:) = matrix(i, j + 1:) - matrix(i, j)/matrix(j, j)*matrix(j, j + 1:)
+            end do
+        end do
+    end subroutine test_field_is_symmetric_and_definite
+
+    !> Beside an end of strength 1 a flank moves as if the mirrored half were loaded, too.
+    subroutine test_end_faces_mirror
+        real(wp) :: half(2, 2), whole(4, 4)
+        integer :: i
+        type(compliance_type) :: body
+        type(segment_type) :: segments(4)
+
+        segments = [(segment_type(flank=1, z=i - 2.5_wp, cosine=0.9_wp, length=1.0_wp/0.9_wp), &
+            & i=1, 4)]
+        body = body_between(-2.0_wp, 2.0_wp)
+        body%kernel = 2.0_wp
+        whole = 0.0_wp
+        call add_segment_field(body, segments, 0.1_wp, whole)
+        body%z_low = 0.0_wp
+        body%end_strength = [1.0_wp, 0.0_wp]
+        half = 0.0_wp
+        call add_segment_field(body, segments(3:), 0.1_wp, half)
+        call expect(all(abs(half - whole(3:, 3:) - whole(3:, 2:1:-1)) < round_off), 'mirror')
+    end subroutine test_end_faces_mirror
+
+    !> The image of a long slice behind a corner of its profile is that of the plane.
+    subroutine test_image_of_a_long_slice
+        real(wp), parameter :: length = 1.0e6_wp, reach(2) = [0.1_wp, 0.2_wp]
+        real(wp) :: plane, by_plane(2), long, by_long(2)
+        type(image_type) :: image(1)
+
+        image(1)%kernel = [0.0_wp, 2.0_wp]
+        image(1)%distance = [1.0_wp, 0.4_wp]
+        call image_recession(image, reach, plane, by_plane)
+        image(1)%length = length
+        call image_recession(image, reach, long, by_long)
+        call expect(abs(long - plane - 2.0_wp*(log(2.0_wp*length) - 1.0_wp)) < quadrature, &
+            & 'image of a long slice')
+        call expect(all(abs(by_long - by_plane) < quadrature), 'its derivative')
+    end subroutine test_image_of_a_long_slice
+
+    !> A body without modes.
+    function body_between(low, high) result(body)
+        !> Its end faces
+        real(wp), intent(in) :: low
+        real(wp), intent(in) :: high
+        type(compliance_type) :: body
+
+        body%z_low = low
+        body%z_high = high
+    end function body_between
+
+    !> Stop with words where something is false.
+    subroutine expect(holds, what)
+        !> What must be true
+        logical, intent(in) :: holds
+        !> Its words
+        character(len=*), intent(in) :: what
+
+        if (.not. holds) then
+            print '(2a)', 'failed: ', what
+            error stop 1
+        end if
+    end subroutine expect
+
+end program test_slices

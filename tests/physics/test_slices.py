@@ -1,0 +1,211 @@
+"""Contact in slices along the face width, against Hertz, the plane and its own symmetries."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.contact.slices import Slices
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.errors import InputError
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.stages import compliance_of
+from flankload.pairing.body_pair import BodyPair
+from tests.support.crowned_cylinders import Axial, hertz_ellipse, press
+from tests.support.paths import SCENES
+from tests.support.tolerances import SOLVER
+
+TORQUE = 302e3
+#: Lines in place of an ellipse: pressure and approach of one 16 (8) times as long as wide.
+LINES = {2000.0: (1.5e-3, 1e-3), 200.0: (7e-3, 2.5e-3)}
+#: So long that the width of a contact over it is 3e-7, mm.
+WIDTH = 1e6
+#: Central differences of a sweep: second order in the step, and the width to which loads are
+#: spread, which follows the torque and not the forces.
+DIFFERENCES = 1e-4
+
+
+@cache
+def plane() -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
+    scene = fl.read_scene(SCENES / "external_gear.toml")
+    pair = build_bodies(scene)
+    return pair, (compliance_of(pair.body_1, scene), compliance_of(pair.body_2, scene))
+
+
+def run(
+    slices: Slices | None,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    *,
+    width: float = 1.0,
+    torque: float = TORQUE,
+    deviations: tuple[np.ndarray, np.ndarray] | None = None,
+    **keywords: Any,
+) -> Sweep:
+    pair = plane()[0]
+    pairing = pair.pairing
+    if deviations is not None:
+        pairing = replace(pairing, site_deviations_mm=deviations)
+    (found,) = sweep(
+        (pair.body_1, pair.body_2),
+        compliances=compliances,
+        pairing=pairing,
+        position_rad=np.linspace(0.0, pair.pairing.period_rad, 8, endpoint=False),
+        torques_Nmm=[torque],
+        face_width_mm=width,
+        grid=pair.discretization.grid,
+        **{"level": "lumped", "slices": slices, **keywords},
+    )
+    return found
+
+
+def over_width(compliance: BodyCompliance, width: float, count: int = 1) -> BodyCompliance:
+    """The plane compliance as one of a wide body: constant along z, soft across it."""
+    smooth = compliance.smooth / width
+    # a line of length w beside itself: c/w (ln(2 w/x) - 1); so each image
+    images = 1.0 + sum(compliance.wedge)
+    smooth[0, 0, 0] -= images * compliance.kernel / width * (np.log(2.0 * width) - 1.0)
+    n = smooth.shape[1]
+    wide = np.zeros((len(smooth), n * count, n * count))
+    wide[:, ::count, ::count] = smooth
+    for b in range(1, count):  # each further polynomial: half as soft, on the tooth itself alone
+        wide[0, b::count, b::count] = compliance.smooth[0] / width * 0.5**b
+    return replace(compliance, smooth=wide)
+
+
+@pytest.mark.parametrize("crown_radius", LINES)
+@pytest.mark.parametrize("slices", [31, 121])
+def test_the_ellipse_of_hertz(crown_radius: float, slices: int) -> None:
+    """Crowned flanks, in slices that are wider and thinner than the contact is."""
+    force, radius = 3000.0, 8.0
+    wanted = hertz_ellipse(force, radius, crown_radius)
+    edges = np.linspace(-1.15, 1.15, slices + 1) * wanted.large
+    gap = (edges[1:] ** 3 - edges[:-1] ** 3) / np.diff(edges) / (6.0 * crown_radius)
+    found = press(force, radius, edges, gap)
+    pressure, approach = LINES[crown_radius]
+    np.testing.assert_allclose(found.slice_peak_MPa.max(), wanted.pressure, rtol=pressure)
+    np.testing.assert_allclose(found.rotation_rad[0] * 1000.0, wanted.approach, rtol=approach)
+    np.testing.assert_allclose(found.site_force_N.sum(), force, rtol=SOLVER)
+    loaded = np.abs(edges[:-1] + edges[1:])[found.slice_force_N[0, 0] > 0] / 2.0
+    np.testing.assert_allclose(loaded.max(), wanted.large, atol=2.0 * np.diff(edges)[0])
+
+
+def test_one_long_slice_is_the_plane() -> None:
+    """The same rotation, forces and tangent from the equations of both levels."""
+    _, compliances = plane()
+    wanted = run(None, compliances, width=WIDTH)
+    half = 0.5 * WIDTH
+    slices = Slices(np.array([-half, half]), (Axial((-half, half)), Axial((-half, half))))
+    found = run(slices, tuple(over_width(part, WIDTH) for part in compliances))
+    for name in ("rotation_rad", "site_force_N", "tangent_rad_per_Nmm"):
+        scale = np.abs(getattr(wanted, name)).max()
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(wanted, name), rtol=0.0, atol=1e-6 * scale
+        )
+    assert found.slice_force_N.shape == (*found.site_force_N.shape, 1)
+
+
+def short(
+    *,
+    twist: float = 0.0,
+    gap: np.ndarray | None = None,
+    mirrored: bool = False,
+    **keywords: Any,
+) -> tuple[Sweep, np.ndarray]:
+    """FZG pair with the plane's compliance over 14 mm, uneven slices and ends."""
+    pair, compliances = plane()
+    edges = np.array([-6.0, -5.6, -4.8, -3.5, -2.0, 0.0, 2.0, 4.0, 5.0, 6.5, 7.0])
+    ranges = ((-6.0, 7.0), (-7.5, 7.0))
+    ends = ((1.3, 1.2), (0.0, 1.3))
+    if mirrored:
+        edges, twist = -edges[::-1], -twist
+        ranges = tuple((-high, -low) for low, high in ranges)
+        ends = tuple(end[::-1] for end in ends)
+        gap = None if gap is None else gap[::-1]
+    teeth = pair.body_1.teeth / pair.body_2.teeth
+    axial = tuple(Axial(ranges[z], 3, twist * (1.0, -teeth)[z], ends[z]) for z in (0, 1))
+    shape = (pair.pairing.sites.size, len(edges) - 1)
+    slices = Slices(edges, axial, None if gap is None else np.broadcast_to(gap, shape))
+    soft = tuple(over_width(part, 14.0, 3) for part in compliances)
+    return run(slices, soft, **keywords), edges
+
+
+@pytest.mark.parametrize("twist", [0.0, 7e-3])
+def test_mirrored_bodies_carry_mirrored_forces(twist: float) -> None:
+    """z -> -z with the other hand, a helix slope and ends of their own."""
+    gap = 0.004 * np.linspace(0.0, 1.0, 10)
+    one, _ = short(twist=twist, gap=gap)
+    two, _ = short(twist=twist, gap=gap, mirrored=True)
+    np.testing.assert_allclose(two.rotation_rad, one.rotation_rad, rtol=1e-10)
+    np.testing.assert_allclose(
+        two.slice_force_N[..., ::-1],
+        one.slice_force_N,
+        rtol=0.0,
+        atol=1e-9 * one.slice_force_N.max(),
+    )
+
+
+@pytest.mark.parametrize("twist", [0.0, 7e-3])
+def test_forces_hold_the_torque(twist: float) -> None:
+    """Sum of forces times levers of their normals, which leave the plane of the section."""
+    found, _ = short(twist=twist)
+    table = found.pairs.table
+    for k, (first, count) in enumerate(zip(found.pairs.first, found.pairs.count, strict=True)):
+        columns = table[first : first + count]
+        normal_lever = np.abs(columns[:, 3] * columns[:, 6] - columns[:, 4] * columns[:, 5])
+        cosine = 1.0 / np.hypot(1.0, twist * normal_lever)
+        held = columns[:, 7] @ (normal_lever * cosine)
+        np.testing.assert_allclose(held, TORQUE, rtol=1e-3 if twist else SOLVER)
+        np.testing.assert_allclose(columns[:, 7] @ columns[:, 10], TORQUE, rtol=SOLVER)
+        np.testing.assert_allclose(found.site_force_N[k].sum(), columns[:, 7].sum(), rtol=SOLVER)
+
+
+def test_helix_slopes_of_both_signs() -> None:
+    """More on the side with more metal; a slope to the other side on mirrored bodies."""
+    slope = 0.01 * np.linspace(0.0, 1.0, 10)
+    even, edges = short()
+    sloped, _ = short(gap=slope)
+    load = sloped.slice_force_N.sum(axis=1) / np.diff(edges)
+    assert (load[:, 1] > load[:, -2]).all()
+    assert (sloped.rotation_rad > even.rotation_rad).all()
+
+
+def test_a_gap_of_a_site_is_a_pitch_deviation() -> None:
+    """Metal removed from all slices of a tooth, and a tooth that stands back."""
+    pair, _ = plane()
+    gap = 0.003 * np.arange(pair.pairing.sites.size)
+    found, edges = short(gap=np.repeat(gap[:, None], 10, axis=1))
+    back = (-gap, np.zeros_like(gap))
+    wanted, _ = short(deviations=back)
+    np.testing.assert_allclose(found.rotation_rad, wanted.rotation_rad, rtol=SOLVER)
+    np.testing.assert_allclose(found.slice_force_N, wanted.slice_force_N, rtol=SOLVER, atol=SOLVER)
+
+
+@pytest.mark.parametrize("twist", [0.0, 7e-3])
+def test_tangent_is_the_derivative(twist: float) -> None:
+    """Of the rotation by the torque, with all that changes with the forces."""
+    step = 1e-4
+    found, _ = short(twist=twist)
+    more, _ = short(twist=twist, torque=TORQUE * (1.0 + step))
+    less, _ = short(twist=twist, torque=TORQUE * (1.0 - step))
+    slope = (more.rotation_rad - less.rotation_rad) / (2.0 * step * TORQUE)
+    np.testing.assert_allclose(found.tangent_rad_per_Nmm, slope, rtol=DIFFERENCES)
+
+
+def test_cells_and_friction_are_refused() -> None:
+    _, compliances = plane()
+    slices = Slices(np.array([-1.0, 1.0]), (Axial((-1.0, 1.0)), Axial((-1.0, 1.0))))
+    with pytest.raises(InputError, match="slices"):
+        run(slices, compliances, level="pairs")
+
+
+def test_slices_beyond_a_body_are_refused() -> None:
+    _, compliances = plane()
+    slices = Slices(np.array([-1.0, 1.0]), (Axial((-1.0, 1.0)), Axial((-1.0, 0.9))))
+    with pytest.raises(InputError, match="argument"):
+        run(slices, compliances)

@@ -1,0 +1,97 @@
+"""Two crowned cylinders pressed together over slices, and Hertz's ellipse for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from flankload.contact.slices import Slices
+from flankload.contact.sweep import Sweep, sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.pairing.pairing import Pairing
+from flankload.pairing.period import Period
+from flankload.scene.discretization import Grid
+from tests.support.pressed_cylinders import arc
+
+E, NU = 206000.0, 0.3
+#: Strength of the logarithm of a half-space of steel, mm²/N.
+KERNEL = 2.0 * (1.0 - NU**2) / (np.pi * E)
+#: A turn of body 1 is a shift: circles about its axis are straight over the contact.
+LEVER, DISTANCE = 1000.0, 2000.0
+
+
+@dataclass(frozen=True)
+class Axial:
+    """A body along its axis."""
+
+    range_mm: tuple[float, float]
+    count: int = 1
+    twist: float = 0.0
+    end: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Largest pressure, MPa, approach and half-axes, mm, of an elliptic contact."""
+
+    pressure: float
+    approach: float
+    small: float
+    large: float
+
+
+def hertz_ellipse(force: float, radius: float, crown_radius: float) -> Ellipse:
+    """A cylinder on a plane, crowned along its axis (K. L. Johnson, Contact Mechanics, 4.26)."""
+    stiff = 2.0 / (np.pi * 2.0 * KERNEL)
+    ratio = crown_radius / radius
+
+    def unmatched(k: float) -> float:
+        first, second = ellipk(1.0 - k * k), ellipe(1.0 - k * k)
+        return float((second / k**2 - first) / (first - second) - ratio)
+
+    k = brentq(unmatched, 1e-4, 0.9999)
+    first, second = ellipk(1.0 - k * k), ellipe(1.0 - k * k)
+    of_pressure = 3.0 * force / (2.0 * np.pi * k * stiff)
+    cube = of_pressure * k / (1.0 - k * k) * (first - second) * 2.0 * crown_radius
+    large = float(np.cbrt(cube))
+    small = k * large
+    pressure = 3.0 * force / (2.0 * np.pi * small * large)
+    return Ellipse(pressure, pressure / stiff * small * first, small, large)
+
+
+def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sweep:
+    """A cylinder pressed on a flat by a force, with a gap over the slices."""
+    one = arc((LEVER, -1e5), 1e5, np.pi / 2 + 4e-5, np.pi / 2 - 4e-5)
+    two = arc((LEVER - DISTANCE, radius), radius, -np.pi / 2 + 0.4, -np.pi / 2 - 0.4)
+    bodies = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
+    half_space = BodyCompliance(np.zeros((1, 1, 1)), KERNEL, (0.0, 1.0))
+    axial = Axial((float(edges[0]), float(edges[-1])))
+    none = np.zeros(1)
+    pairing = Pairing(
+        center_distance_mm=DISTANCE,
+        turns_at_zero_rad=(0.0, 0.0),
+        ratio=1.0,
+        period=Period(1.0),
+        sites=np.zeros(1, int),
+        site_teeth=(np.zeros(1, int), np.zeros(1, int)),
+        site_angles_rad=(none, none),
+        site_deviations_mm=(none, none),
+        mesh=None,
+        warnings=(),
+    )
+    (found,) = sweep(
+        (bodies[0], bodies[1]),
+        compliances=(half_space, half_space),
+        pairing=pairing,
+        position_rad=np.zeros(1),
+        torques_Nmm=[force * LEVER],
+        face_width_mm=1.0,
+        grid=Grid(10.0, 30.0),
+        level="lumped",
+        slices=Slices(edges, (axial, axial), gap[None, :]),
+    )
+    return found
