@@ -100,10 +100,39 @@ contains
         end if
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
+        call drop_jumps(position, of, coupling, state%rotation, places)
         call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
             & stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
+
+    !> Drop the derivatives of levers that jump: where a contact grows over a kink, its normal turns
+    !> at once.
+    pure subroutine drop_jumps(position, of, coupling, rotation, places)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> Compliance between them without their own near fields [mm/N], shape (n, n)
+        real(wp), intent(in) :: coupling(:, :)
+        !> Rotation of body 1 [rad]
+        real(wp), intent(in) :: rotation
+        !> The places, shape (zones)
+        type(place_type), intent(inout) :: places(:)
+
+        !> Of the compliance of a place itself: a larger part is none of a smooth flank
+        real(wp), parameter :: largest_part = 0.5_wp
+        integer :: k
+
+        do k = 1, size(of)
+            associate (place => places(of(k)))
+                if (abs(place%lever_slope*(position%gap(of(k)) - rotation)) &
+                    & <= largest_part*(coupling(k, k) + place%approach_slope)) cycle
+                place%lever_slope = 0.0_wp
+                place%torque_lever_slope = 0.0_wp
+            end associate
+        end do
+    end subroutine drop_jumps
 
     !> Forces of contacts that are all as wide as the widest, and the places that they need.
     pure subroutine estimate_forces(slices, position, torque, full, forces, joins, state, error)

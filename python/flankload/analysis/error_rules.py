@@ -71,6 +71,8 @@ MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
 SHARE_TO_PEAK = 3.0
 #: Half as many nodes: where the error falls only in proportion to their distance, the change is it.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
+#: Two degrees less along the axis, half as many slices: the change bounds what is left.
+AXIAL = SLICES = Rule(0.0, 1.0, 1.0, 1.0)
 #: Smoothed stresses tell 0.5 to 1.0 of the loss under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)

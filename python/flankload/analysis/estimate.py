@@ -38,11 +38,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.error_rules import (
+    AXIAL,
     COAST,
     ELEMENTS,
     MODES,
     MODES_WITH_IMAGES,
     NODES,
+    SLICES,
     STRIPS,
     Left,
     any_smooth_peak,
@@ -90,9 +92,9 @@ LUMPED = {
 MOST_SWEEPS = 3
 
 
-def n_sweeps(*, lumped: bool, elements: bool) -> int:
-    """Number of sweeps: coarser cells (lumped contacts have none), modes, elements."""
-    return MOST_SWEEPS - lumped - (not elements)
+def n_sweeps(*, lumped: bool, elements: bool, variants: int = 0) -> int:
+    """Number of sweeps: coarser cells (lumped contacts have none), modes, elements, variants."""
+    return MOST_SWEEPS - lumped - (not elements) + variants
 
 
 @dataclass(frozen=True)
@@ -165,6 +167,7 @@ def estimate_errors(
     grid: Grid,
     *,
     lumped: bool = False,
+    variants: Mapping[str, Mapping[str, object]] = MappingProxyType({}),
     sources: Mapping[str, Callable[[Sweep], dict[str, Left]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
@@ -181,6 +184,8 @@ def estimate_errors(
     lumped : bool
         Whether contacts are lumped; there are no cells then, and their error is taken from
         measurements.
+    variants : mapping
+        Further arguments of `run`, by the source whose error the change of the sweep shows.
     sources : mapping
         Further sources: errors that follow from the sweep itself, by quantity; empty if the source
         has no effect.
@@ -195,7 +200,11 @@ def estimate_errors(
     others = {"modes": run(compliances=fewer, grid=cells, part=1)}
     if any(compliance.missed is not None for compliance in compliances):
         better = tuple(compliance.with_missed(1.0) for compliance in compliances)
-        others["elements"] = run(compliances=better, grid=cells, part=2)
+        others["elements"] = run(compliances=better, grid=cells, part=len(others) + 1)
+    for source, arguments in variants.items():
+        others[source] = run(
+            **{"compliances": compliances, **arguments}, grid=cells, part=len(others) + 1
+        )
     estimates = []
     for t, part in enumerate(found):
         left = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t])
@@ -237,7 +246,12 @@ def _of_compliances(
     nodal = any(compliance.nodes is not None for compliance in compliances)
     imaged = all(any(compliance.wedge) or compliance.is_rigid for compliance in compliances)
     of_modes = MODES_WITH_IMAGES if imaged else MODES
-    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
+    rules = {
+        "modes": NODES if nodal else of_modes,
+        "elements": ELEMENTS,
+        "axial": AXIAL,
+        "slices": SLICES,
+    }
     left = {
         source: what_is_left(rules[source], part, coarse, other) for source, other in others.items()
     }

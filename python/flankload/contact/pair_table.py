@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,17 +48,32 @@ class PackedPairs:
     table : (N, len(COLUMNS)) array; with friction followed by FRICTION_COLUMNS
     first, count : (P,) arrays
         Index of the first pair of a position, and number of its pairs.
+    slice_number : (N,) array or None
+        Number of each pair's slice, from 0; None in a plane scene.
     """
 
     site: NDArray[np.intc]
     table: NDArray[np.float64]
     first: NDArray[np.int64]
     count: NDArray[np.int64]
+    slice_number: NDArray[np.intc] | None = None
 
     def at(self, p: int) -> tuple[NDArray[np.intc], NDArray[np.float64]]:
         """Sites (n,) and table (n, columns) of the pairs of position p; views."""
-        rows = slice(int(self.first[p]), int(self.first[p] + self.count[p]))
+        rows = self._rows_of(p)
         return self.site[rows], self.table[rows]
+
+    def slices_at(self, p: int) -> NDArray[np.intc] | None:
+        """Slices (n,) of the pairs of position p; None in a plane scene."""
+        return None if self.slice_number is None else self.slice_number[self._rows_of(p)]
+
+    def _rows_of(self, p: int) -> slice:
+        return slice(int(self.first[p]), int(self.first[p] + self.count[p]))
+
+    def in_slices(self, count: int) -> PackedPairs:
+        """The same with sites of the core, which are numbered slice by slice, split into both."""
+        site, slice_number = np.divmod(self.site, count)
+        return replace(self, site=site.astype(np.intc), slice_number=slice_number.astype(np.intc))
 
     def column(self, name: str) -> NDArray[np.float64]:
         """One column of all pairs under this torque, position by position; a copy."""
@@ -132,9 +147,15 @@ def join_pairs(parts: Sequence[PackedPairs], order: NDArray[np.int64]) -> Packed
     rows = [part._rows() for part in parts]
     count = np.concatenate([part.count for part in parts])
     first = np.cumsum(count) - count
+    slices = [part.slice_number for part in parts]
     return PackedPairs(
         site=np.concatenate([part.site[own] for part, own in zip(parts, rows, strict=True)]),
         table=np.concatenate([part.table[own] for part, own in zip(parts, rows, strict=True)]),
         first=first[order],
         count=count[order],
+        slice_number=None
+        if slices[0] is None
+        else np.concatenate(
+            [number[own] for number, own in zip(slices, rows, strict=True) if number is not None]
+        ),
     )

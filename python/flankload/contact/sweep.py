@@ -75,8 +75,7 @@ class Sweep:
     n_pairs : (P,) array
         Including those of coast flanks.
     pairs : PackedPairs
-        Pairs of working flanks; empty if pairs are not kept. Those of flanks in J slices have site
-        s J + j.
+        Pairs of working flanks; empty if pairs are not kept.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
     slice_force_N, slice_peak_MPa : (P, S, J) arrays or None
@@ -243,6 +242,7 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
         site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
         slice_force_N=force,
         slice_peak_MPa=peak,
+        pairs=found.pairs.in_slices(slices.count),
     )
 
 

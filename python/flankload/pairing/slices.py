@@ -57,6 +57,20 @@ class Slices:
         """(J,) Width of each slice."""
         return np.diff(self.edges_mm)
 
+    def coarser(self) -> Slices:
+        """Half as many slices: each pair of neighbours as one, with the mean of their gaps."""
+        if self.count < 2:
+            return self
+        first = np.arange(0, self.count - self.count % 2, 2)
+        sums = np.add.reduceat(self.width_mm, first)
+        weight = self.width_mm / np.repeat(sums, np.diff(np.append(first, self.count)))
+        joined = [
+            tuple(np.add.reduceat(weight * values, first) for values in parts)
+            for parts in (self.turns_rad, self.removed_mm)
+        ]
+        edges = np.append(self.edges_mm[first], self.edges_mm[-1])
+        return Slices(edges, (joined[0][0], joined[0][1]), (joined[1][0], joined[1][1]))
+
     def site_angles(self, angles_rad: Floats, body: int) -> Floats:
         """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site."""
         return np.asarray(np.add.outer(angles_rad, self.turns_rad[body]).ravel())

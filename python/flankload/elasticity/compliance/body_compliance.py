@@ -166,6 +166,12 @@ class BodyCompliance:
         """Whether the body does not yield at all."""
         return self.kernel == 0.0
 
+    @property
+    def flank_modes(self) -> int:
+        """Number of pressure modes along the arc length, without those of the tip."""
+        n = self.smooth.shape[1] // (1 if self.axial is None else self.axial.count)
+        return n - TIP_MODES * (self.tip is not None)
+
     def block_of(
         self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
     ) -> NDArray[np.int64]:

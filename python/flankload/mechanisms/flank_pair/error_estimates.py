@@ -69,6 +69,7 @@ def error_estimates(
                 compliances,
                 pair.discretization.grid,
                 lumped=pair.effects.lumped_contact,
+                variants=_variants(pair, compliances),
                 sources=_sources(pair, compliances, scene.pair.face_width_mm),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
@@ -79,19 +80,29 @@ def error_estimates(
     return estimates
 
 
+def _variants(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> dict[str, dict[str, object]]:
+    """Arguments of the sweeps that show the errors of degrees along the axis and of slices."""
+    if pair.slices is None:
+        return {}
+    fewer = tuple(compliance.fewer_axial_modes() for compliance in compliances)
+    return {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}
+
+
 def _sources(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], face_width_mm: float
 ) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
-    sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {
-        "tip": partial(
+    sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
+    if pair.slices is None:
+        sources["tip"] = partial(
             tip_error,
             bodies=(pair.body_1, pair.body_2),
             compliances=compliances,
             pairing=pair.pairing,
             face_width_mm=face_width_mm,
         )
-    }
     if pair.pitches is None:
         return sources
     window = window_of(pair)
@@ -117,6 +128,12 @@ def unseen_notes(
     -------
     tuple of str
     """
+    if pair.slices is not None:
+        return (
+            "the error estimate does not contain the error of the plane elements, of the "
+            "displacements' degree along the axis (accuracy.axial_degree), and of forces that "
+            "turn at tip corners",
+        )
     bodies = (pair.body_1, pair.body_2)
     unknown = [
         f"body_{z + 1}"

@@ -199,8 +199,8 @@ def _pair_table(
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
     z_mm, length = None, np.asarray(width)
-    if slices is not None:
-        site, slice_number = np.divmod(site, slices.count)
+    slice_number = pairs.slices_at(p)
+    if slices is not None and slice_number is not None:
         z_mm, length = slices.z_mm[slice_number], slices.width_mm[slice_number]
     return PairTable(
         site=pairing.sites[site],

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
-from flankload.bodies.tip_modes import TIP_MODES
 from flankload.contact.sweep import END_WOULD_TOUCH
 from flankload.pairing.node_spacing import wide_nodes_notes
 from flankload.result.corners import corner_notes
@@ -81,7 +80,7 @@ def notes_of_sweep(
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = 0
         if compliances[z].nodes is None:
-            modes = compliances[z].smooth.shape[1] - TIP_MODES * (compliances[z].tip is not None)
+            modes = compliances[z].flank_modes
         wanted = _wanted_elements(body, modes)
         if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
             yield (

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
     from flankload.scene.effects import Work
 
+#: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
+SLICE_VARIANTS = 2
+
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """Count the work of a run.
@@ -56,6 +59,9 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             modes = modes_of(body, scene, pair.discretization)
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes += TIP_MODES
+            if pair.effects.three_dimensions:
+                stages[stage] = {}  # the blocks of the elimination are not known in advance
+                continue
             places = _places(pair.fillets[z])
             stages[stage] = (
                 _whole(body, work, modes, growth)
@@ -70,7 +76,7 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
 
     Empty for nodal tables: there, fewer nodes give the error of both bodies.
     """
-    if pair.effects.nodal_near_field:
+    if pair.effects.nodal_near_field or pair.slices is not None:
         return ()
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
     bodies = (pair.body_1, pair.body_2)
@@ -150,8 +156,12 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     if not lumped:
         torques["tangent"] = len(SIDES) * loaded
     if scene.accuracy.estimate:
-        elements = bool(elements_estimated(pair))
-        torques["estimate"] = n_sweeps(lumped=lumped, elements=elements) * loaded
+        sweeps = n_sweeps(
+            lumped=lumped,
+            elements=bool(elements_estimated(pair)),
+            variants=0 if pair.slices is None else SLICE_VARIANTS,
+        )
+        torques["estimate"] = sweeps * loaded
     positions = {} if pair.adaptive else {"states": pair.position_rad.size}
     none: dict[str, int] = {}
     if lumped:
