@@ -200,8 +200,9 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
     def slope(s: Floats) -> Floats:
         if not twist:
             return np.zeros_like(s)
-        (x, y), (t_x, t_y) = body.curve.point(s).T, body.curve.tangent(s).T
-        return np.asarray(-twist * (x * t_y - y * t_x))
+        places = np.ravel(s)
+        (x, y), (t_x, t_y) = body.curve.point(places).T, body.curve.tangent(places).T
+        return np.asarray(-twist * (x * t_y - y * t_x)).reshape(np.shape(s))
 
     return FlankSurface(
         s_mm=body.mode_range_mm,
