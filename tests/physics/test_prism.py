@@ -187,6 +187,6 @@ def test_displacement_near_an_end_needs_its_image(helix: float) -> None:
     found = errors(surface.end)
     assert found.max() < AT_ENDS[helix]
     assert found[1:-1].max() < 0.004
-    assert errors((0.0, 0.0)).max() > 0.05
+    assert errors((0.0, 0.0)).max() > 0.04
     if helix:  # the strengths at the other ends
         assert errors(surface.end[::-1]).max() > 0.05

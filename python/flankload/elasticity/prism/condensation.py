@@ -78,8 +78,7 @@ def condense_prism(
     inner[mesh.fixed_nodes] = False
     fronts, position = dissect(
         mesh.nodes,
-        section.rows,
-        section.columns,
+        [connectivity for _, connectivity in mesh.cells],
         inner=inner,
         kept=kept,
         loaded=np.asarray(loads.any(axis=(1, 2))),

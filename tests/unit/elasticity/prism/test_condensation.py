@@ -109,7 +109,6 @@ def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain(
 def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:
     body = gear_body(16, 1.0)
     mesh = body.mesh
-    section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0)
     kept = np.zeros(len(mesh.nodes), dtype=bool)
     kept[np.concatenate([mesh.left_nodes, mesh.right_nodes])] = True
     inner = ~kept
@@ -117,7 +116,7 @@ def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:
     loaded = np.zeros_like(kept)
     loaded[mesh.flank_edges] = True
     fronts, position = dissect(
-        mesh.nodes, section.rows, section.columns, inner=inner, kept=kept, loaded=loaded
+        mesh.nodes, [cells for _, cells in mesh.cells], inner=inner, kept=kept, loaded=loaded
     )
     own = np.concatenate([front.own for front in fronts])
     assert np.array_equal(np.sort(own), np.flatnonzero(inner))
