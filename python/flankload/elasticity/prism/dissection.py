@@ -55,7 +55,7 @@ def dissect(
     cells: Sequence[Nodes],
     *,
     inner: NDArray[np.bool_],
-    kept: NDArray[np.bool_],
+    kept: Nodes,
     loaded: NDArray[np.bool_],
 ) -> tuple[list[Front], Nodes]:
     """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
@@ -66,14 +66,16 @@ def dissect(
         Of the nodes, mm.
     cells : sequence of (E, k) arrays
         Nodes of the elements, kind by kind.
-    inner, kept, loaded : (N,) arrays
-        Nodes to be eliminated; nodes that stay; nodes that carry loads.
+    inner, loaded : (N,) arrays
+        Whether a node is eliminated; whether it carries loads.
+    kept : (c,) array
+        Nodes that stay.
 
     Returns
     -------
     fronts : list of Front
     position : (N,) array
-        When a node is eliminated; kept nodes stand behind all others, held ones before.
+        When a node is eliminated; kept nodes stand behind all others in their order, others are -1.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)
@@ -96,14 +98,14 @@ def dissect(
     position = np.full(inner.size, -1)
     order = np.concatenate(owns)
     position[order] = np.arange(order.size)
-    position[kept] = order.size + np.arange(np.count_nonzero(kept))
+    position[kept] = order.size + np.arange(kept.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
         touched = np.zeros(sizes.size, dtype=bool)
         touched[element[np.isin(node, own)]] = True
         beside = [node[touched[element]], *(fronts[part].rest for part in below)]
         rest = np.unique(np.concatenate(beside))
-        rest = rest[(inner | kept)[rest] & (position[rest] > position[own].max(initial=-1))]
+        rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         carries = loaded[own].any() or any(fronts[part].loaded for part in below)
         fronts.append(Front(own, rest, int(inner[rest].sum()), below, bool(carries)))
