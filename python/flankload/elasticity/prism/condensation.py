@@ -72,16 +72,13 @@ def condense_prism(
     """
     account = Account() if account is None else account
     cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
-    kept = np.zeros(section.nodes, dtype=bool)
-    kept[cut] = True
-    inner = ~kept
-    inner[mesh.fixed_nodes] = False
+    inner = np.ones(section.nodes, dtype=bool)
+    inner[cut] = inner[mesh.fixed_nodes] = False
     fronts, position = dissect(
         mesh.nodes,
-        section.rows,
-        section.columns,
+        [connectivity for _, connectivity in mesh.cells],
         inner=inner,
-        kept=kept,
+        kept=cut,
         loaded=np.asarray(loads.any(axis=(1, 2))),
     )
     per_cut = COMPONENTS * (cut_degree + 1)
@@ -91,15 +88,11 @@ def condense_prism(
     for unknowns in _independent(axial.count, twisted=twisted):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
-        pencil = _Pencil(section, axial.terms, unknowns, of_cut, position, inner, kept)
-        left = _eliminated(fronts, pencil, loads[:, unknowns][:, :, columns], account)
-        # kept nodes stand in the order of their numbers
-        node = np.argsort(np.argsort(cut))
-        rows = (node[:, None] * of_cut.size + np.arange(of_cut.size)).ravel()
-        rows = np.append(rows, cut.size * of_cut.size + np.arange(columns.size))
+        pencil = _Pencil(section, axial.terms, unknowns, of_cut, position)
         at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
         at = np.append(at, size + columns)
-        whole[np.ix_(at, at)] += left[np.ix_(rows, rows)]
+        own = loads[:, unknowns][:, :, columns]
+        whole[np.ix_(at, at)] += _eliminated(fronts, pencil, own, cut.size, account)
     on_cut = loads[cut][:, :per_cut].reshape(size, count)
     return CondensedSector(
         local=(-whole[size:, size:],),
@@ -129,16 +122,13 @@ class _Pencil:
         unknowns: NDArray[np.int64],
         of_cut: NDArray[np.int64],
         position: NDArray[np.int64],
-        inner: NDArray[np.bool_],
-        kept: NDArray[np.bool_],
     ) -> None:
         self.unknowns, self.of_cut, self.position = unknowns, of_cut, position
-        self.inner, self.kept = inner, kept
         self._section, self._terms = section, terms
-        rows, columns = section.rows, section.columns
-        lower = np.flatnonzero((position[columns] >= 0) & (position[rows] >= position[columns]))
-        self._pairs = lower[np.argsort(position[columns[lower]], kind="stable")]
-        self._first = np.searchsorted(position[columns[self._pairs]], np.arange(position.max() + 2))
+        row, column = position[section.rows], position[section.columns]
+        lower = np.flatnonzero((column >= 0) & (row >= column))
+        self._pairs = lower[np.argsort(column[lower], kind="stable")]
+        self._first = np.searchsorted(column[self._pairs], np.arange(position.max() + 2))
 
     def pairs(self, first: int, last: int) -> NDArray[np.int64]:
         """Pairs of nodes, row not before column, whose columns have these positions."""
@@ -170,13 +160,15 @@ class _Remainder:
     matrix: Floats
 
 
-def _eliminated(fronts: list[Front], pencil: _Pencil, loads: Floats, account: Account) -> Floats:
-    """Kept nodes and loads after all inner nodes are eliminated, symmetric.
+def _eliminated(
+    fronts: list[Front], pencil: _Pencil, loads: Floats, cuts: int, account: Account
+) -> Floats:
+    """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
 
     Returns
     -------
     (m, m) array
-        Kept nodes by ascending number, then the loads.
+        Symmetric.
     """
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0
@@ -188,26 +180,17 @@ def _eliminated(fronts: list[Front], pencil: _Pencil, loads: Floats, account: Ac
         bytes_held -= sum(part.matrix.nbytes for part in parts)
     account.count(fe_factorisations=1)
     account.workspace_bytes += most
-    last = left[len(fronts) - 1]
-    nodes = np.flatnonzero(pencil.kept)
-    matrix = np.zeros((nodes.size * pencil.of_cut.size + loads.shape[2],) * 2)
-    place = _offsets(last.front.rest, nodes, pencil.of_cut.size)
-    at = np.append(place.ravel(), nodes.size * pencil.of_cut.size + np.arange(loads.shape[2]))
+    (last,) = left.values()
+    n, first = pencil.of_cut.size, int(pencil.position.max()) + 1 - cuts
+    matrix = np.zeros((cuts * n + loads.shape[2],) * 2)
+    place = (pencil.position[last.front.rest] - first)[:, None] * n + np.arange(n)
+    at = np.append(place.ravel(), cuts * n + np.arange(loads.shape[2]))
     matrix[np.ix_(at, at)] = last.matrix
-    first, end = pencil.position[nodes].min(), pencil.position.max() + 1
-    pairs = pencil.pairs(first, end)
-    rows, columns = pencil.ends(pairs)
-    blocks = pencil.blocks(pairs, pencil.of_cut, pencil.of_cut)
-    n = pencil.of_cut.size
-    row, column = (np.searchsorted(nodes, part) for part in (rows, columns))
-    split = matrix[: nodes.size * n, : nodes.size * n].reshape(nodes.size, n, nodes.size, n)
-    split[row, :, column] += blocks
+    pairs = pencil.pairs(first, first + cuts)
+    row, column = (pencil.position[part] - first for part in pencil.ends(pairs))
+    between = matrix[: cuts * n, : cuts * n].reshape(cuts, n, cuts, n)
+    between[row, :, column] += pencil.blocks(pairs, pencil.of_cut, pencil.of_cut)
     return np.tril(matrix) + np.tril(matrix, -1).T
-
-
-def _offsets(some: NDArray[np.int64], all_nodes: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Unknowns (n, size) of nodes among those of all of them."""
-    return np.asarray(np.searchsorted(all_nodes, some)[:, None] * size + np.arange(size))
 
 
 def _front_remainder(
@@ -217,7 +200,7 @@ def _front_remainder(
     n, m = pencil.unknowns.size, pencil.of_cut.size
     width = loads.shape[2] if front.loaded else 0
     own = front.own.size * n
-    sizes = np.where(pencil.kept[front.rest], m, n)
+    sizes = np.where(np.arange(front.rest.size) < front.inner, n, m)
     rest = int(sizes.sum()) + width
     pivot = np.zeros((own, own), order="F")
     below = np.zeros((rest, own), order="F")
@@ -247,19 +230,19 @@ def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> No
     row = pencil.position[rows] - first
     place = np.full(pencil.position.size, -1)
     place[front.rest] = np.arange(front.rest.size)
-    inner = front.inner
+    at, inner = place[rows], front.inner
     own = pivot.reshape((n, count, n, count), order="F")
     later = below[: inner * n].reshape((n, inner, n, count), order="F")
     cuts = front.rest.size - inner
     kept = below[inner * n : inner * n + cuts * m].reshape((m, cuts, n, count), order="F")
-    for target, at, chosen, unknowns in (
+    for target, goal, chosen, unknowns in (
         (own, row, row < count, pencil.unknowns),
-        (later, place[rows], (row >= count) & pencil.inner[rows], pencil.unknowns),
-        (kept, place[rows] - inner, pencil.kept[rows], pencil.of_cut),
+        (later, at, (row >= count) & (at < inner), pencil.unknowns),
+        (kept, at - inner, (row >= count) & (at >= inner), pencil.of_cut),
     ):
         if chosen.any():
             blocks = pencil.blocks(pairs[chosen], unknowns, pencil.unknowns)
-            target[:, at[chosen], :, column[chosen]] = blocks
+            target[:, goal[chosen], :, column[chosen]] = blocks
 
 
 def _extend(

@@ -1,7 +1,7 @@
 """The order in which the inner nodes of a plane mesh are eliminated: nested dissection.
 
-The nodes are bisected again and again. Those of one half that share an element with the other half
-separate both: they are eliminated after them. What is left of a front, its boundary, is small.
+The elements are bisected again and again. The nodes that both halves share separate them and are
+eliminated after them. What is left of a front, its boundary, is small.
 """
 
 from __future__ import annotations
@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     Nodes = NDArray[np.int64]
 
 #: Parts of no more nodes are eliminated at once.
-LEAF = 24
+LEAF = 12
+#: Directions of the lines that are tried to bisect a part.
+DIRECTIONS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +52,10 @@ class Front:
 
 def dissect(
     places: NDArray[np.float64],
-    rows: Nodes,
-    columns: Nodes,
+    cells: Sequence[Nodes],
     *,
     inner: NDArray[np.bool_],
-    kept: NDArray[np.bool_],
+    kept: Nodes,
     loaded: NDArray[np.bool_],
 ) -> tuple[list[Front], Nodes]:
     """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
@@ -61,94 +64,69 @@ def dissect(
     ----------
     places : (N, 2) array
         Of the nodes, mm.
-    rows, columns : (n,) arrays
-        Pairs of nodes that share an element.
-    inner, kept, loaded : (N,) arrays
-        Nodes to be eliminated; nodes that stay; nodes that carry loads.
+    cells : sequence of (E, k) arrays
+        Nodes of the elements, kind by kind.
+    inner, loaded : (N,) arrays
+        Whether a node is eliminated; whether it carries loads.
+    kept : (c,) array
+        Nodes that stay.
 
     Returns
     -------
     fronts : list of Front
     position : (N,) array
-        When a node is eliminated; kept nodes stand behind all others, held ones before.
+        When a node is eliminated; kept nodes stand behind all others in their order, others are -1.
     """
-    inside = inner[rows] & inner[columns]
-    one, other = rows[inside], columns[inside]
+    sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
+    element = np.repeat(np.arange(sizes.size), sizes)
+    node = np.concatenate([part.ravel() for part in cells])
+    middles = np.concatenate([places[part].mean(axis=1) for part in cells])
     owns: list[Nodes] = []
     parts: list[tuple[int, ...]] = []
 
-    def split(nodes: Nodes, one: Nodes, other: Nodes) -> int:
-        if nodes.size <= LEAF:
-            owns.append(nodes)
-            parts.append(())
-            return len(owns) - 1
-        side, between = _bisected(nodes, places, one, other)
-        below = []
-        for number in (0, 1):
-            mine = (side[one] == number) & (side[other] == number)
-            half = nodes[side[nodes] == number]
-            if half.size:
-                below.append(split(half, one[mine], other[mine]))
-        owns.append(between)
+    def split(element: Nodes, node: Nodes) -> int:
+        """Number of the front that eliminates the last nodes of these pairs."""
+        own, below = np.unique(node), []
+        if own.size > LEAF:
+            own, halves = _bisected(element, node, middles)
+            below = [split(element[half], node[half]) for half in halves if half.any()]
+        owns.append(own)
         parts.append(tuple(below))
         return len(owns) - 1
 
-    split(np.flatnonzero(inner), one, other)
-    return _fronts(owns, parts, rows, columns, inner=inner, kept=kept, loaded=loaded)
-
-
-def _bisected(
-    nodes: Nodes, places: NDArray[np.float64], one: Nodes, other: Nodes
-) -> tuple[Nodes, Nodes]:
-    """Side of each node (0, 1; 2: between them), and the smallest separator of four directions."""
-    best: tuple[Nodes, Nodes] | None = None
-    for turn in np.arange(4) * (np.pi / 4):
-        along = places[nodes] @ [np.cos(turn), np.sin(turn)]
-        side = np.full(len(places), 3)
-        side[nodes] = along > np.median(along)
-        between = np.unique(other[(side[one] == 0) & (side[other] == 1)])
-        side[between] = 2
-        if best is None or between.size < best[1].size:
-            best = side, between
-    assert best is not None
-    return best
-
-
-def _fronts(
-    owns: list[Nodes],
-    parts: list[tuple[int, ...]],
-    rows: Nodes,
-    columns: Nodes,
-    *,
-    inner: NDArray[np.bool_],
-    kept: NDArray[np.bool_],
-    loaded: NDArray[np.bool_],
-) -> tuple[list[Front], Nodes]:
-    """Fronts with their boundaries, from the nodes that each eliminates."""
+    split(element[inner[node]], node[inner[node]])
     position = np.full(inner.size, -1)
     order = np.concatenate(owns)
     position[order] = np.arange(order.size)
-    position[kept] = order.size + np.arange(np.count_nonzero(kept))
-    live = inner | kept
+    position[kept] = order.size + np.arange(kept.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
-        beside = np.zeros(inner.size, dtype=bool)
-        mine = np.zeros(inner.size, dtype=bool)
-        mine[own] = True
-        beside[columns[mine[rows]]] = True
-        for part in below:
-            beside[fronts[part].rest] = True
-        beside[own] = False
-        last = position[own].max() if own.size else -1
-        rest = np.flatnonzero(beside & live & (position > last))
+        touched = np.zeros(sizes.size, dtype=bool)
+        touched[element[np.isin(node, own)]] = True
+        beside = [node[touched[element]], *(fronts[part].rest for part in below)]
+        rest = np.unique(np.concatenate(beside))
+        rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
-        fronts.append(
-            Front(
-                own,
-                rest,
-                int(np.count_nonzero(inner[rest])),
-                below,
-                bool(loaded[own].any() or any(fronts[part].loaded for part in below)),
-            )
-        )
+        carries = loaded[own].any() or any(fronts[part].loaded for part in below)
+        fronts.append(Front(own, rest, int(inner[rest].sum()), below, bool(carries)))
     return fronts, position
+
+
+def _bisected(
+    element: Nodes, node: Nodes, middles: NDArray[np.float64]
+) -> tuple[Nodes, list[NDArray[np.bool_]]]:
+    """Nodes that both halves share, and the pairs of each half without them.
+
+    The best of some directions: the fewest nodes.
+    """
+    elements = np.unique(element)
+    best: tuple[Nodes, list[NDArray[np.bool_]]] | None = None
+    for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
+        along = middles @ [np.cos(turn), np.sin(turn)]
+        ahead = along[element] > np.median(along[elements])
+        own = np.intersect1d(node[ahead], node[~ahead])
+        if best is None or own.size < best[0].size:
+            free = ~np.isin(node, own)
+            best = own, [ahead & free, ~ahead & free]
+    assert best is not None
+    return best

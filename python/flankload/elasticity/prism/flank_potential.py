@@ -87,7 +87,7 @@ class FlankSurface:
     cos_base_helix : float
         cos(beta_b).
     slope : callable
-        Arc lengths (n,) to ds/dz along the straight line through the place, (n,).
+        Arc lengths to ds/dz along the straight line through the place, of the same shape.
     end : (float, float)
         Strengths psi of the images behind the end faces at low and high z.
     wedge : (float, float)
@@ -224,7 +224,7 @@ class _Rule:
         spare = surface.length_mm - ahead
         behind = low + spare[:, None] * at  # s'
         places = behind + ahead[:, None], behind
-        slope = 0.5 * sum(surface.slope(s.ravel()).reshape(s.shape) for s in places)
+        slope = 0.5 * sum(surface.slope(s) for s in places)
         x = ahead[:, None] - slope * z_change[:, None]
         factor = (weight * spare)[:, None] * gauss
         factor = factor / np.hypot(x, (y_change / surface.cos_base_helix)[:, None])

@@ -97,7 +97,7 @@ def _element_blocks(
 ) -> Floats:
     """Blocks (E k k, 4, 3, 3) of all pairs of nodes of each element."""
     basis = block_basis(nodes, kind, connectivity, SECTION_DEGREE)
-    value = np.stack([np.broadcast_to(s[0].value, basis.dx.shape) for s in basis.basis])
+    value = np.stack([np.broadcast_to(np.asarray(s[0]), basis.dx.shape) for s in basis.basis])
     slope = np.stack([s[0].grad for s in basis.basis])  # (k, 2, E, g)
     dx, dy = slope[:, 0], slope[:, 1]
     x, y = np.asarray(basis.global_coordinates())

@@ -1,0 +1,126 @@
+"""A condensed prism against all its unknowns at once, the closed ring against the meshed one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flankload.elasticity.finite_elements import INTEGRATION_DEGREE, stiffness
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.prism import section_stiffness as section_module
+from flankload.elasticity.prism.axial_basis import AxialBasis
+from flankload.elasticity.prism.condensation import condense_prism
+from flankload.elasticity.prism.dissection import dissect
+from flankload.elasticity.prism.section_stiffness import section_stiffness
+from flankload.elasticity.sector_closure import CondensedSector, close_ring, condense
+from tests.support.plain_prism import (
+    full_prism_ring,
+    product_loads,
+    unknowns,
+    whole_stiffness,
+)
+from tests.support.plane_sectors import STEEL, ring_sector
+from tests.support.ring_bodies import gear_body
+from tests.support.tolerances import CLOSURE
+
+TEETH = 5
+AXIAL = AxialBasis((-3.0, 4.0), 3)
+
+
+def _condensed(
+    mesh, span, *, twist: float, twisted: bool | None = None, cut_degree: int = 3, degree: int = 3
+) -> CondensedSector:
+    axial = AxialBasis(AXIAL.range_mm, degree)
+    loads = product_loads(
+        mode_loads(mesh, span, 3, twist=twist), axial.load_vectors(min(2, degree))
+    )
+    return condense_prism(
+        section_stiffness(mesh.nodes, mesh.cells, STEEL, twist),
+        axial,
+        mesh,
+        loads.reshape(len(mesh.nodes), 3 * axial.count, -1),
+        cut_degree=cut_degree,
+        twisted=bool(twist) if twisted is None else twisted,
+    )
+
+
+def _same(found: CondensedSector, expected: CondensedSector, part: float) -> None:
+    for one, two in zip(
+        (*found.local, *found.carried, found.stiffness),
+        (*expected.local, *expected.carried, expected.stiffness),
+        strict=True,
+    ):
+        np.testing.assert_allclose(one, two, rtol=0, atol=part * np.abs(two).max())
+
+
+@pytest.mark.parametrize("cut_degree", [1, 3])
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float, cut_degree: int) -> None:
+    body = gear_body(17, 4.5)
+    mesh, span = body.mesh, body.mode_range_mm
+    section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
+    matrix = whole_stiffness(section, AXIAL)
+    loads = product_loads(mode_loads(mesh, span, 3, twist=twist), AXIAL.load_vectors(2))
+    cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
+    kept = unknowns(cuts, AXIAL.count, cut_degree + 1)
+    held = np.union1d(unknowns(mesh.fixed_nodes, AXIAL.count), unknowns(cuts, AXIAL.count))
+    inner = np.setdiff1d(np.arange(matrix.shape[0]), held)
+    coupling = matrix[inner][:, kept].toarray()
+    moved = np.linalg.solve(matrix[inner][:, inner].toarray(), np.hstack([loads[inner], coupling]))
+    by_loads, by_cuts = np.split(moved, [loads.shape[1]], axis=1)
+    expected = CondensedSector(
+        local=(loads[inner].T @ by_loads,),
+        carried=(loads[kept] - coupling.T @ by_loads,),
+        stiffness=matrix[kept][:, kept].toarray() - coupling.T @ by_cuts,
+        components=3,
+    )
+    _same(_condensed(mesh, span, twist=twist, cut_degree=cut_degree), expected, CLOSURE)
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_closed_ring_of_prisms_equals_the_meshed_ring(twist: float) -> None:
+    mesh, span = ring_sector(TEETH, rows=2, columns=4)
+    found = close_ring(_condensed(mesh, span, twist=twist), TEETH)
+    expected = full_prism_ring(mesh, span, 3, AXIAL, twist=twist, load_degree=2)
+    assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
+    # cuts that follow lower degrees are stiffer, and little
+    fewer = close_ring(_condensed(mesh, span, twist=twist, cut_degree=1), TEETH)
+    assert 1e-6 < (expected - fewer)[0, 0, 0] / expected[0, 0, 0] < 0.05
+
+
+def test_the_two_halves_of_a_straight_prism_are_the_whole() -> None:
+    mesh, span = ring_sector(TEETH, rows=2, columns=4)
+    halves = _condensed(mesh, span, twist=0.0, twisted=False)
+    _same(halves, _condensed(mesh, span, twist=0.0, twisted=True), CLOSURE)
+
+
+def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(section_module, "SECTION_DEGREE", INTEGRATION_DEGREE["quad9"])
+    mesh, span = ring_sector(TEETH, rows=2, columns=4)
+    found = close_ring(_condensed(mesh, span, twist=0.0, cut_degree=0, degree=0), TEETH)
+    plane = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    sector, _ = condense(plane, mode_loads(mesh, span, 3), mesh)
+    expected = AXIAL.width_mm * close_ring(sector, TEETH)
+    assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
+
+
+def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:
+    body = gear_body(16, 1.0)
+    mesh = body.mesh
+    kept = np.concatenate([mesh.left_nodes, mesh.right_nodes])
+    inner = np.ones(len(mesh.nodes), dtype=bool)
+    inner[kept] = inner[mesh.fixed_nodes] = False
+    loaded = np.zeros_like(inner)
+    loaded[mesh.flank_edges] = True
+    fronts, position = dissect(
+        mesh.nodes, [cells for _, cells in mesh.cells], inner=inner, kept=kept, loaded=loaded
+    )
+    own = np.concatenate([front.own for front in fronts])
+    assert np.array_equal(np.sort(own), np.flatnonzero(inner))
+    assert np.array_equal(position[own], np.arange(own.size))
+    assert np.array_equal(np.argsort(position)[-kept.size :], kept)
+    assert fronts[-1].inner == 0
+    assert fronts[-1].loaded
+    assert max(front.own.size for front in fronts) < 0.06 * own.size

@@ -1,0 +1,115 @@
+"""Compliance of a prism: symmetry, mirror images, limits, what is refused, fewer modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.ring import build_ring
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.near_field import logarithm_strength
+from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.errors import SceneError
+from tests.support.plane_sectors import STEEL
+from tests.support.ring_bodies import gear, ring
+from tests.support.tolerances import ROUND_OFF, SOLVER
+
+BODY = build_gear(gear(), "body_1", flank_element_mm=2.25)
+COARSE = Prism((-7.0, 7.0), degree=6, load_degree=2, cut_degree=3)
+TWIST = float(np.tan(np.radians(15.0)) / 36.0)
+
+#: Of the projected near field on a helix, whose points depend on the number of modes.
+QUADRATURE = 1e-5
+
+
+def _found(prism: Prism = COARSE, **keys) -> BodyCompliance:
+    return prism_compliance(BODY, replace(prism, **keys), n_modes=3)
+
+
+def _close(one: np.ndarray, two: np.ndarray, part: float) -> None:
+    np.testing.assert_allclose(one, two, rtol=0, atol=part * np.abs(two).max())
+
+
+@pytest.mark.parametrize("twist", [0.0, TWIST])
+def test_it_obeys_betti_without_being_told(twist: float) -> None:
+    found = _found(twist=twist)
+    assert found.asymmetry < ROUND_OFF
+    smooth, teeth = found.smooth, BODY.teeth
+    _close(smooth, smooth[-np.arange(teeth) % teeth].transpose(0, 2, 1), 1e-15)
+    assert smooth.shape == (16, 9, 9)
+    assert found.kernel == logarithm_strength(STEEL, "strain")
+    assert found.axial is not None
+    assert (found.axial.range_mm, found.axial.degree, found.axial.count) == ((-7.0, 7.0), 2, 3)
+    assert found.counters["fe_factorisations"] == (1 if twist else 2)
+    assert found.degrees_of_freedom > 3000
+
+
+def test_spur_flanks_do_not_couple_even_and_odd_modes() -> None:
+    found = _found().smooth.reshape(16, 3, 3, 3, 3)
+    assert np.abs(found[:, :, 0, :, 1]).max() < ROUND_OFF * np.abs(found).max()
+    assert np.abs(_found(twist=TWIST).smooth.reshape(found.shape)[:, :, 0, :, 1]).max() > 0
+
+
+def test_a_twist_that_vanishes_is_none() -> None:
+    straight, hardly = _found(), _found(twist=1e-13)
+    _close(hardly.smooth, straight.smooth, SOLVER)
+    assert hardly.axial.end == pytest.approx(straight.axial.end)
+
+
+def test_the_other_hand_is_the_mirror_image() -> None:
+    right, left = _found(twist=TWIST), _found(twist=-TWIST)
+    parity = np.tile((-1.0) ** np.arange(3), 3)
+    _close(left.smooth, right.smooth * np.outer(parity, parity), 1e-12)
+    assert left.axial.end == pytest.approx(right.axial.end[::-1])
+    # a right hand's working flank leans out of the end at low z
+    assert right.axial.end[0] < right.axial.end[1]
+
+
+def test_its_place_on_the_axis_changes_nothing() -> None:
+    _close(_found(range_mm=(3.0, 17.0), twist=TWIST).smooth, _found(twist=TWIST).smooth, 1e-11)
+
+
+def test_modes_in_z_that_the_elements_cannot_carry_are_refused() -> None:
+    with pytest.raises(SceneError) as caught:
+        _found(degree=6, load_degree=3)
+    assert str(caught.value) == ("load_degree_z: expected 0 ... 2: axial_degree 6 less 4, found 3")
+    coarse = Prism((-7.0, 7.0), degree=4, load_degree=2, cut_degree=3, screening=True)
+    _close(_found(coarse).smooth[:, :3, :3], _found().smooth[:, :3, :3], 0.01)
+    with pytest.raises(SceneError, match=r"expected 0 ... 2: axial_degree 4 less 2, found 3"):
+        _found(coarse, load_degree=3)
+    with pytest.raises(SceneError, match="face_width_mm: expected above 0, found -2"):
+        _found(range_mm=(1.0, -1.0))
+
+
+def test_a_rounded_tip_and_a_whole_mesh_are_refused() -> None:
+    rounded = build_gear(gear(tip_radius_mm=0.3), "body_1", flank_element_mm=2.25)
+    with pytest.raises(SceneError, match="expected a sharp tip in three dimensions"):
+        prism_compliance(rounded, COARSE, n_modes=3)
+
+
+def test_a_rigid_body_does_not_yield() -> None:
+    found = prism_compliance(replace(BODY, rigid=True), COARSE, n_modes=3)
+    assert found.is_rigid
+
+
+def test_teeth_that_stand_inwards_yield_as_well() -> None:
+    body = build_ring(ring(), "body_2", flank_element_mm=1.5)
+    found = prism_compliance(body, Prism((0.0, 20.0), 0.002, 6, 2, 3), n_modes=3)
+    assert found.asymmetry < ROUND_OFF
+    other = prism_compliance(body, Prism((0.0, 20.0), -0.002, 6, 2, 3), n_modes=3)
+    parity = np.tile((-1.0) ** np.arange(3), 3)
+    _close(other.smooth, found.smooth * np.outer(parity, parity), 1e-12)
+
+
+def test_fewer_modes_are_those_of_a_coarser_job() -> None:
+    found = _found(twist=TWIST)
+    in_s = prism_compliance(BODY, replace(COARSE, twist=TWIST), n_modes=2)
+    _close(found.fewer_modes().smooth, in_s.smooth, QUADRATURE)
+    in_z = _found(twist=TWIST, load_degree=0)
+    fewer = found.fewer_axial_modes(2)
+    _close(fewer.smooth, in_z.smooth, QUADRATURE)
+    assert fewer.axial == in_z.axial
+    assert in_z.fewer_axial_modes(1) is in_z
