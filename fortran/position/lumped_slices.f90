@@ -1,21 +1,21 @@
 !> A position in three dimensions at the lumped level: one unknown for each slice of a flank.
 !>
-!> The equations are those of `lumped_pass`. Slices are many, and their flanks alike: the gaps are
-!> followed exactly under two sets of forces only, those that are estimated and those that are
-!> nearly right; between, a contact grows with a power of its force.
+!> The equations are those of `lumped_pass`. Slices are many: they begin as contacts of parabolas,
+!> gaps are looked at only under forces that are nearly right, and beside these a contact grows with
+!> a power of its force.
 module flankload_lumped_slices
     use flankload_kinds, only: wp
     use flankload_status, only: code_conforms, code_unsettled_widths
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
-    use flankload_lumped_hertz, only: least_half_width
+    use flankload_lumped_hertz, only: hertz_half_width, least_half_width
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type
     use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
         & look_at_places
     use flankload_near_field, only: image_recession
-    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state, would_touch
     use flankload_slice_coupling, only: load_slices, widen_slices
@@ -28,9 +28,9 @@ module flankload_lumped_slices
     !> Newton's method takes 4 to 6 passes; from the first number on, the last near field divided by
     !> the last force stands for its derivative.
     integer, parameter :: newton_passes = 12, max_passes = 60
-    !> Gaps are followed exactly once more where no force changes by more than this part of the
-    !> largest: what a power law of the force leaves is below its square.
-    real(wp), parameter :: nearly = 1.0e-3_wp
+    !> Gaps are looked at where no force changes by more than the first part of the largest, and a
+    !> state holds whose forces are no further than the second from those of the last look.
+    real(wp), parameter :: nearly = 1.0e-2_wp, beside_look = 1.0e-5_wp
 
 contains
 
@@ -48,10 +48,10 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, looks, k
+        integer :: pass, k
         integer, allocatable :: of(:)
         logical :: joins(size(position%zones)), stands
-        real(wp) :: change
+        real(wp) :: change, since_look
         real(wp), dimension(size(position%zones)) :: forces, last, full
         real(wp), allocatable :: coupling(:, :), rubbing(:, :)
         type(place_type) :: places(size(position%zones))
@@ -67,28 +67,32 @@ contains
         if (allocated(error)) return
         call widen_slices(body_1, body_2, forces, position)
         allocate (of(0))
-        looks = 0
         do pass = 1, max_passes
             if (size(of) /= count(joins)) then
                 of = pack([(k, k=1, size(joins))], joins)
                 call couple(body_1, body_2, position, of, coupling, rubbing)
-                looks = 0
+                call take_parabolas(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
+                    & places)
+                call reserve_pairs(state%pairs, size(of))
+                since_look = huge(1.0_wp)
+                change = huge(1.0_wp)
             end if
-            if (looks == 0 .or. (looks == 1 .and. change <= nearly)) then
+            if (change <= nearly .and. since_look > beside_look) then
                 call look_at_places(body_1, body_2, position, of, forces, full, places, &
                     & state%pairs, error)
                 if (allocated(error)) return
-                looks = looks + 1
+                since_look = 0.0_wp
             else
-                call follow_places(position, of, max(forces, least_part*full), places, state%pairs)
+                call follow_places(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
+                    & places, state%pairs)
             end if
             last = forces
             call solve_pass(position, of, places, coupling, rubbing, torque, &
                 & pass > newton_passes, forces, state, stands, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
-            if (change > nearly) looks = min(looks, 1)
-            stands = stands .and. looks == 2
+            since_look = since_look + change
+            stands = stands .and. since_look <= beside_look
             if (.not. stands) cycle
             stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
             if (stands) exit
@@ -181,6 +185,31 @@ contains
         joins = forces > 0.0_wp .or. position%gap < contact%motion(1) &
             & + joining*(contact%motion(1) - minval(position%gap))
     end subroutine estimate_forces
+
+    !> Places as contacts of parabolas.
+    pure subroutine take_parabolas(position, of, forces, places)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> Forces of the zones [N], above 0, shape (zones)
+        real(wp), intent(in) :: forces(:)
+        !> The places, shape (zones)
+        type(place_type), intent(inout) :: places(:)
+
+        integer :: k
+
+        do k = 1, size(of)
+            associate (place => places(of(k)), zone => position%zones(of(k)))
+                place%force = forces(of(k))
+                place%reach = hertz_half_width(place%force, zone%curvature, &
+                    & position%kernel(of(k)), position%flank_length)
+                place%reach_slope = 0.5_wp*place%reach/place%force
+                place%lever = zone%lever
+                place%torque_lever = zone%lever
+            end associate
+        end do
+    end subroutine take_parabolas
 
     !> The places under other forces: the reach of a contact grows with a power of its force.
     pure subroutine follow_places(position, of, forces, places, pairs)

@@ -28,7 +28,7 @@ LINES = {2000.0: (1.5e-3, 1e-3), 200.0: (7e-3, 2.5e-3)}
 WIDTH = 1e6
 #: Central differences of a sweep: second order in the step, and the width to which loads are
 #: spread, which follows the torque and not the forces.
-DIFFERENCES = 1e-4
+DIFFERENCES = 1e-3
 
 
 @cache
