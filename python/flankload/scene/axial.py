@@ -17,6 +17,7 @@ from flankload.scene.table import (
 )
 
 if TYPE_CHECKING:
+    from flankload.scene.accuracy import Accuracy
     from flankload.scene.pair import Pair
     from flankload.scene.scene_file import SceneFile
 
@@ -170,6 +171,14 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
                 length,
             )
     return body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+
+
+def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
+    """Degrees of the displacements and of the pressure modes along the axis."""
+    degree = accuracy.axial_degree or AXIAL_DEGREE
+    if accuracy.load_degree_z is not None:
+        return degree, accuracy.load_degree_z
+    return degree, min(LOAD_DEGREE, degree - DEGREES_ABOVE_LOAD)
 
 
 def three_dimensional_key(

@@ -158,6 +158,7 @@ def prism_compliance(
         mode_norms_z(axial.width_mm, prism.load_degree) / surface.cos_base_helix,
     ).ravel()
     response /= np.outer(norms, norms)
+    account.count(fe_solutions=norms.size, unit_loads_normal=norms.size)
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     laps("near field")

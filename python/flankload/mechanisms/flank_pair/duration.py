@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from flankload.mechanisms.duration import SMOOTHING_S, Duration, elements_seconds, work_in_words
 from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.scene.axial import degrees_of
 
 if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
@@ -38,20 +39,23 @@ def duration_of(scene: Scene, pair: BodyPair) -> Duration:
     -------
     Duration
     """
-    counted, elements_s, unknowns = predicted_work(scene, pair), 0.0, 0
+    counted, elements_s, total = predicted_work(scene, pair), 0.0, 0
     for z, body in enumerate((pair.body_1, pair.body_2)):
         counters = counted.get(f"compliance body {z + 1}")
         if counters is not None and body.mesh is not None:
-            unknowns += unknowns_of(body)
+            unknowns = unknowns_of(body)
+            if pair.slices is not None:  # three components in place of two, each of degree p
+                unknowns = unknowns // 2 * 3 * (degrees_of(scene.accuracy)[0] + 1)
+            total += unknowns
             count = sum(len(cells) for _, cells in body.mesh.cells)
-            elements_s += elements_seconds(counters, unknowns_of(body), count)
-            if scene.accuracy.estimate:
+            elements_s += elements_seconds(counters, unknowns, count)
+            if scene.accuracy.estimate and pair.slices is None:
                 loads = counters["unit_loads_normal"] + counters["unit_loads_tangential"]
                 elements_s += SMOOTHING_S * count * loads
     teeth = pair.pairing.sites.size if pair.pairing.whole_circle else 0
     work = work_in_words(scene, pair.position_rad.size, "at least " * pair.adaptive)
     work += f" x {teeth} teeth at once" * bool(teeth)
-    work += f", elements with {unknowns} unknowns" * bool(unknowns)
+    work += f", elements with {total} unknowns" * bool(total)
     return Duration(elements_s, _states_s(scene, pair), work)
 
 
@@ -71,7 +75,7 @@ def _states_s(scene: Scene, pair: BodyPair) -> float:
 def _pairs(pair: BodyPair) -> float:
     """Number of contact pairs of a state."""
     if pair.effects.lumped_contact:
-        return LUMPED_PAIRS
+        return LUMPED_PAIRS * (1 if pair.slices is None else pair.slices.count)
     grid, pairing = pair.discretization.grid, pair.pairing
     cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width
     touching = TOUCHING

@@ -129,11 +129,12 @@ def unseen_notes(
     tuple of str
     """
     if pair.slices is not None:
-        return (
-            "the error estimate does not contain the error of the plane elements, of the "
-            "displacements' degree along the axis (accuracy.axial_degree), and of forces that "
-            "turn at tip corners",
+        note = (
+            "the error estimate does not contain the error of the plane elements, of the degree of "
+            "the displacements along the axis (accuracy.axial_degree), and of forces that turn at "
+            "tip corners"
         )
+        return (note,)
     bodies = (pair.body_1, pair.body_2)
     unknown = [
         f"body_{z + 1}"

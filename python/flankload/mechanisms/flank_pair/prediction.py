@@ -16,6 +16,7 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.mechanisms.flank_pair.stages import modes_of
+from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes += TIP_MODES
             if pair.effects.three_dimensions:
-                stages[stage] = {}  # the blocks of the elimination are not known in advance
+                stages[stage] = _prism(body, modes * (degrees_of(scene.accuracy)[1] + 1))
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -114,6 +115,13 @@ def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) 
         recoveries=round(work.recoveries) * places,
         coast=round(work.coast_readings) * modes,
     )
+
+
+def _prism(body: Body, modes: int) -> dict[str, int]:
+    """Work of a three-dimensional sector; without a helix it has two parts of half the size."""
+    assert body.axial is not None
+    factorisations = 1 if body.axial.twist_rad_per_mm else 2
+    return _solved(factorisations, modes, 0, growth=0)
 
 
 def _loads(work: Work) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import grown
-from flankload.scene.axial import AXIAL_DEGREE, DEGREES_ABOVE_LOAD, LOAD_DEGREE
+from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
 
@@ -237,12 +237,9 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 def _prism_compliance(body: Body, scene: Scene, discretization: Discretization) -> BodyCompliance:
     """Compliance of a three-dimensional body."""
-    axial, accuracy = body.axial, scene.accuracy
+    axial = body.axial
     assert axial is not None
-    degree = accuracy.axial_degree or AXIAL_DEGREE
-    load_degree = accuracy.load_degree_z
-    if load_degree is None:
-        load_degree = min(LOAD_DEGREE, degree - DEGREES_ABOVE_LOAD)
+    degree, load_degree = degrees_of(scene.accuracy)
     prism = Prism(axial.range_mm, axial.twist_rad_per_mm, degree=degree, load_degree=load_degree)
     return prism_compliance(body, prism, n_modes=modes_of(body, scene, discretization))
 
