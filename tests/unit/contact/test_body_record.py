@@ -16,11 +16,14 @@ from flankload.contact.pair_table import COLUMNS, FRICTION_COLUMNS
 from tests.support.body_records import N_HEADER, NAMES, counts_of, parts_of
 from tests.support.paths import FORTRAN
 from tests.support.pressed_cylinders import arc
+from tests.support.tolerances import SOLVER
 
 NAN = np.nan
 SITES, MODES, BLOCKS = 2, 3, 2
 #: The same number of modes, with which the last two are those of a tip.
 TIP = np.array([20.0, 1.0, 0.3])
+#: A place is between both flanks, off each by half of the gap that closes.
+PLACE = 1e-4
 RIGID = {"kernel": 0.0}
 
 
@@ -392,6 +395,39 @@ def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
 def test_a_rigid_body_needs_no_nodes() -> None:
     assert sweep_info(record_of(NODES), record_of(**RIGID))[0] == 0
     assert sweep_info(record_of(**RIGID), record_of(NODES))[0] == 0
+
+
+def test_columns_of_pairs_hold_what_they_say() -> None:
+    """Places on both arcs, unit normals, forces that make the torque, gaps where there is none."""
+    names = (*COLUMNS, *FRICTION_COLUMNS)
+    room, mu = 200, 0.1
+    site, table = np.zeros(room, dtype=np.intc), np.empty(room * len(names))
+    rubbing, turn_2 = record_of(("friction", [1.0, mu, mu])), np.pi + 0.1
+    motion = np.array([[0.1], [turn_2], [1.0], [-0.5]], order="F")
+    motion[0] += sweep_info(rubbing, record_of(), n_columns=13, motion=motion)[1][0, 0]
+    arguments = {"pair_site": site, "pair_table": table, "n_columns": len(names), "motion": motion}
+    info, _ = sweep_info(rubbing, record_of(), **arguments)
+    assert info == 0
+    n = int(np.count_nonzero(site))
+    assert (site[:n] == 1).all()
+    column = dict(zip(names, table.reshape(room, -1)[:n].T, strict=True))
+    place = np.array([column["x"], column["y"]])
+    np.testing.assert_allclose(np.hypot(*place), column["radius"], rtol=SOLVER)
+    np.testing.assert_allclose(np.hypot(column["normal_x"], column["normal_y"]), 1.0, rtol=SOLVER)
+    for axis, angle in ((0.0, motion[0, 0]), (72.0, turn_2)):
+        cosine, sine = np.cos(angle), np.sin(angle)
+        centre = np.array([axis + 36.0 * cosine + 20.0 * sine, 36.0 * sine - 20.0 * cosine])
+        np.testing.assert_allclose(np.hypot(*(place - centre[:, None])), 20.0, rtol=PLACE)
+    for s in ("s_1", "s_2"):
+        assert ((column[s] > 0.0) & (column[s] < 12.0)).all()
+    np.testing.assert_allclose(np.diff(column["s_1"]), column["cell"][0], rtol=0.01)
+    assert column["force"] @ column["lever"] == pytest.approx(3600.0, rel=SOLVER)
+    carries = column["force"] > 0.0
+    assert 0 < carries.sum() < n
+    assert np.abs(column["gap"][carries]).max() < 1e-12
+    assert column["gap"][~carries].min() > 1e-9
+    np.testing.assert_allclose(np.abs(column["friction"]), mu, rtol=SOLVER)
+    assert (np.sign(column["sliding"]) == np.sign(column["friction"])).all()
 
 
 def test_columns_of_pairs_have_one_order() -> None:
