@@ -101,8 +101,11 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     call read_body(record_2, body_2, valid_2)
     if (.not. valid_1) info = -8
     if (.not. valid_2) info = -10
-    if (.not. all(ieee_is_finite(torques) .and. torques >= 0.0d0)) info = -6
-    if (.not. all(abs(settings) < huge(info))) info = -11
+    if (.not. all(ieee_is_finite(torques))) info = -6
+    if (.not. all(ieee_is_finite(settings))) info = -11
+    if (info < 0) return
+    if (any(torques < 0.0d0)) info = -6
+    if (any(abs(settings(4:)) > huge(info))) info = -11
     if (info < 0) return
     if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
     ! coast flanks and friction are those of flank 1

@@ -16,11 +16,15 @@ from flankload.contact.pair_table import COLUMNS, FRICTION_COLUMNS
 from tests.support.body_records import N_HEADER, NAMES, counts_of, parts_of
 from tests.support.paths import FORTRAN
 from tests.support.pressed_cylinders import arc
+from tests.support.tolerances import SOLVER
 
 NAN = np.nan
 SITES, MODES, BLOCKS = 2, 3, 2
 #: The same number of modes, with which the last two are those of a tip.
 TIP = np.array([20.0, 1.0, 0.3])
+#: A place is between both flanks, off each by half of the gap that closes.
+PLACE = 1e-4
+RIGID = {"kernel": 0.0}
 
 
 def main_arguments(**changes: Any) -> list[Any]:
@@ -203,7 +207,8 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
         (2, "shift", np.zeros(MODES)),
         (3, "shift", np.full(MODES * SITES, NAN)),
         (2, "sides", [1.0]),
-        (3, "sides", [1.0, 2.0]),
+        (3, "sides", [1.0, 0.5]),
+        (3, "sides", [2.0, -1.0]),
         (3, "sides", [-1.0, -1.0]),
         (3, "sides", [-1.0, 1.0]),
         (2, "friction", [1.0, 0.1]),
@@ -233,6 +238,17 @@ def test_modes_of_a_tip_need_one_of_the_flank() -> None:
     assert part_info("tip", TIP, record) == -3
 
 
+def test_working_flanks_come_before_coast_flanks() -> None:
+    three = {
+        "site_angles": np.zeros(3),
+        "deviations": np.zeros(3),
+        "block": np.ones((3, 3), dtype=np.intc, order="F"),
+    }
+    record = np.append(record_of(**three), np.zeros(3))
+    assert part_info("sides", [1.0, -1.0, 1.0], record) == -3
+    assert part_info("sides", [1.0, -1.0, -1.0], record) == 0
+
+
 def test_displacements_along_the_flank_need_as_many_loads_along_it() -> None:
     record = np.append(record_of(("tangential", np.zeros(2 * MODES * BLOCKS))), np.zeros(50))
     assert part_info("along", np.zeros(9 * BLOCKS), record) == -2
@@ -250,6 +266,48 @@ def test_a_sweep_of_records() -> None:
     np.testing.assert_allclose(rotation - turned, shifted / 36.0, rtol=0.02)
 
 
+NO_TANGENTIAL = ("tangential", np.zeros(MODES * BLOCKS))
+FRICTION = ("friction", [1.0, 0.1, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("z", "name", "values", "beside", "changes"),
+    [
+        *((z, "tip", [8.0, 1.0, 0.3], [], {"mode_range": np.array([0.0, 5.0])}) for z in (1, 2)),
+        *((z, "wedge", [0.0, 0.3], [], {}) for z in (1, 2)),
+        *((z, "nodes", [0.0, 6.0, 12.0], [], {}) for z in (1, 2)),
+        *((z, "tangential", np.full(MODES * BLOCKS, 1e-6), [], {}) for z in (1, 2)),
+        *((z, "jump", [1e-7], [NO_TANGENTIAL], {}) for z in (1, 2)),
+        *((z, "along", np.full(BLOCKS, 1e-6), [NO_TANGENTIAL], {}) for z in (1, 2)),
+        *((z, "shift", np.full(MODES * SITES, 1e-3), [], {}) for z in (1, 2)),
+        (1, "sides", [1.0, -1.0], [], {"site_angles": np.zeros(SITES)}),
+        (1, "friction", [1.0, 0.2, 0.2], [], {}),
+    ],
+)
+def test_each_part_reaches_the_core(
+    z: int, name: str, values: Any, beside: list[Any], changes: dict[str, Any]
+) -> None:
+    """Without the part, the same sweep finds another rotation."""
+    friction = [FRICTION] if name in ("tangential", "jump", "along") else []
+    steps = 3.0 if name == "along" else 0.0
+
+    def rotation(*parts: tuple[str, Any]) -> float:
+        own = [*(friction if z == 1 else ()), *beside, *parts]
+        mine = record_of(*own, **changes)
+        other = record_of(*(friction if z == 2 else ()), **(changes if name == "sides" else RIGID))
+        rubs = bool(friction) or "friction" in dict(parts)
+        info, found = sweep_info(
+            *((mine, other) if z == 1 else (other, mine)),
+            motion=np.array([[0.05], [np.pi], [1.0], [-0.5]], order="F"),
+            settings=np.array([10.0, 30.0, 2.5, 0.0, steps]),
+            n_columns=13 if rubs else 11,
+        )
+        assert info == 0
+        return float(found[0, 0])
+
+    assert rotation((name, values)) != rotation()
+
+
 @pytest.mark.parametrize("z", [1, 2])
 def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     """Foreign, cut short, or changed so that its parts would lie elsewhere."""
@@ -264,6 +322,10 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
         changed = good.copy()
         changed[place] = value
         bad.append(changed)
+    without_kernel = good.copy()
+    without_kernel[7 + 2 * NAMES.index("kernel") + np.arange(2)] = 0.0
+    without_kernel[1] -= 1
+    bad.append(without_kernel)
     for record in bad:
         records = (record, good) if z == 1 else (good, record)
         info, rotation = sweep_info(*records)
@@ -287,7 +349,6 @@ def test_values_spoiled_in_a_record_are_refused(name: str, value: float) -> None
 
 NODES = ("nodes", [0.0, 6.0, 12.0])
 SIDES = ("sides", [1.0, -1.0])
-FRICTION = ("friction", [1.0, 0.1, 0.1])
 
 
 @pytest.mark.parametrize(
@@ -332,8 +393,41 @@ def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
 
 
 def test_a_rigid_body_needs_no_nodes() -> None:
-    assert sweep_info(record_of(NODES), record_of(kernel=0.0))[0] == 0
-    assert sweep_info(record_of(kernel=0.0), record_of(NODES))[0] == 0
+    assert sweep_info(record_of(NODES), record_of(**RIGID))[0] == 0
+    assert sweep_info(record_of(**RIGID), record_of(NODES))[0] == 0
+
+
+def test_columns_of_pairs_hold_what_they_say() -> None:
+    """Places on both arcs, unit normals, forces that make the torque, gaps where there is none."""
+    names = (*COLUMNS, *FRICTION_COLUMNS)
+    room, mu = 200, 0.1
+    site, table = np.zeros(room, dtype=np.intc), np.empty(room * len(names))
+    rubbing, turn_2 = record_of(("friction", [1.0, mu, mu])), np.pi + 0.1
+    motion = np.array([[0.1], [turn_2], [1.0], [-0.5]], order="F")
+    motion[0] += sweep_info(rubbing, record_of(), n_columns=13, motion=motion)[1][0, 0]
+    arguments = {"pair_site": site, "pair_table": table, "n_columns": len(names), "motion": motion}
+    info, _ = sweep_info(rubbing, record_of(), **arguments)
+    assert info == 0
+    n = int(np.count_nonzero(site))
+    assert (site[:n] == 1).all()
+    column = dict(zip(names, table.reshape(room, -1)[:n].T, strict=True))
+    place = np.array([column["x"], column["y"]])
+    np.testing.assert_allclose(np.hypot(*place), column["radius"], rtol=SOLVER)
+    np.testing.assert_allclose(np.hypot(column["normal_x"], column["normal_y"]), 1.0, rtol=SOLVER)
+    for axis, angle in ((0.0, motion[0, 0]), (72.0, turn_2)):
+        cosine, sine = np.cos(angle), np.sin(angle)
+        centre = np.array([axis + 36.0 * cosine + 20.0 * sine, 36.0 * sine - 20.0 * cosine])
+        np.testing.assert_allclose(np.hypot(*(place - centre[:, None])), 20.0, rtol=PLACE)
+    for s in ("s_1", "s_2"):
+        assert ((column[s] > 0.0) & (column[s] < 12.0)).all()
+    np.testing.assert_allclose(np.diff(column["s_1"]), column["cell"][0], rtol=0.01)
+    assert column["force"] @ column["lever"] == pytest.approx(3600.0, rel=SOLVER)
+    carries = column["force"] > 0.0
+    assert 0 < carries.sum() < n
+    assert np.abs(column["gap"][carries]).max() < 1e-12
+    assert column["gap"][~carries].min() > 1e-9
+    np.testing.assert_allclose(np.abs(column["friction"]), mu, rtol=SOLVER)
+    assert (np.sign(column["sliding"]) == np.sign(column["friction"])).all()
 
 
 def test_columns_of_pairs_have_one_order() -> None:
