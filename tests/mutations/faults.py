@@ -355,7 +355,7 @@ _PYTHON = (
         "unit/elasticity/prism/test_flank_potential.py",
         ("for z_change in (apart, -apart):", "for z_change in (apart, apart):"),
         ("z_change = outward * (two - one)", "z_change = outward * (one - two)"),
-        ("self._overlap(apart) + self._overlap(-apart)", "2 * self._overlap(apart)"),
+        ("2.0 * self._overlap(apart)", "self._overlap(apart)"),
         ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
         ("/ surface.cos_base_helix**2", "/ surface.cos_base_helix"),
         ("psi * rule.behind_end(face)", "psi * rule.behind_end(1 - face)"),

@@ -213,9 +213,8 @@ class _Rule:
         weight = weight * length**2 * surface.width_mm / distance
         values = [legvander(outward * (1.0 - 2.0 * d), self._n - 1) for d in (one, two)]
         part = weight[:, None, None] * values[0][:, :, None] * values[1][:, None, :]
-        return np.asarray(
-            np.tensordot(part, self._overlap(apart) + self._overlap(-apart), axes=(0, 0))
-        )
+        # z - z' < 0 is the transpose, and the sum is made symmetric
+        return np.asarray(np.tensordot(part, 2.0 * self._overlap(apart), axes=(0, 0)))
 
     def _profile(self, ahead: Floats, z_change: Floats, y_change: Floats, weight: Floats) -> Floats:
         """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,)."""

@@ -11,7 +11,7 @@ from flankload.bodies.involute.gear import build_gear
 from flankload.bodies.involute.ring import build_ring
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import logarithm_strength
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.errors import SceneError
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear, ring
@@ -66,6 +66,26 @@ def test_the_other_hand_is_the_mirror_image() -> None:
     assert left.axial.end == pytest.approx(right.axial.end[::-1])
     # a right hand's working flank leans out of the end at low z
     assert right.axial.end[0] < right.axial.end[1]
+
+
+@pytest.mark.parametrize("twist", [TWIST, -TWIST])
+def test_places_lie_as_far_apart_as_on_the_helicoid(twist: float) -> None:
+    surface = flank_surface(BODY, replace(COARSE, twist=twist))
+    surface = replace(surface, end=(0.0, 0.0), wedge=(0.0, 0.0))
+    generator = np.random.default_rng(11)
+    low, high = BODY.mode_range_mm
+    s = generator.uniform(low + 0.2, high - 0.2, 20)
+    z = generator.uniform(-6.0, 6.0, 20)
+    s_near, z_near = (part + generator.uniform(-0.2, 0.2, 20) for part in (s, z))
+
+    def place(s: np.ndarray, z: np.ndarray) -> np.ndarray:
+        (x, y), turn = BODY.curve.point(s).T, twist * z
+        return np.array(
+            [x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), z]
+        )
+
+    apart = np.linalg.norm(place(s, z) - place(s_near, z_near), axis=0)
+    np.testing.assert_allclose(1 / surface.potential(s, z, s_near, z_near), apart, rtol=1e-4)
 
 
 def test_its_place_on_the_axis_changes_nothing() -> None:
