@@ -33,11 +33,22 @@ module flankload_slice_field
         real(wp) :: z = 0.0_wp, cosine = 1.0_wp
         !> Length of the line [mm]
         real(wp) :: length = 1.0_wp
-        !> Arc length on the flank [mm]
-        real(wp) :: s = 0.0_wp
+        !> Arc lengths on the flanks of both bodies [mm]
+        real(wp) :: s(2) = 0.0_wp
         !> Point and unit tangent of the profile there, in the plane of its section
         real(wp) :: point(2) = 0.0_wp, tangent(2) = 0.0_wp
     end type segment_type
+
+    !> Where loads are mirrored.
+    type :: mirror_type
+        !> Strength: displacement times distance under a unit point force [mm²/N]
+        real(wp) :: strength = 0.0_wp
+        !> An end face [mm], or the arc length of a corner, on the flank of which body, and into
+        !> which direction the flank leaves it
+        real(wp) :: place = 0.0_wp
+        integer :: body = 1
+        real(wp) :: sense = 1.0_wp
+    end type mirror_type
 
 contains
 
@@ -241,12 +252,13 @@ contains
         end do
     end function modes_of
 
-    !> Add the near field of one body between slices on the same flanks, and of a slice at itself
+    !> Add the near field of both bodies between slices on the same flanks, and of a slice at itself
     !> as if its load stood on a line beside it; without the corners' images of a slice at itself.
-    pure subroutine add_segment_field(body, segments, beside, matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Contact lines on its flanks, those of a flank together, shape (n)
+    pure subroutine add_segment_field(body_1, body_2, segments, beside, matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> Contact lines, those of a flank pair together, shape (n)
         type(segment_type), intent(in) :: segments(:)
         !> How far beside its line a load is spread [mm], above 0
         real(wp), intent(in) :: beside
@@ -255,56 +267,100 @@ contains
 
         integer :: i, j
         real(wp) :: recession
+        type(mirror_type), allocatable :: ends(:), corners(:)
 
-        if (.not. body%kernel > 0.0_wp) return
+        ends = end_mirrors(body_1, body_2)
+        corners = [corner_mirrors(body_1, 1), corner_mirrors(body_2, 2)]
         do j = 1, size(segments)
-            do i = j, size(segments)
+            recession = field_between(segments(j), segments(j), beside, ends, corners(:0))
+            matrix(j, j) = matrix(j, j) + recession
+            do i = j + 1, size(segments)
                 if (segments(i)%flank /= segments(j)%flank) exit
-                recession = 0.5_wp*body%kernel &
-                    & *potential_between(body, segments(i), segments(j), beside, i == j)
+                recession = field_between(segments(i), segments(j), beside, ends, corners)
                 matrix(i, j) = matrix(i, j) + recession
-                if (i /= j) matrix(j, i) = matrix(j, i) + recession
+                matrix(j, i) = matrix(j, i) + recession
             end do
         end do
     end subroutine add_segment_field
 
-    !> Potential of one segment at another on the same flank, with all mirror images [1/mm].
-    pure function potential_between(body, one, other, beside, is_own) result(potential)
+    !> The loads of both half-spaces as they are, and their images behind end faces: one where both
+    !> bodies end in one plane.
+    pure function end_mirrors(body_1, body_2) result(mirrors)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The loads first, then their images
+        type(mirror_type), allocatable :: mirrors(:)
+
+        integer :: k
+        type(mirror_type) :: all(5)
+        logical :: counts(5)
+
+        ! a point force displaces a half-space by c0/2 over the distance
+        all(1)%strength = 0.5_wp*(body_1%kernel + body_2%kernel)
+        all(2:)%strength = 0.5_wp*[body_1%kernel*body_1%end_strength, &
+            & body_2%kernel*body_2%end_strength]
+        all(2:)%place = [body_1%z_low, body_1%z_high, body_2%z_low, body_2%z_high]
+        do k = 2, 3
+            if (abs(all(k)%place - all(k + 2)%place) > 0.0_wp) cycle
+            all(k)%strength = all(k)%strength + all(k + 2)%strength
+            all(k + 2)%strength = 0.0_wp
+        end do
+        counts = all%strength > 0.0_wp
+        counts(1) = .true.
+        mirrors = pack(all, counts)
+    end function end_mirrors
+
+    !> Images behind the free corners of the profile of a body.
+    pure function corner_mirrors(body, flank) result(mirrors)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
+        !> Which body that is: 1 or 2
+        integer, intent(in) :: flank
+        type(mirror_type), allocatable :: mirrors(:)
+
+        type(mirror_type) :: all(2)
+
+        all%strength = 0.5_wp*body%kernel*body%wedge
+        all%place = [body%s_low, body%s_high]
+        all%sense = [1.0_wp, -1.0_wp]
+        all%body = flank
+        mirrors = pack(all, all%strength > 0.0_wp)
+    end function corner_mirrors
+
+    !> Recession of both bodies at one segment under a unit force on another one [mm/N].
+    pure function field_between(one, other, beside, ends, corners) result(recession)
         !> The segments
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
         !> How far beside its line a load is spread [mm]
         real(wp), intent(in) :: beside
-        !> They are the same: the images behind the corners of its profile are left out
-        logical, intent(in) :: is_own
-        real(wp) :: potential
+        !> The loads, their images behind end faces, and those behind corners
+        type(mirror_type), intent(in) :: ends(:)
+        type(mirror_type), intent(in) :: corners(:)
+        real(wp) :: recession
 
-        integer :: end
-        real(wp) :: cosine, along, across, face(2), corner(2)
+        integer :: k
+        real(wp) :: cosine, along, across
 
         cosine = 0.5_wp*(one%cosine + other%cosine)
         along = (one%z - other%z)/cosine
         ! a contact line of an involute is straight and normal to the profiles
         across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
         across = sqrt(across**2 + beside**2)
-        potential = mean_potential(along, one%length, other%length, across)
-        face = [body%z_low, body%z_high]
-        do end = 1, 2
-            if (body%end_strength(end) > 0.0_wp) potential = potential + body%end_strength(end) &
-                & *mean_potential((one%z + other%z - 2.0_wp*face(end))/cosine, one%length, &
-                & other%length, across)
+        recession = ends(1)%strength*mean_potential(along, one%length, other%length, across)
+        do k = 2, size(ends)
+            recession = recession + ends(k)%strength*mean_potential((one%z + other%z &
+                & - 2.0_wp*ends(k)%place)/cosine, one%length, other%length, across)
         end do
-        if (is_own) return
-        corner = [body%s_low, body%s_high]
-        do end = 1, 2
-            if (.not. body%wedge(end) > 0.0_wp) cycle
-            across = max(0.0_wp, (3 - 2*end)*(one%s - corner(end))) &
-                & + max(0.0_wp, (3 - 2*end)*(other%s - corner(end)))
-            potential = potential + body%wedge(end)*mean_potential(along, one%length, &
-                & other%length, sqrt(across**2 + beside**2))
+        do k = 1, size(corners)
+            associate (corner => corners(k))
+                across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
+                    & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
+                recession = recession + corner%strength*mean_potential(along, one%length, &
+                    & other%length, sqrt(across**2 + beside**2))
+            end associate
         end do
-    end function potential_between
+    end function field_between
 
 end module flankload_slice_field

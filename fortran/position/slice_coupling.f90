@@ -151,10 +151,8 @@ contains
             beside = 0.5_wp*half_width
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
-            call add_segment_field(body_1%compliance, &
-                & segments_of(slices, zones, zones%nearest%s_1), beside, position%coupling)
-            call add_segment_field(body_2%compliance, &
-                & segments_of(slices, zones, zones%nearest%s_2), beside, position%coupling)
+            call add_segment_field(body_1%compliance, body_2%compliance, &
+                & segments_of(slices, zones), beside, position%coupling)
             ! the logarithm of its distance is followed with the force
             do z = 1, size(zones)
                 position%coupling(z, z) = position%coupling(z, z) &
@@ -164,20 +162,18 @@ contains
     end subroutine spread_loads
 
     !> The contact lines of the zones.
-    elemental function segments_of(slices, zone, s) result(segment)
+    elemental function segments_of(slices, zone) result(segment)
         !> The slices
         type(slices_type), intent(in) :: slices
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Its arc length on the flank of the body [mm]
-        real(wp), intent(in) :: s
         type(segment_type) :: segment
 
         segment%flank = flank_of(slices, zone%site)
         segment%z = middle_of(slices, zone%site)
         segment%cosine = zone%cosine
         segment%length = zone%length
-        segment%s = s
+        segment%s = [zone%nearest%s_1, zone%nearest%s_2]
         segment%point = zone%nearest%point_1
         segment%tangent = zone%nearest%tangent_1
     end function segments_of

@@ -195,7 +195,8 @@ contains
         segments = [(segment_type(flank=1, z=0.5_wp*(edges(i) + edges(i + 1)), &
             & length=edges(i + 1) - edges(i)), i=1, n)]
         matrix = 0.0_wp
-        call add_segment_field(body, segments, beside, matrix)
+        call add_segment_field(body, body, segments, beside, matrix)
+        matrix = 0.5_wp*matrix
         call expect(.not. any(abs(matrix - transpose(matrix)) > 0.0_wp), 'symmetry of the field')
         do i = 1, n
             ! 1/2 + ln(2/h) in place of -ln(beside), less the derivative by the force
@@ -214,7 +215,7 @@ contains
     subroutine test_end_faces_mirror
         real(wp) :: half(2, 2), whole(4, 4)
         integer :: i
-        type(compliance_type) :: body
+        type(compliance_type) :: body, rigid
         type(segment_type) :: segments(4)
 
         segments = [(segment_type(flank=1, z=i - 2.5_wp, cosine=0.9_wp, length=1.0_wp/0.9_wp), &
@@ -222,11 +223,11 @@ contains
         body = body_between(-2.0_wp, 2.0_wp)
         body%kernel = 2.0_wp
         whole = 0.0_wp
-        call add_segment_field(body, segments, 0.1_wp, whole)
+        call add_segment_field(body, rigid, segments, 0.1_wp, whole)
         body%z_low = 0.0_wp
         body%end_strength = [1.0_wp, 0.0_wp]
         half = 0.0_wp
-        call add_segment_field(body, segments(3:), 0.1_wp, half)
+        call add_segment_field(body, rigid, segments(3:), 0.1_wp, half)
         call expect(all(abs(half - whole(3:, 3:) - whole(3:, 2:1:-1)) < round_off), 'mirror')
     end subroutine test_end_faces_mirror
 
