@@ -145,7 +145,7 @@ class BeltDrive:
             f"{self.cord_stiffness_N:.4g} N"
         )
         if self.land_friction:
-            text += f", friction of the lands takes {self.land_friction_N.max():.4g} N"
+            text += f", friction of the lands carries {self.land_friction_N.max():.4g} N"
         return text
 
 

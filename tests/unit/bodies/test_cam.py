@@ -234,7 +234,7 @@ def test_friction_on_a_cam_is_not_known() -> None:
     with pytest.raises(SceneError) as caught:
         fl.Scene.from_dict(scene)
     assert str(caught.value) == (
-        "effects.friction_coefficient: expected nothing: this version knows no friction between a "
+        "effects.friction_coefficient: expected nothing: this version has no friction between a "
         "cam and its follower, found a coefficient"
     )
     assert not fl.Scene.from_dict(cam_scene(effects={"friction_coefficient": 0})).has_friction

@@ -457,8 +457,14 @@ OWN_REFUSALS = [
     (drop("smooth"), "smooth: expected numbers, found nothing: the file has format, version"),
     (drop("format"), "format: expected text, found nothing"),
     (change(format="another"), "format: expected 'flankload flank compliance' or 'flankload nodal"),
-    (change(version=4), "version: expected at most 3, which this flankload knows, found 4"),
-    (change(version=0), "version: expected at most 3, which this flankload knows, found 0"),
+    (
+        change(version=4),
+        "version: expected at most 3, the latest version that this flankload reads, found 4",
+    ),
+    (
+        change(version=0),
+        "version: expected at most 3, the latest version that this flankload reads, found 0",
+    ),
     (change(tip_corner_deg=-3.0), "tip_corner_deg: expected a number >= 30, found -3"),
     (change(version=1.5), "version: expected whole numbers, found 1.5"),
     (change(teeth=17), "smooth: expected an array of shape (17, any, any), found shape (16, 5, 5)"),

@@ -79,7 +79,7 @@ REFUSED = [
     ),
     ({"body_2": {"poisson_ratio": 0.5}}, "body_2.poisson_ratio: expected a number"),
     ({"load": {"slack_tension_N": 0}}, "load.slack_tension_N: expected a number > 0"),
-    ({"load": {"slack_tension_N": None}}, "load.slack_tension_N: expected a number > 0: what the"),
+    ({"load": {"slack_tension_N": None}}, "load.slack_tension_N: expected a number > 0: the the"),
     ({"pair": {"face_width_mm": 5}}, "pair: expected nothing: a belt has body_2.width_mm"),
     ({"positions": {"adaptive": True}}, "positions.adaptive: expected nothing: a belt and its"),
     ({"accuracy": {"modes": 5}}, "accuracy.modes: expected nothing: a belt and its pulley do not"),
@@ -323,7 +323,7 @@ def test_friction_of_the_lands_helps_or_opposes() -> None:
         assert drive.land_friction_N[0] * coefficient > 0
         whole = result.site_force_N.sum() + drive.land_friction_N[0]
         np.testing.assert_allclose(whole, drive.tight_tension_N[0] - 320.0, rtol=SOLVER, atol=0)
-        assert "friction of the lands takes" in result.table()
+        assert "friction of the lands carries" in result.table()
 
 
 def test_land_that_would_lift_is_named_and_may_lift() -> None:

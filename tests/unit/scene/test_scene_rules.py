@@ -17,7 +17,7 @@ UNDETERMINED = "the load sharing of two rigid bodies is undetermined"
         (
             {"effects__near_field": "nodes", "accuracy__modes": 5},
             "accuracy.modes",
-            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes",
+            "nothing with effects.near_field 'nodes': nodal forces replace modes",
             "5",
         ),
         (
@@ -32,13 +32,13 @@ UNDETERMINED = "the load sharing of two rigid bodies is undetermined"
         (
             {"effects__near_field": "nodes", "effects__contact": "lumped"},
             "effects.contact",
-            "'pairs' with effects.near_field 'nodes': forces there have places",
+            "'pairs' with effects.near_field 'nodes': nodal forces need resolved contact",
             "'lumped'",
         ),
         (
             {"effects__influence": "finite", "effects__contact": "lumped"},
             "effects.contact",
-            "'pairs' with effects.influence 'finite': forces there have places",
+            "'pairs' with effects.influence 'finite': finite forces need resolved contact",
             "'lumped'",
         ),
         (

@@ -586,7 +586,7 @@ def test_command_writes_files_and_says_what_is_wrong(
     command = ["accuracy", str(path)]
     files = ["--csv", str(tmp_path / "a.csv"), "--json", str(tmp_path / "a.json")]
     assert main([*command, "--budget", "1e-9", *files, "--plot", str(tmp_path / "out")]) == 0
-    assert "small job: what accuracy costs" in capsys.readouterr().out
+    assert "small job: cost of accuracy" in capsys.readouterr().out
     assert (tmp_path / "out" / "work_precision.png").is_file()
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("group,level,")
     for arguments, said in (

@@ -517,11 +517,11 @@ def test_number_of_elements_has_limits(
 def test_bodies_without_elements_are_refused() -> None:
     tree = _tables("external_gear")
     tree["body_2"] = {**tree["body_2"], "rigid": True}
-    with pytest.raises(SceneError, match=r"body_2\.rigid: expected a body that yields"):
+    with pytest.raises(SceneError, match=r"body_2\.rigid: expected an elastic body"):
         fl.verify(fl.Scene.from_dict(tree), run=False)
     with pytest.raises(SceneError, match=r"body_1\.kind: expected a body with elements"):
         fl.verify(fl.read_scene(SCENES / "external_gear_compliance.toml"), run=False)
-    with pytest.raises(SceneError, match=r"load\.torque_Nm: expected a torque to hold, found 0"):
+    with pytest.raises(SceneError, match=r"load\.torque_Nm: expected a torque > 0, found 0"):
         fl.verify(scene_of(load={"torque_Nm": 0}), run=False)
     with pytest.raises(SceneError, match=r"body_2\.kind: expected bodies with teeth"):
         fl.verify(fl.read_scene(SCENES / "cam.toml"), run=False)

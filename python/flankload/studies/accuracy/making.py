@@ -85,11 +85,11 @@ def accuracy(
     try:
         making.all_runs()
     except OutOfBudgetError:
-        stopped = f"the budget of {budget_s:g} CPU seconds is spent: further runs are left out"
+        stopped = f"the budget of {budget_s:g} CPU seconds is used up: further runs are omitted"
     except KeyboardInterrupt:
         if not making.groups:
             raise
-        stopped, interrupted = "interrupted: further runs are left out", True
+        stopped, interrupted = "interrupted: further runs are omitted", True
     return making.study(stopped, interrupted=interrupted)
 
 
@@ -105,7 +105,7 @@ def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
     if not all(torque > 0 for torque in scene.torques_Nm):
         raise SceneError(
             key="load.torque_Nm",
-            expected="torques > 0, since without load nothing is approximated",
+            expected="torques > 0, since without load there is no approximation",
             found="0",
             file=scene.file,
         )

@@ -38,9 +38,9 @@ def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         return ()
     (few, low), (many, high) = carrying[0], carrying[-1]
     note = (
-        f"a sharp corner carries: the pressure there, {low:.0f} MPa on {few:g} strips, is "
-        f"{high:.0f} MPa on {many:g} and has no limit; no setting cures that, but a tip radius "
-        "(tip_radius_mm) or a parabolic relief does"
+        f"a sharp corner carries load: its pressure, {low:.0f} MPa with {few:g} strips "
+        f"and {high:.0f} MPa with {many:g}, has no limit; no discretization changes that, "
+        "but a tip radius (tip_radius_mm) or a parabolic relief does"
     )
     return (note,)
 

@@ -57,14 +57,15 @@ def text_of(study: Study) -> str:
 
 def _lines(study: Study) -> Iterator[str]:
     names = [m for m in HEADS if any(m in row.errors for row in study.rows)]
-    yield f"{study.name}: what accuracy costs"
+    yield f"{study.name}: cost of accuracy"
     yield "CPU seconds and memory of a run alone, elements included; errors in %"
-    yield "ladders: other knobs at their finest, errors against the limit of this knob; beside, the"
-    yield "seconds with the others at their default; all else: errors against the limit of all"
+    yield "steps of a parameter: others at their finest, errors relative to its limit; column"
+    yield f"'{DEFAULT_SECONDS}': seconds with the others at their default; other rows: errors"
+    yield "relative to the limit of all parameters"
     if not study.has_errors:
-        yield "the finest setting was not run: errors are not known"
+        yield "the finest discretization was not run: errors are unknown"
     for name in names:
-        counts = "" if name in study.measures else "; not asked for"
+        counts = "" if name in study.measures else "; not requested"
         yield f"  {HEADS[name]:10s}{MEANINGS[name]}{counts}"
     yield ""
     for knob, words in KNOBS.items():
@@ -141,7 +142,7 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
 def _label(row: Row) -> str:
     setting = row.setting
     if setting.as_it_stands:
-        return "all knobs as the scene has them"
+        return "all parameters as in the scene"
     parts = []
     if setting.level == "nodes" and setting.flank_element_mm is None:
         parts.append("nodes by the contact's width")
@@ -187,9 +188,9 @@ def _percent(error: float | None) -> str:
 
 
 def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
-    yield "CPU seconds of the cheapest setting"
+    yield "CPU seconds of the cheapest discretization"
     columns = "".join(f"{HEADS[name]:>10s}" for name in names)
-    yield f"  {'to':8s}{columns}{'all asked':>12s}"
+    yield f"  {'to':8s}{columns}{'all':>12s}"
     for tolerance in NAMED:
         texts = [_seconds(study, tolerance, name) for name in names]
         texts.append(_seconds(study, tolerance))

@@ -169,7 +169,7 @@ def deck_text(deck: Deck) -> str:
 def _lines(deck: Deck) -> Iterator[str]:
     yield "*HEADING"
     yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa; per mm of width]"
-    yield f"** body 1 stands turned by {deck.start_rad!r} rad from the position without load;"
+    yield f"** body 1 is rotated by {deck.start_rad!r} rad from the position without load;"
     yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
     first_node, first_element = 1, 1
     for z, part in enumerate(deck.parts, start=1):

@@ -76,14 +76,14 @@ def check_bodies(scene: Scene) -> None:
             raise SceneError(
                 file=scene.file,
                 key=f"effects.{key}",
-                expected="nothing: bodies that grow are not written for another program",
+                expected="nothing: expanding bodies are not written for another program",
                 found=shown(getattr(scene.effects, key)),
             )
     if scene.effects.coast_flank:
         raise SceneError(
             file=scene.file,
             key="effects.coast_flank",
-            expected="false: a deck lets the working flanks touch, not the coast flanks",
+            expected="false: a deck has contact on the working flanks only",
             found="true",
         )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
@@ -92,13 +92,13 @@ def check_bodies(scene: Scene) -> None:
                 file=scene.file,
                 key=f"{key}.kind",
                 expected="a body with elements, for another program to solve them",
-                found="'compliance': its file holds what the elements gave, not the elements",
+                found="'compliance': its file contains no elements",
             )
         if spec.rigid:
             raise SceneError(
                 file=scene.file,
                 key=f"{key}.rigid",
-                expected="a body that yields: rigid flanks are not written for another program",
+                expected="an elastic body: rigid flanks are not written for another program",
                 found="true",
             )
 
@@ -189,7 +189,7 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
         raise SceneError(
             file=scene.file,
             key="effects.friction_coefficient",
-            expected="a number, or one per tooth: another program gets one coefficient for a pair",
+            expected="a number, or one per tooth: the deck has one coefficient for each pair",
             found="a table over the roll position",
         )
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
