@@ -263,7 +263,7 @@ def test_rigid_bodies_turn_without_torque() -> None:
     found = solved(**rigid, load={"torque_Nm": 0})
     assert_no_elements(found)
     np.testing.assert_allclose(found.transmission_error_um, 0.0, rtol=0, atol=1e-6)
-    with pytest.raises(SceneError, match="nothing says how the flanks share the torque"):
+    with pytest.raises(SceneError, match="load sharing of two rigid bodies is undetermined"):
         scene_of(**rigid)
     with pytest.raises(SceneError, match=r"body_2\.rigid"):
         scene_of(**rigid, load={"torque_Nm": [0, 1]})
