@@ -57,9 +57,8 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
     itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
     if bound is not None and itself is not None and bound < itself > found["tolerance"]:
         lines.append(
-            f"the error of the peak to peak, {percent(itself)} of itself, is "
-            f"{percent(bound)} of the largest transmission error, to which the tolerance "
-            "refers"
+            f"peak to peak {percent(itself)} of itself is {percent(bound)} of the largest "
+            "transmission error, to which the tolerance refers"
         )
     if found["not_estimated"]:
         names = ", ".join(name.replace("_", " ") for name in found["not_estimated"])

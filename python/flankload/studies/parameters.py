@@ -241,13 +241,13 @@ KINDS = {"chain": _of_chain, "belt": _of_belt}
 def _named(scene: Scene) -> dict[str, str]:
     """Parameters that the scene names."""
     fixed = {
-        name: f"accuracy.{name} is named"
+        name: f"accuracy.{name} is set"
         for name in (ELEMENTS, MODES, STRIPS)
         if getattr(scene.accuracy, name) is not None
     }
     places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]
     if places:
-        fixed["positions"] = f"positions.{places[0]} is named"
+        fixed["positions"] = f"positions.{places[0]} is set"
     return fixed
 
 

@@ -24,8 +24,8 @@ UNDETERMINED = "the load sharing of two rigid bodies is undetermined"
             {"effects__near_field": "nodes", "body_1": {**MESH, "profile": ROUNDED}},
             "effects.near_field",
             (
-                "'analytic' with body_1.profile.tip_radius_mm: the edges of a file's flank set "
-                "that carry end where the tip turns"
+                "'analytic' with body_1.profile.tip_radius_mm: the carrying edges of a flank "
+                "set from a file end at the tip rounding or chamfer"
             ),
             "'nodes'",
         ),

@@ -502,7 +502,7 @@ def test_sharp_corner_is_named_with_its_pressure() -> None:
         for n, values in ((5.0, few), (20.0, many))
     ]
     (note,) = corner_notes(rows)
-    assert "5000 MPa on 5 strips, is 20000 MPa on 20" in note
+    assert "5000 MPa with 5 strips and 20000 MPa with 20" in note
     assert "tip_radius_mm" in note
     assert corner_notes([]) == ()
 

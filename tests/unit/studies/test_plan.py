@@ -463,7 +463,7 @@ def test_a_quarter_of_the_tolerance_is_not_rounded() -> None:
     assert threshold_text(0.05) == "1.25 %"
     assert threshold_text(1e-4) == "0.0025 %"
     plan = fl.plan(scene_of(accuracy__tolerance=0.05, positions__count=4, body_2__rigid=True))
-    assert "what exceeds 1.25 %, a quarter of the tolerance" in str(plan)
+    assert "changes of more than 1.25 %, a quarter of the tolerance" in str(plan)
 
 
 @pytest.mark.parametrize(

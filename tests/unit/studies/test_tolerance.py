@@ -178,8 +178,8 @@ def test_named_parameters_stay_and_are_blamed() -> None:
     assert found["tightened"] == {}
     assert not found["met"]
     reasons = {one["source"]: one["why"] for one in found["missed"]}
-    assert reasons["modes"] == "accuracy.modes is named"
-    assert found["knobs"]["positions"]["left_as_it_is"] == "positions.count is named"
+    assert reasons["modes"] == "accuracy.modes is set"
+    assert found["knobs"]["positions"]["left_as_it_is"] == "positions.count is set"
     values = {name: row["value"] for name, row in found["knobs"].items()}
     assert values == {ELEMENTS: 2.0, MODES: 4, STRIPS: 6.0, "positions": 6}
 
@@ -263,7 +263,7 @@ def test_elements_of_belt_and_pulley_are_one_source() -> None:
     [
         ({"effects": {"contact": "lumped"}}, STRIPS, "lumped contact lays no"),
         ({"effects": {"near_field": "nodes"}}, MODES, "determined by the nodes of the flank"),
-        ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is named"),
+        ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is set"),
     ],
 )
 def test_parameters_that_stay_say_why(keys: dict[str, Any], name: str, why: str) -> None:
@@ -436,8 +436,8 @@ def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> N
     (one,) = found["missed"]
     assert (one["source"], one["beside"]) == ("strips", ["modes"])
     assert accuracy_lines(found)[-1].startswith(
-        "exceeded: peak pressure 3.6 %, mostly from strips (modes alone exceeds the tolerance, "
-        "too): "
+        "exceeded: peak pressure 3.6 %, mostly from strips (modes alone also exceeds the "
+        "tolerance): "
     )
 
 
@@ -476,15 +476,15 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     assert tightened.startswith("refined once: flank_element_mm ")
     assert missed
     for line, one in zip(missed, found["missed"], strict=True):
-        assert line.startswith(f"missed: {one['quantity'].replace('_', ' ')} ")
-        assert line.endswith("mostly from positions: positions.count is named")
+        assert line.startswith(f"exceeded: {one['quantity'].replace('_', ' ')} ")
+        assert line.endswith("mostly from positions: positions.count is set")
 
 
 def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
     """Strips went from 56.0 to 80.0."""
     found = said(tight)
     found["tightened"] = {"strips_per_half_width": [56.0, 80.0], "modes": [None, 7]}
-    line = next(line for line in accuracy_lines(found) if line.startswith("tightened"))
+    line = next(line for line in accuracy_lines(found) if line.startswith("refined"))
     assert line == "refined once: strips_per_half_width 56 -> 80, modes default -> 7"
 
 

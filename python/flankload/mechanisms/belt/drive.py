@@ -350,7 +350,7 @@ def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow
     return BeltRow(
         strip,
         elements,
-        rubbing=scene.effects.land_friction != 0.0,
+        sliding=scene.effects.land_friction != 0.0,
         lifting=asked_of(scene).lifting,
         account=account,
     )
@@ -365,7 +365,7 @@ def asked_of(scene: Scene) -> Asked:
 
 def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
     """Response of an elastic pulley to forces on its grooves and lands."""
-    return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
+    return solve_pulley(mesh, sliding=scene.effects.land_friction != 0.0, account=account)
 
 
 def response_at(

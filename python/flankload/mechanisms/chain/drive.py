@@ -186,7 +186,12 @@ def error_estimate(
     scale = max(abs(state.rotation_rad) for state in states)
     for p in sorted({0, len(wraps) // 2}):
         other = solve_wrap(
-            wraps[p], chain, 1000.0 * torque_Nm, slack, large_displacement=True, growth=False
+            wraps[p],
+            chain,
+            1000.0 * torque_Nm,
+            slack,
+            large_displacement=True,
+            with_compliance=False,
         )
         account.count(**work_of([other]))
         turn = max(turn, abs(other.rotation_rad - states[p].rotation_rad) / scale)

@@ -12,7 +12,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
-from flankload.studies.verification.deck import Deck, Part, Rubbing, part_of
+from flankload.studies.verification.deck import Deck, DeckFriction, Part, part_of
 from flankload.studies.verification.refine import refined
 from flankload.studies.verification.triangles import moved, whole_body
 
@@ -159,12 +159,14 @@ def model_of(
         start_rad=start,
         plane=plane,
         large_displacement=large_displacement,
-        rubbing=friction_of_deck(scene, pair, places),
+        friction=friction_of_deck(scene, pair, places),
     )
     return Model(deck, min(place.element_mm for place in places))
 
 
-def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) -> Rubbing | None:
+def friction_of_deck(
+    scene: Scene, pair: BodyPair, places: tuple[Place, ...]
+) -> DeckFriction | None:
     """Friction of the pairs in the deck.
 
     Parameters
@@ -175,7 +177,7 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
 
     Returns
     -------
-    Rubbing, or None without friction or sliding
+    DeckFriction, or None without friction or sliding
 
     Raises
     ------
@@ -193,7 +195,7 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
             found="a table over the roll position",
         )
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
-    return Rubbing(
+    return DeckFriction(
         coefficients=tuple(friction.coefficients[0, rows].tolist()),
         center_distance_mm=pairing.center_distance_mm,
         back_rad=friction.sense * pairing.ratio * SLIDING_RAD,
