@@ -183,6 +183,6 @@ def _legend(study: Study) -> list[Line2D]:
         Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
                label=f"tolerance of the scene, {study.tolerance:g}")
     )  # fmt: skip
-    label = "the limit itself is in doubt"
+    label = "uncertainty of the limit"
     handles.append(Line2D([], [], color=SHADE, linewidth=8, label=label))
     return handles

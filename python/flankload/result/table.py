@@ -291,7 +291,7 @@ def _loaded_pairs(result: Result) -> str:
             text += f", {by_tips} by geometry"
             text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
-    return text + f" of {result.sites.size} teeth carry" * result.whole_circle
+    return text + f" of {result.sites.size} teeth carry load" * result.whole_circle
 
 
 def _estimate_lines(result: Result, beyond: str) -> Iterator[str]:
@@ -342,7 +342,7 @@ def _contact_lines(result: Result) -> Iterator[str]:
         text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"
         yield _labelled("line load", text)
     if summary["largest_sliding_mm_per_rad"]:
-        turning = "the cam, as if no roller turned" if result.has_cam else "body 1"
+        turning = "the cam, for a roller that does not rotate" if result.has_cam else "body 1"
         text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
         yield _labelled("sliding", text)
     if result.coast is not None:

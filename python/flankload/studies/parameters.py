@@ -201,7 +201,7 @@ def _of_flanks(scene: Scene) -> Parameters:
     if most <= LEAST_MODES:
         fixed.setdefault(MODES, "the files contain no more modes")
     if scene.effects.contact == "lumped":
-        fixed[STRIPS] = "lumped contact lays no strips"
+        fixed[STRIPS] = "lumped contact has no strips"
     cam = not (scene.is_drive or scene.body_2.has_teeth)
     if cam or scene.positions.count == 1:
         fixed.setdefault("positions", "equally spaced positions suffice")

@@ -440,7 +440,7 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
     assert study.cheapest(1e-2) is None
     assert study.cheapest(0.03) is not finest
     text = str(study)
-    assert "0.01 %: not reached (?): the limit itself is in doubt by 2 % (TE)" in text
+    assert "0.01 %: not reached (?): the uncertainty of the limit is 2 % (TE)" in text
     (line,) = (line for line in text.splitlines() if line.startswith("  1 %  "))
     assert line.split()[2:] == ["?", "?", "?", "0.500", "0.500", "0.500", "?"]
     assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02
@@ -459,7 +459,7 @@ def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:
     (base,) = (row for row in study.rows if row.group == "default")
     for name, doubt in study.doubts.items():
         assert 0 <= doubt < base.errors[name] + ROUND_OFF
-    assert "the limit itself, in doubt by" in str(study)
+    assert "uncertainty of the limit" in str(study)
 
 
 def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:

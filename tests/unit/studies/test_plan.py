@@ -343,7 +343,7 @@ def test_a_chain_has_a_plan_of_its_own() -> None:
     )
     share = np.abs(one.load_share - other.load_share).max()
     np.testing.assert_allclose(size.load_share, share, rtol=1.0, atol=0)
-    assert "of the rotation at a position" in plan.remarks[0]
+    assert "the rotation at a position by" in plan.remarks[0]
     spent = one.cost["stages"]
     assert plan.predicted["stages"].keys() == spent.keys() - {"result"}
     predicted = plan.predicted["stages"]

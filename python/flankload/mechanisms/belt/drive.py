@@ -292,7 +292,7 @@ def _rows_of_pulley(scene: Scene) -> list[tuple[str, str]]:
     mesh = pulley_mesh(scene)
     pulley, sector = mesh.pulley, mesh.sector
     return [
-        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, held"),
+        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, fixed"),
         ("depth of the grooves", f"{pulley.depth_mm:.4f} mm"),
         ("Young's modulus", f"{pulley.material.young_modulus_MPa:g} MPa, plane {pulley.plane}"),
         ("mesh of a sector", f"{len(sector.nodes)} nodes, {len(sector.cells[0][1])} quad9"),

@@ -39,12 +39,12 @@ HEADS = {
 }
 #: Meaning of the columns.
 MEANINGS = {
-    "transmission_error": "largest at a position, of the largest transmission error",
-    "transmission_error_mean": "of its mean",
-    "transmission_error_peak_to_peak": "of its peak to peak",
-    "load_share": "largest, in parts of the load",
-    "peak_pressure": "largest off sharp corners, of the largest pressure there",
-    "stiffness": "of the mean secant or tangent stiffness, the larger",
+    "transmission_error": "largest error at a position, relative to the largest transmission error",
+    "transmission_error_mean": "error of its mean",
+    "transmission_error_peak_to_peak": "error of its peak to peak",
+    "load_share": "largest error, as part of the load",
+    "peak_pressure": "largest error off sharp corners, relative to the largest pressure there",
+    "stiffness": "error of the mean secant or tangent stiffness, the larger one",
 }
 #: Arrays over positions, and over positions and sites.
 OVER_POSITIONS = ("transmission_error",)

@@ -23,9 +23,9 @@ PARAMETER_LABELS = {
 }
 #: Other groups, in order.
 GROUPS = {
-    "as it stands": "the scene as it stands",
+    "as it stands": "scene as given",
     "default": "default",
-    "finest": "the finest",
+    "finest": "finest",
     "lumped": "lumped Hertz contact",
     "nodes": "plain nodal loads",
     "combination": "combinations",
@@ -34,7 +34,7 @@ GROUPS = {
 NAMED = (1e-2, 1e-3, 1e-4)
 WIDTH = 40
 #: Description of the reference, and of its uncertainty.
-LIMIT = "the limit itself, in doubt by"
+LIMIT = "uncertainty of the limit"
 #: Replaces seconds if the uncertainty of the limit exceeds the tolerance.
 IN_DOUBT = "?"
 #: Column heading of the seconds of a step with the other parameters at their default.
@@ -103,7 +103,7 @@ def _orders(study: Study, parameter: str) -> Iterator[str]:
     if limits is None:
         return
     if parameter == "count" and any(row.run.discretization.adaptive == KINKS for row in study.rows):
-        yield "  kinks leave no order: measured against the last line"
+        yield "  no order of convergence because of kinks: errors relative to the last line"
         return
     orders = [
         f"{limit.order:.1f} ({_named(name)})"
@@ -116,7 +116,7 @@ def _orders(study: Study, parameter: str) -> Iterator[str]:
     slow = [name for name, limit in limits.items() if limit.monotone and limit.slow]
     for what, found in (("does not converge monotonically", erratic), ("converges slowly", slow)):
         if found:
-            yield f"  {what} in {', '.join(map(_named, found))}: no limit but the finest step"
+            yield f"  {what} in {', '.join(map(_named, found))}: errors relative to the finest step"
 
 
 def _named(name: str) -> str:
@@ -207,7 +207,7 @@ def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
             yield f"{100 * tolerance:g} %: {_why_none(study, tolerance)}"
             continue
         yield f"{100 * tolerance:g} %: {row.run.cpu_s:.3f} CPU s"
-        lines = row.run.discretization.lines() or "the scene as it stands"
+        lines = row.run.discretization.lines() or "scene as given"
         yield from (f"    {line}" for line in lines.splitlines())
 
 
@@ -225,10 +225,10 @@ def _is_in_doubt(study: Study, tolerance: float, *names: str) -> bool:
 
 def _why_none(study: Study, tolerance: float) -> str:
     if not _is_in_doubt(study, tolerance):
-        return "not reached by any of these"
+        return "not reached by any run"
     worst = max(
         (name for name in study.measures if name in study.doubts), key=study.doubts.__getitem__
     )
     doubt = study.doubts[worst]
-    known = f"by {_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "of any size"
-    return f"not reached ({IN_DOUBT}): the limit itself is in doubt {known}"
+    size = f"{_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "unknown"
+    return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"

@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 MEGABYTE = 1e6
 #: Smaller changes of the load share are not mentioned.
 LEAST_SHARE = 1e-4
-#: The most informative counters.
-SHOWN = (
-    "fe_factorisations",
-    "unit_loads_normal",
-    "unit_loads_tangential",
-    "coast_readings",
-    "stress_recoveries",
-    "states",
-    "influence_columns",
-    "pivots",
-)
+#: The most informative counters, with their names in text.
+SHOWN = {
+    "fe_factorisations": "factorisations",
+    "unit_loads_normal": "normal unit loads",
+    "unit_loads_tangential": "tangential unit loads",
+    "coast_readings": "coast readings",
+    "stress_recoveries": "stress recoveries",
+    "states": "states",
+    "influence_columns": "influence columns",
+    "pivots": "pivots",
+}
 
 
 def plan_text(plan: Plan) -> str:
@@ -41,9 +41,9 @@ def plan_text(plan: Plan) -> str:
         lines = [f"chosen by effects.choose: {chosen}" for chosen in plan.choice]
         if plan.left_out is not None:
             lines.append(
-                "omitted effects together change at most "
-                f"{_percent(plan.left_out.rotation_largest)} of the rotation and "
-                f"{_points(plan.left_out.load_share)} of the load share"
+                "omitted effects together change the rotation by at most "
+                f"{_percent(plan.left_out.rotation_largest)} and the load share by at most "
+                f"{_points(plan.left_out.load_share)}"
             )
         parts.append(lines)
     unknown = [
@@ -111,11 +111,7 @@ def _stages(plan: Plan) -> list[str]:
         lines.append(f"{name:<20}{stage['cpu_s']:8.3f}{memory[name]:8.2f}")
     lines.append(f"{'all':<20}{plan.seconds:8.3f}{sum(memory.values()):8.2f}")
     counters = plan.predicted["counters"]
-    words = [
-        f"{counters[name]} {name.replace('_', ' ').replace('fe ', '')}"
-        for name in SHOWN
-        if counters.get(name)
-    ]
+    words = [f"{counters[name]} {text}" for name, text in SHOWN.items() if counters.get(name)]
     known = f"uncertainty of the seconds: a factor of {plan.within:g}"
     return [*lines, *filter(None, [", ".join(words)]), known]
 
@@ -136,11 +132,11 @@ def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None
-    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position"
+    change = f"the rotation at a position by {_hundredths(size.rotation_largest)} %"
     if size.rotation_largest is None:
-        change = f"{size.rotation_um:.2g} um of the transmission error"
+        change = f"the transmission error by {size.rotation_um:.2g} um"
     if size.load_share > LEAST_SHARE:
-        change += f" and {_hundredths(size.load_share)} points of the load share"
+        change += f" and the load share by {_hundredths(size.load_share)} points"
     if coarser:
         return f"{row.title} is on ({row.because}): that changes {change}"
     off = f"{row.title} is off ({row.because})"
