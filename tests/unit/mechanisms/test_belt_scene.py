@@ -461,7 +461,7 @@ def test_check_and_mesh_show_a_pulley_that_yields(
 ) -> None:
     assert main(["check", str(PLASTIC)]) == 0
     said = capsys.readouterr().out
-    assert "20.0000 mm, held" in said
+    assert "20.0000 mm, fixed" in said
     assert "1000 MPa, plane strain" in said
     assert main(["mesh", str(PLASTIC), "-o", str(tmp_path)]) == 0
     assert "one of 24 sectors" in capsys.readouterr().out

@@ -418,7 +418,7 @@ def test_two_rigid_bodies_cannot_press_on_each_other() -> None:
 def test_root_stress_is_refused_beside_it() -> None:
     both = {"effects": {"coast_flank": True, "root_stress": True}}
     assert refused(EXTERNAL, 1.0, **both) == (
-        "effects.root_stress: expected false with effects.coast_flank: stress is known of forces "
+        "effects.root_stress: expected false with effects.coast_flank: stress is known for forces "
         "on the working flanks only, found true"
     )
 

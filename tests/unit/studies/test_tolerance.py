@@ -261,7 +261,7 @@ def test_elements_of_belt_and_pulley_are_one_source() -> None:
 @pytest.mark.parametrize(
     ("keys", "name", "why"),
     [
-        ({"effects": {"contact": "lumped"}}, STRIPS, "lumped contact lays no"),
+        ({"effects": {"contact": "lumped"}}, STRIPS, "lumped contact has no"),
         ({"effects": {"near_field": "nodes"}}, MODES, "determined by the nodes of the flank"),
         ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is set"),
     ],
