@@ -17,11 +17,11 @@ from flankload.base.files import write_atomically
 from flankload.plot.style import png_of
 from flankload.plot.work_precision import plot_work_precision
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.accuracy.knobs import FINEST_MODES
-from flankload.studies.accuracy.observed import CORNER, HEADS
+from flankload.studies.accuracy.quantities import CORNER, HEADS
+from flankload.studies.accuracy.reference import Reference
+from flankload.studies.accuracy.refinements import FINEST_MODES
 from flankload.studies.accuracy.runs import Runs
-from flankload.studies.accuracy.study_text import KNOBS, NAMED
-from flankload.studies.accuracy.truth import Truth
+from flankload.studies.accuracy.study_text import NAMED, PARAMETER_LABELS
 
 DOCS = Path(__file__).parent
 PAGE = DOCS / "reference"
@@ -120,7 +120,7 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
         if row is not None:
             keys = [
                 f"{key} = {str(value).lower() if isinstance(value, bool) else value}"
-                for table in row.setting.tables().values()
+                for table in row.run.discretization.tables().values()
                 for key, value in table.items()
             ]
             yield f"- {100 * tolerance:g} % in all: `{', '.join(keys)}`"
@@ -132,12 +132,14 @@ def _shares(studies: dict[str, fl.Study]) -> Iterator[str]:
     for name, study in studies.items():
         names = _named(study)
         rows = []
-        for knob, words in KNOBS.items():
-            for row in study.steps.get(knob, ()):
-                at_default = getattr(row.setting, knob) == getattr(study.knobs.base, knob)
-                if at_default and row.setting.adaptive is None:
+        for parameter, words in PARAMETER_LABELS.items():
+            for row in study.steps.get(parameter, ()):
+                at_default = getattr(row.run.discretization, parameter) == getattr(
+                    study.knobs.base, parameter
+                )
+                if at_default and row.run.discretization.adaptive is None:
                     cells = [_percent(row.alone.get(measure)) for measure in names]
-                    rows.append([f"{words} {getattr(row.setting, knob):g}", *cells])
+                    rows.append([f"{words} {getattr(row.run.discretization, parameter):g}", *cells])
         default = next(row for row in study.rows if row.group == "default")
         cells = [_percent(default.errors.get(measure)) for measure in names]
         rows.append([f"all of them, {default.run.cpu_s:.2f} CPU s", *cells])
@@ -153,12 +155,12 @@ def _levels(studies: dict[str, fl.Study]) -> Iterator[str]:
     for name, study in studies.items():
         base = study.knobs.base
         for row in study.rows:
-            level, apart = row.setting.level, row.setting.flank_element_mm
-            plain = row.setting.count == base.count and apart == base.flank_element_mm
+            level, apart = row.run.discretization.level, row.run.discretization.flank_element_mm
+            plain = row.run.discretization.count == base.count and apart == base.flank_element_mm
             if level == "nodes":
-                plain = row.setting.count == base.count
+                plain = row.run.discretization.count == base.count
                 level = "nodes" if apart is None else f"nodes, {apart:g} mm"
-            if row.group == "default" or (row.group == row.setting.level and plain):
+            if row.group == "default" or (row.group == row.run.discretization.level and plain):
                 cells = [_percent(row.errors.get(measure)) for measure in names]
                 sweep = sum(row.run.stages.get(stage, 0.0) for stage in ("sweep", "tangent"))
                 said = [f"{row.run.cpu_s:.3f}", f"{1000 * sweep:.0f}"]
@@ -171,7 +173,7 @@ def _wanted(study: fl.Study) -> Iterator[str]:
     """A run with even positions against the limits of the study."""
     runs = Runs(fl.read_scene(SCENES / "external_gear.toml"), KEPT / "external_gear.jsonl")
     run = runs.at(WANTED_SETTING)
-    errors = Truth(runs.done, study.knobs).errors(run)
+    errors = Reference(runs.done, study.knobs).errors(run)
     asked = ", ".join(f"{100 * b:g} % of the {n.replace('_', ' ')}" for n, b in WANTED.items())
     got = ", ".join(f"{100 * errors[n]:.2g} % ({n.replace('_', ' ')})" for n in WANTED)
     yield (
@@ -180,7 +182,7 @@ def _wanted(study: fl.Study) -> Iterator[str]:
     )
     yield ""
     yield "```toml"
-    yield run.setting.lines()
+    yield run.discretization.lines()
     yield "```"
 
 
@@ -196,8 +198,8 @@ def _corners() -> Iterator[str]:
         runs = Runs(scene)
         cells, errors = [], []
         for strips in CORNER_LADDER:
-            setting = NamedDiscretization(strips_per_half_width=strips, modes=FINEST_MODES)
-            values = runs.at(replace(setting, flank_element_mm=0.5)).values
+            discretization = NamedDiscretization(strips_per_half_width=strips, modes=FINEST_MODES)
+            values = runs.at(replace(discretization, flank_element_mm=0.5)).values
             assert values is not None
             corner, smooth = (float(np.max(values[key])) for key in (CORNER, "largest_pressure"))
             cells.append(f"{max(corner, smooth):.0f}{'*' * (corner > smooth)}")
@@ -214,14 +216,16 @@ def _corners() -> Iterator[str]:
 
 
 def _modes(study: fl.Study) -> Iterator[str]:
-    """Modes on the default elements, against the limit of all knobs."""
+    """Modes on the default elements, against the limit of all parameters."""
     base = study.knobs.base
     rows = []
     for elements, words in ((base.flank_element_mm, "default"), (None, "finest")):
         cells = []
         for modes in study.knobs.ladders["modes"]:
-            setting = replace(base if elements else study.knobs.finest, modes=int(modes))
-            row = next((row for row in study.rows if row.setting == setting), None)
+            discretization = replace(base if elements else study.knobs.finest, modes=int(modes))
+            row = next(
+                (row for row in study.rows if row.run.discretization == discretization), None
+            )
             cells.append("–" if row is None else _percent(row.errors.get("peak_pressure")))
         rows.append([f"{words} elements", *cells])
     modes_of = [f"{int(modes)} modes" for modes in study.knobs.ladders["modes"]]

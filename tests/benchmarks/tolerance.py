@@ -26,7 +26,7 @@ from flankload.mechanisms import run_once
 from flankload.scene.discretization import Grid, choose_discretization
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.pair import Positions
-from flankload.studies.accuracy.observed import observed
+from flankload.studies.accuracy.quantities import quantities_of
 from flankload.studies.accuracy.runs import Runs
 from flankload.studies.parameters import ELEMENTS, parameters_of
 from flankload.studies.tolerance_report import BOUND
@@ -173,7 +173,7 @@ def cheapest(
 ) -> tuple[float | None, dict[str, Any] | None]:
     """CPU seconds and knobs of the cheapest step of the ladder that meets a tolerance."""
     length = parameters_of(scene).values[ELEMENTS]
-    runs, truth = Runs(replace(scene, positions=_same(result))), observed(true)
+    runs, truth = Runs(replace(scene, positions=_same(result))), quantities_of(true)
     best: tuple[float | None, dict[str, Any] | None] = (None, None)
     for part, bearable in LADDER.items():
         for modes, strips in product(bearable, STRIPS):

@@ -287,8 +287,8 @@ _PYTHON = (
     *_in(
         "mechanisms/chain/contact.py",
         "physics/test_chain.py unit/mechanisms/test_chain_scene.py",
-        ("pull[-1] += ends[1]", "pull[-1] += 0.99 * ends[1]"),
-        ("torque + float(drag @ base)", "torque - float(drag @ base)"),
+        ("pull[-1] += load.slack_N", "pull[-1] += 0.99 * load.slack_N"),
+        ("load.torque_Nmm + float(drag @ base)", "load.torque_Nmm - float(drag @ base)"),
         ("slack_N * two) / one", "slack_N * one) / two"),
         (
             "link_stiffness_N / chain.link_mm * stretch",
@@ -395,7 +395,7 @@ _PYTHON = (
         "result/friction.py",
         "unit/pairing/test_friction.py physics/test_rubbing_pair.py",
         ('pairs["normal_y"] * force + pairs["normal_x"] * turned', 'pairs["normal_y"] * force'),
-        ('rub * pairs["sliding"]', '0.9 * rub * pairs["sliding"]'),
+        ('friction * pairs["sliding"]', '0.9 * friction * pairs["sliding"]'),
     ),
     *_in(
         "result/interpolant.py",

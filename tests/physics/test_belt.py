@@ -51,7 +51,7 @@ def whole(
     """The same belt as one piece, without the lands that are free."""
     mesh = mesh_strip(strip, elements, ends_rad=ends)
     lands = {number: nodes for number, nodes in mesh.lands.items() if number not in free}
-    piece = solve_piece(strip, replace(mesh, lands=lands), rubbing=True, lifting=True)
+    piece = solve_piece(strip, replace(mesh, lands=lands), sliding=True, lifting=True)
     return strip_response((piece,))
 
 
@@ -240,10 +240,10 @@ def test_belt_without_teeth_is_a_rope(friction: float, other: float) -> None:
     """T1/T2 = exp(mu theta r_l/r_p): friction acts on the land, the cord lies on the pitch line."""
     bare = replace(T10, tooth=None)
     known = whole(bare, 6)
-    assert known.rubbing is not None
-    held = np.eye(known.land.size) - friction * known.rubbing.reaction
+    assert known.sliding is not None
+    held = np.eye(known.land.size) - friction * known.sliding.reaction
     push = np.linalg.solve(held, known.reaction_by_slack)
-    tight = known.tight_by_slack + friction * known.rubbing.tight @ push
+    tight = known.tight_by_slack + friction * known.sliding.tight @ push
     rope = np.exp(friction * np.pi * bare.land_radius_mm / bare.pitch_radius_mm)
     np.testing.assert_allclose(tight, rope, rtol=0.003, atol=0.0)
     np.testing.assert_allclose(tight, other, rtol=0.002, atol=0.0)
@@ -255,7 +255,7 @@ def test_belt_without_teeth_is_a_rope(friction: float, other: float) -> None:
 )
 def test_lands_that_rub_carry_a_part_of_the_torque(friction: float, part: float) -> None:
     state = solve_belt(T10, response(), FORCE, 20.0, land_friction=friction)
-    rubbed = state.land_rub_N_per_mm.sum()
+    rubbed = state.land_friction_N_per_mm.sum()
     np.testing.assert_allclose(100.0 * rubbed / FORCE, part, rtol=0.0, atol=2.0)
     np.testing.assert_allclose(rubbed + state.tooth_N_per_mm.sum(), FORCE, rtol=SOLVER, atol=0)
     np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)
@@ -305,12 +305,12 @@ SHORT = replace(TAUT, wrapped_teeth=4)
 @pytest.mark.parametrize("phase", [0.0, 0.11, -0.4])
 def test_row_of_cells_is_the_whole_belt(phase: float) -> None:
     ends = strand_ends(SHORT, 3, phase * SHORT.pitch_rad)
-    row = BeltRow(SHORT, 3, rubbing=True, lifting=True)
+    row = BeltRow(SHORT, 3, sliding=True, lifting=True)
     found, expected = row._put_together(ends), whole(SHORT, 3, ends)
     for name in ("compliance", "by_slack", "reaction", "reaction_by_slack", "tight"):
         one, other = (getattr(known, name) for known in (found, expected))
         np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
-    for part in ("rubbing", "lifting"):
+    for part in ("sliding", "lifting"):
         for name in ("recession", "reaction"):
             one, other = (getattr(getattr(known, part), name) for known in (found, expected))
             np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())

@@ -72,12 +72,12 @@ def known(
     strip: Strip, material: Material = PLASTIC, elements: int = 6, bore: float = 10.0
 ) -> PulleyResponse:
     pulley = pulley_of(strip, material, bore)
-    return solve_pulley(mesh_pulley(pulley, elements), rubbing=True)
+    return solve_pulley(mesh_pulley(pulley, elements), sliding=True)
 
 
 @cache
 def held(strip: Strip, elements: int, phase: float) -> StripResponse:
-    return BeltRow(strip, elements, rubbing=True, lifting=True).at(phase)
+    return BeltRow(strip, elements, sliding=True, lifting=True).at(phase)
 
 
 @cache
@@ -93,7 +93,7 @@ def resting(
 def test_ring_without_grooves_is_a_thick_ring(plane: str) -> None:
     """Held at a; under a pressure at b u = A (r - a²/r), under a shear v = B r (1/a² - 1/r²)."""
     ring = pulley_of(replace(T10, tooth=None), plane=plane)
-    found = solve_pulley(mesh_pulley(ring, 6), rubbing=True)
+    found = solve_pulley(mesh_pulley(ring, 6), sliding=True)
     inner, outer = ring.bore_radius_mm, ring.land_radius_mm
     modulus, nu = ring.material.young_modulus_MPa, ring.material.poisson_ratio
     shear = modulus / (2 * (1 + nu))
@@ -134,7 +134,7 @@ def whole_pulley(pulley: ElasticPulley, elements: int) -> tuple[np.ndarray, csc_
 def whole_forces(found: PulleyResponse, strip: Strip, elements: int, number: np.ndarray, phase=0.0):
     """(2N, count) Nodal forces of all hats on the whole pulley, in x and y."""
     touches, count = touches_of(strip, held(strip, elements, phase), found.mesh, rows_of(found))
-    nodal = unit_forces(found.mesh, rubbing=True)
+    nodal = unit_forces(found.mesh, sliding=True)
     forces = np.zeros((2 * (number.max() + 1), count))
     for touch in touches:
         turn = 2 * np.pi / strip.pulley_teeth * touch.sector
@@ -350,7 +350,7 @@ def test_forces_hold_each_other() -> None:
     for friction in (0.0, 0.2, -0.2):
         state = solve_belt(longer(T10, -10.0), resting(), FORCE, 20.0, land_friction=friction)
         np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)
-        whole = state.tooth_N_per_mm.sum() + state.land_rub_N_per_mm.sum()
+        whole = state.tooth_N_per_mm.sum() + state.land_friction_N_per_mm.sum()
         np.testing.assert_allclose(whole, FORCE, rtol=SOLVER, atol=0.0)
 
 
@@ -441,7 +441,7 @@ def test_other_grooves_have_sound_elements_and_balance(
     rigid = solve_belt(strip, response(strip, 4), FORCE, 20.0)
     moved = []
     for material in (PLASTIC, Material(1e9, 0.35)):
-        own = solve_pulley(replace(mesh, pulley=replace(pulley, material=material)), rubbing=True)
+        own = solve_pulley(replace(mesh, pulley=replace(pulley, material=material)), sliding=True)
         found = rest_on(response(strip, 4), strip, own)
         state = solve_belt(strip, found, FORCE, 20.0)
         np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)

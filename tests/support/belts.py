@@ -40,7 +40,7 @@ def longer(strip: Strip, difference_um: float) -> Strip:
 
 @cache
 def response(strip: Strip = T10, elements: int = 6, *, lands: bool = True) -> StripResponse:
-    return BeltRow(strip, elements, rubbing=lands, lifting=lands).at(0.0)
+    return BeltRow(strip, elements, sliding=lands, lifting=lands).at(0.0)
 
 
 def shares(state: BeltState) -> np.ndarray:

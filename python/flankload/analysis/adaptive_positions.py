@@ -1,10 +1,9 @@
-"""Positions where the curves bend.
+"""Adaptive positions: more positions where the curves are uncertain.
 
-Solve some, ask where the curve through them is in doubt, solve there.
-
-All torques share their positions, so that a round is one sweep and tables stay tables. A round goes
-where a kink is expected, and to the middle where nothing is known. It is enough when the doubt of
-every torque's rotation leaves its harmonics and its peak to peak within the tolerance.
+Initial positions are solved; further rounds solve positions where the curve through the known ones
+is in doubt. All torques share their positions, so that a round is one sweep. A new position is at
+an expected kink, or in the middle of an interval without one. The rounds end when the doubt of
+harmonics and peak to peak of the rotation is within the tolerance for every torque.
 """
 
 from __future__ import annotations
@@ -24,41 +23,42 @@ if TYPE_CHECKING:
 
     Run = Callable[[Floats, int], tuple[Sweep, ...]]
 
-#: Harmonics that count: of the period, and of one pitch.
+#: Harmonics that are limited: of the period and of one pitch.
 HARMONICS = (1, 2, 3)
-#: A harmonic below this part of the largest counts as if it were as large …
+#: Smaller harmonics are judged relative to this part of the largest one …
 LEAST_HARMONIC = 0.1
-#: … and a curve as flat as this part of its mean as if it varied as much: cells leave 1e-5 of it.
+#: … and flat curves as if they varied by this part of their mean: the error of cells is 1e-5 of it.
 LEAST_VARIATION = 0.01
-#: What is told of a doubt: where kinks are sharpest, at light loads, it is a little less than the
-#: error. Of 24 random pairs at two loads each three had up to 2.7 times the error that was told,
-#: which was never above the tolerance.
+#: Factor on the doubt, which is slightly less than the error if kinks are sharp, at light loads. Of
+#: 24 random pairs at two loads each, three had errors up to 2.7 times the estimate, all below the
+#: tolerance.
 SAFETY = 1.5
-#: Intervals in at least this part of the largest doubt are looked into together.
+#: Intervals with at least this part of the largest doubt are refined in the same round.
 SHARE = 0.3
-#: A kink this close to the end of its interval, in parts of it, is found; the rest is halved.
+#: A kink this close to the end of its interval, relative to its length, is resolved; the rest of
+#: the interval is halved.
 FOUND = 0.1
-#: Points of several torques in one interval that stand closer, in parts of it, are one.
+#: New positions of several torques that are closer than this part of their interval are merged.
 SAME = 0.05
-#: Intervals below this part of a pitch are not parted: there the curve has a step.
+#: Intervals below this part of a pitch are not divided: the curve has a step there.
 LEAST_INTERVAL = 1e-7
 
 
 @dataclass(frozen=True)
 class Window:
-    """What the positions run over.
+    """Range of the positions.
 
     Attributes
     ----------
     pitch_rad : float
     pitches : int
-        Of the window.
+        Number of pitches in the window.
     closed : bool
-        The curves close over it: the first position comes again at its end.
+        Whether the curves are periodic over the window.
     sites : (S,) array
         Pair numbers.
     whole_circle : bool
-        The sites are all flanks, as of splines and cams.
+        Whether the sites are all flanks (splines and cams).
     """
 
     pitch_rad: float
@@ -72,7 +72,7 @@ class Window:
         return self.curve_of(position_rad, known.rotation_rad, known.loaded)
 
     def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
-        """Values (P,) at positions (P,) over the window; loaded (P, S): which sites carry."""
+        """Values (P,) at positions (P,) over the window; loaded (P, S): sites that carry load."""
         period = self.pitches * self.pitch_rad if self.closed else None
         return curve_through(position_rad, values, self.changes(loaded), period_rad=period)
 
@@ -85,13 +85,14 @@ class Window:
 
 @dataclass(frozen=True)
 class PositionErrors:
-    """What is in doubt of one torque's rotation, as parts of what counts.
+    """Relative doubt of the rotation for one torque.
 
     Attributes
     ----------
     harmonics : float
-        Of the smallest of the harmonics that count.
+        Relative to the smallest of the limited harmonics.
     peak_to_peak : float
+        Relative to the peak to peak.
     """
 
     harmonics: float
@@ -105,7 +106,7 @@ class PositionErrors:
 
 @dataclass(frozen=True)
 class AdaptiveSweep:
-    """Positions, what was found there, and what is left in doubt.
+    """Positions, their solutions and the remaining doubt.
 
     Attributes
     ----------
@@ -115,7 +116,7 @@ class AdaptiveSweep:
     errors : tuple of PositionErrors, one per torque
     rounds : int
     enough : bool
-        The errors are within the tolerance; False where the positions were used up.
+        Whether the errors are within the tolerance; False if all allowed positions were used.
     """
 
     position_rad: Floats
@@ -134,21 +135,22 @@ def sweep_adaptively(
     most: int,
     least_rad: float,
 ) -> AdaptiveSweep:
-    """Solve positions until the curves between them are known.
+    """Solve positions until the curves between them meet the tolerance.
 
     Parameters
     ----------
     run : callable
-        run(positions, round) solves positions (P,) and gives one sweep per torque.
+        run(positions, round) solves positions (P,) and returns one sweep per torque.
     start_rad : (P,) array
-        First positions, ascending from the window's beginning; where it is not closed, to its end.
+        Initial positions, ascending from the beginning of the window; to its end if it is not
+        closed.
     window : Window
     tolerance : float
-        What may be in doubt of harmonics and peak to peak, as part of them.
+        Allowed relative doubt of harmonics and peak to peak.
     most : int
-        Positions that may be solved.
+        Largest number of positions.
     least_rad : float
-        A curve that varies less counts as if it varied as much.
+        Curves that vary less are judged as if they varied by this amount.
 
     Returns
     -------
@@ -180,9 +182,9 @@ def sweep_adaptively(
 
 @dataclass(frozen=True)
 class _Known:
-    """Of all rounds, what curves are made of: rotation (P,) and which sites carry (P, S).
+    """Data for curves from all rounds: rotation (P,) and sites that carry load (P, S).
 
-    Without torque the site that touches stands for those that carry.
+    Without torque, the touching site replaces the loaded ones.
     """
 
     rotation_rad: Floats
@@ -202,7 +204,7 @@ class _Known:
 def _errors(
     curve: PositionCurve, rotation: Floats, window: Window, least_rad: float
 ) -> PositionErrors:
-    """Doubt of a curve as parts of its harmonics and of its peak to peak."""
+    """Doubt of a curve relative to its harmonics and to its peak to peak."""
     orders = sorted({*HARMONICS, *(window.pitches * k for k in HARMONICS)})
     amplitudes = curve.amplitudes(orders)
     flat = max(least_rad, LEAST_VARIATION * abs(curve.mean()))
@@ -216,7 +218,7 @@ def _errors(
 
 
 def _overshoot(curve: PositionCurve, rotation: Floats) -> tuple[Floats, Floats]:
-    """Two (N,) arrays: how far the curve may go above and below all that was found."""
+    """Two (N,) arrays: how far the curve may exceed the largest and the smallest known value."""
     least, greatest = curve.bounds()
     above = np.maximum(0.0, greatest - rotation.max())
     return above, np.maximum(0.0, rotation.min() - least)
@@ -230,7 +232,7 @@ def _next_positions(
     window: Window,
     room: int,
 ) -> Floats:
-    """New positions (n,), those in the largest doubt first where there is not room for all."""
+    """New positions (n,); those with the largest doubt if not all are allowed."""
     places, weights, widths = [], [], []
     for curve, part, error in zip(curves, known, errors, strict=True):
         weight = np.zeros(curve.n_intervals)
@@ -255,7 +257,7 @@ def _next_positions(
 
 
 def _inside(curve: PositionCurve) -> tuple[Floats, Floats]:
-    """Where to look into each interval (N,), and how wide each is (N,)."""
+    """Place of a new position in each interval (N,), and width of each interval (N,)."""
     low, high = np.full((2, curve.n_intervals), np.nan)
     low[curve.interval[::-1]] = curve.low[::-1]
     high[curve.interval] = curve.high

@@ -1,8 +1,8 @@
-"""What a change between two sweeps of the same positions tells of the error that is left.
+"""Estimates of the remaining error from the change between two sweeps of the same positions.
 
-Each source has a rule, taken from what was measured: the part of the change that the error is in
-the middle, with its sign, and how far it may be off that. Errors of several sources add up with
-their signs, doubts are independent and add up by their squares.
+Each source has a rule from measurements: the mean ratio of error to change, with its sign, and the
+largest deviation from that, the doubt. Errors of several sources are added with their signs; doubts
+are independent and are added as squares.
 """
 
 from __future__ import annotations
@@ -23,26 +23,27 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: The quantity that there is where coast flanks can carry.
+#: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
 
 
 @dataclass(frozen=True)
 class Rule:
-    """What a change of the answer tells of the error that is left.
+    """Relation between a change of the result and the remaining error.
 
     Attributes
     ----------
     part : float
-        Error over change, in the middle of what was measured, with its sign.
+        Mean measured ratio of error to change, with its sign.
     doubt, doubt_pressure : float
-        How far an error at one position may be off that, over the change there; that of a pressure.
+        Deviation of an error at one position from that, relative to the change there; the same for
+        a pressure.
     doubt_overall : float
-        The same in means over the change of the mean.
+        The same for means, relative to the change of the mean.
     doubt_scatter : float
-        What means may be off besides, over the mean of the changes without their signs.
+        Further deviation of means, relative to the mean absolute change.
     doubt_share : float or None
-        The first doubt of a load share, where that is another one.
+        The first doubt for load shares, if different.
     """
 
     part: float
@@ -53,42 +54,41 @@ class Rule:
     doubt_share: float | None = None
 
 
-#: A parabola through half as many cells leaves a third of what it adds.
+#: Second order: with half as many cells, the remaining error is a third of the change.
 STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
-#: What follows the two highest modes. Terms alternate along the flank, and near a tip, where the
-#: compliance grows like a logarithm towards a corner, they hardly fall until the contact is
-#: resolved.
+#: Modes above the two highest. Terms alternate along the flank; near a tip, where the compliance
+#: increases like a logarithm towards a corner, they hardly decrease until the contact is resolved.
 MODES = Rule(0.4, 2.3, 1.0, 1.0, 0.1)
-#: The same where the corners of all flanks have images, which take that logarithm up: on elements a
-#: third as long, five modes left 0.1 to 1.1 of the largest change of rotation, 0.1 to 2.1 of that
-#: of load shares (27 gears and rings); rounded or chamfered, they left up to 3.6 and 5.9. Their
-#: means nearly cancel, and are off by up to 0.4 of what single positions change by.
+#: The same if the corners of all flanks have images, which represent that logarithm. With elements
+#: a third as long, the error of five modes was 0.1 to 1.1 of the largest change of the rotation and
+#: 0.1 to 2.1 of that of the load shares (27 gears and rings); with roundings or chamfers up to 3.6
+#: and 5.9. Means nearly cancel; their error is up to 0.4 of the changes at single positions.
 MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
-#: Of pressures the two highest modes tell next to nothing: their curvature near the ends of a flank
-#: is not that of those that follow. What these leave goes with the largest change of the load share
-#: (over 112 gears and rings: correlation of the logarithms 0.45, of the peaks' own change 0.29,
-#: which says nothing beside the share).
+#: Error of peak pressures, relative to the largest change of the load share. The change of the
+#: peaks by the two highest modes is a poor measure, since the curvature of these near the ends of a
+#: flank is not that of the omitted modes (112 gears and rings: correlation of the logarithms 0.45
+#: with the share, 0.29 with the peak's own change, which adds no information).
 SHARE_TO_PEAK = 3.0
-#: Half as many nodes: where the error falls only in proportion to their distance, the change is it.
+#: Half as many nodes: if the error is only proportional to their distance, it equals the change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
-#: Two degrees less along the axis, half as many slices: the change bounds what is left.
+#: Two degrees less along the axis, half as many slices: the change bounds the remaining error.
 AXIAL = SLICES = Rule(0.0, 1.0, 1.0, 1.0)
-#: Smoothed stresses tell 0.5 to 1.0 of the loss under pressures that the flank elements hardly
+#: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
-#: A change of a share that is rounding.
+#: Smaller changes of a share are roundoff.
 SAME_SHARE = 1e-9
-#: Part of the changes at the largest and the smallest rotation that their difference may keep.
+#: Doubt of the peak to peak, relative to the changes at the largest and the smallest rotation.
 EXTREMES = 0.35
-#: A half-ellipse of pressure whose middle lies on the edge of two cells seems lower by 0.5 % with
-#: five cells on its half. A peak that changes by more than twice that has something in it that half
-#: as many cells do not resolve (a kink, a small rounding): all of the change is in doubt then.
+#: A half-ellipse of pressure with its middle on the edge of two cells appears lower by 0.5 % with
+#: five cells on its half-width. If a peak changes by more than twice that, half as many cells do
+#: not resolve some feature (a kink, a small rounding), and the whole change is in doubt.
 LARGEST_SMOOTH_CHANGE = 0.01
 
 
 @dataclass(frozen=True)
 class Left:
-    """What a source leaves in a quantity, or in one at many places.
+    """Remaining error of one source in a quantity, or in a quantity at many places.
 
     Attributes
     ----------
@@ -102,27 +102,27 @@ class Left:
 
     @property
     def size(self) -> float:
-        """The largest of what may be left."""
+        """Largest possible error."""
         return float(np.max(np.abs(self.error) + self.doubt, initial=0.0))
 
     @classmethod
     def of(cls, parts: list[Left]) -> Left:
-        """Of several sources: errors with their signs, doubts as squares."""
+        """Sum over several sources: errors with their signs, doubts as squares."""
         doubt = np.sqrt(sum(np.square(part.doubt) for part in parts))
         return cls(sum(part.error for part in parts), doubt)
 
 
 def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
-    """What a source leaves in the quantities of a sweep.
+    """Remaining errors of one source in the quantities of a sweep.
 
     Parameters
     ----------
     rule : Rule
-        Of the source.
+        Rule of the source.
     found : Sweep
-        The sweep in question.
+        The sweep whose errors are estimated.
     base, other : Sweep
-        The same without and with what the source changes.
+        Sweeps without and with the change by the source.
 
     Returns
     -------
@@ -177,18 +177,18 @@ def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str
 
 
 def _of_shares(rule: Rule) -> Rule:
-    """The rule with its doubt of load shares."""
+    """The rule with its doubt for load shares."""
     return rule if rule.doubt_share is None else replace(rule, doubt=rule.doubt_share)
 
 
 def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> Left:
-    """Of a quantity at each position."""
+    """Error of a quantity at each position."""
     relative = change / whole if whole > 0 else np.zeros_like(change)
     return Left(rule.part * relative, rule.doubt * np.abs(relative))
 
 
 def _of_mean(rule: Rule, change: Floats, values: Floats) -> Left:
-    """Of a mean over the positions."""
+    """Error of a mean over the positions."""
     whole = abs(float(values.mean()))
     if whole == 0:
         return Left(0.0, 0.0)
@@ -218,13 +218,13 @@ def _coast_shares(part: Sweep) -> Floats:
 
 
 def _whole_force(part: Sweep) -> Floats:
-    """Of the working flanks, (P, 1)."""
+    """Sum of the forces on the working flanks, (P, 1)."""
     total = part.site_force_N.sum(axis=1, keepdims=True)
     return np.asarray(np.maximum(total, np.finfo(float).tiny))
 
 
 def _smooth(*parts: Sweep) -> NDArray[np.bool_]:
-    """Where a site carries in the first of several sweeps, in none of them on a sharp corner."""
+    """Sites that carry load in the first of several sweeps, in none of them on a sharp corner."""
     off = [part.site_corner <= 0 for part in parts]
     return np.asarray(np.logical_and.reduce(off) & (parts[0].site_peak_N_per_mm > 0))
 
@@ -234,7 +234,7 @@ def _largest_peak(found: Sweep) -> float:
 
 
 def any_smooth_peak(found: Sweep) -> bool:
-    """Whether a site carries off sharp corners anywhere."""
+    """Whether any site carries load off sharp corners."""
     return _largest_peak(found) > 0.0
 
 
@@ -245,12 +245,12 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
 
 
 def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
-    """What modes leave in the peaks off sharp corners.
+    """Error of the modes in the peaks off sharp corners.
 
     Parameters
     ----------
     found, base, other : Sweep
-        The sweep in question, the same where modes are looked at, and with fewer of them.
+        The sweep whose errors are estimated; the comparison with all modes and with fewer modes.
 
     Returns
     -------
@@ -264,20 +264,20 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
         return _at_each(doubt, _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)
-    # the peak of a line contact goes with the root of its force: that of a pair that has just begun
-    # to carry may be a multiple
+    # the peak of a line contact is proportional to the root of its force: for a pair that has just
+    # begun to carry load, the true peak may be a multiple
     share = np.maximum(_shares(found), np.finfo(float).tiny)
     begun = np.sqrt(1.0 + (MODES.part + MODES.doubt) * changes / share) - 1.0
     return Left(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
-    """What cells leave in the peaks off sharp corners.
+    """Error of the cells in the peaks off sharp corners.
 
     Parameters
     ----------
     found, coarse : Sweep
-        The sweep in question, and the same with half as many cells.
+        The sweep whose errors are estimated, and the same with half as many cells.
 
     Returns
     -------

@@ -1,12 +1,11 @@
-"""Teeth that yield differently: after how many a compliance repeats, and what one pitch misses.
+"""Teeth with different compliances: period of a compliance, and errors of positions over one pitch.
 
 A body that is meshed as a whole may have holes, a keyway or spokes, so that its compliance repeats
-after some teeth, or after a turn, and not with each tooth. Positions over one pitch then know one
-tooth after the other only where they stand. What other teeth in their places do is told by the
-forces that were found: the work of forces F is F'KF/2, and a stiffness K that is a little another
-one turns body 1 under the same torque M by F'(change of K)F/M more, to the first order. On wheels
-with three and four windows, whose own compliance varies by a quarter, that is within 4 % of what
-solving all pitches gives.
+after several teeth or a whole turn only. Positions over one pitch then contain each tooth at some
+positions only. The effect of other teeth at these positions follows from the known forces: the work
+of forces F is F'KF/2, and a small change of the compliance K increases the rotation of body 1 under
+the same torque M by F'(change of K)F/M, to the first order. On wheels with three and four windows,
+whose own compliance varies by a quarter, this is within 4 % of a solution over all pitches.
 """
 
 from __future__ import annotations
@@ -29,37 +28,37 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.interpolant import Floats, Integers
 
-#: The quantity that there is where positions close.
+#: Additional quantity if the positions close.
 HARMONICS_KEY = "transmission_error_harmonics"
-#: Positions this part of a pitch before the next pitch are in that.
+#: Positions less than this part of a pitch before the next pitch belong to that.
 SAME = 1e-6
 #: Teeth whose compliances differ by less than this part of the tolerance are alike; meshes that are
 #: not the same at all teeth differ by less.
 ALIKE = 0.25
-#: What the first order may be off, over the change that it tells of a quantity, and over the mean
-#: size of the changes at all positions (of the peak to peak: the largest).
+#: Doubt of the first order, relative to the estimated change of a quantity, and relative to the
+#: mean absolute change at all positions (for the peak to peak: the largest).
 DOUBT, DOUBT_SIZE = 0.2, 0.05
 
 
 def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> int:
-    """Teeth after which a compliance repeats around a body.
+    """Number of teeth after which a compliance repeats around a body.
 
-    Teeth are alike where an even pressure on one of them moves it and the others as it does at the
-    other one.
+    Two teeth are alike if a uniform pressure on either of them causes the same displacements of
+    that tooth and of the others.
 
     Parameters
     ----------
     compliance : BodyCompliance
     teeth : int
-        Of the body.
+        Number of teeth of the body.
     part : float
         Teeth whose compliances differ by less than this part of the largest are alike.
 
     Returns
     -------
     int
-        1 where all teeth are alike, else a divisor of their number; teeth without a flank are like
-        any other.
+        1 if all teeth are alike, otherwise a divisor of their number; teeth without a flank count
+        as alike with any other.
     """
     f = len(compliance.flanks)
     if f < 2:
@@ -77,7 +76,7 @@ def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> in
 
 
 def _of_even_pressure(compliance: BodyCompliance) -> Floats:
-    """Mean displacement (f * f,) of flanks under a unit force spread evenly over flanks."""
+    """Mean displacement (f * f,) of flanks under a uniformly distributed unit force."""
     low, high = compliance.mode_range_mm
     length, f = high - low, len(compliance.flanks)
     if compliance.nodes is not None:
@@ -91,7 +90,7 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class OtherTeeth:
-    """Bodies whose teeth need not be alike, and the positions that see some of them.
+    """Bodies with different teeth, and positions that contain some of these.
 
     Attributes
     ----------
@@ -100,10 +99,10 @@ class OtherTeeth:
     site_teeth : two (S,) arrays
         Tooth of each body at each site.
     steps : (int, int)
-        By how many teeth each body moves on at a site in a pitch.
+        Change of the tooth number of each body at a site after one pitch.
     face_width_mm : float
     window : Window
-        What the positions run over.
+        Range of the positions.
     position_rad : (P,) array
     """
 
@@ -123,7 +122,7 @@ class OtherTeeth:
         face_width_mm: float,
         window: Window,
     ) -> OtherTeeth | None:
-        """Of a pair; None where teeth are alike by their kind, or the positions see all of them."""
+        """Data of a pair; None if all teeth are alike or the positions contain all of them."""
         one = cls(
             compliances=compliances,
             teeth=(pair.body_1.teeth, pair.body_2.teeth),
@@ -137,13 +136,13 @@ class OtherTeeth:
 
     @property
     def pitches(self) -> int:
-        """Pitches after which the same teeth meet again, of bodies whose teeth may be unlike."""
+        """Pitches after which the same teeth meet again, for bodies with different teeth."""
         return lcm(*(self.teeth[z] for z in (0, 1) if len(self.compliances[z].flanks) > 1))
 
     def changes_rad(self, found: Sweep) -> Floats:
-        """(K, P) How much further body 1 turns at each position, k windows later.
+        """(K, P) Additional rotation of body 1 at each position, k windows later.
 
-        NaN where a tooth would carry that has no flank, and where the teeth come again.
+        NaN if a tooth without a flank would carry load, and after the period of the teeth.
         """
         number = np.arange(0, self.pitches, self.window.pitches)
         total = np.zeros((number.size, self.position_rad.size))
@@ -156,7 +155,7 @@ class OtherTeeth:
         return total / (self.face_width_mm * found.torque_Nmm)
 
     def _work(self, found: Sweep, z: int) -> Floats:
-        """(teeth, P) F'KF (N² mm²/N) of the forces on body z, moved on by so many teeth."""
+        """(teeth, P) F'KF (N² mm²/N) of the forces on body z, shifted by each number of teeth."""
         compliance, teeth = self.compliances[z], self.teeth[z]
         tooth, loads = _loads(found, compliance, self.site_teeth[z], z)
         f, n = len(compliance.flanks), loads.shape[2]
@@ -176,9 +175,9 @@ class OtherTeeth:
 def _loads(
     found: Sweep, compliance: BodyCompliance, site_teeth: Integers, z: int
 ) -> tuple[Integers, Floats]:
-    """Teeth (P, L) that carry at each position, and their loads (P, L, n) as modes, N.
+    """Teeth (P, L) that carry load at each position, and their loads (P, L, n) as modes, N.
 
-    Of positions at which fewer carry the rest are teeth without load.
+    Positions with fewer loaded teeth have entries without load.
     """
     pairs = found.pairs
     low, high = compliance.mode_range_mm
@@ -209,7 +208,7 @@ def _loads(
 
 
 def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
-    """What positions miss that do not see all teeth, in what follows from all positions.
+    """Errors of positions that do not contain all teeth, in quantities of the whole period.
 
     Parameters
     ----------
@@ -232,7 +231,7 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
     most = DOUBT_SIZE * float(np.abs(changes).max())
     now, whole = float(alone @ rotation), float((weight * (rotation + changes)).sum())
     span, all_spans = float(np.ptp(rotation)), float(np.ptp((rotation + changes)[known]))
-    told = {
+    errors = {
         "transmission_error_mean": _left(now, whole, spread),
         "transmission_error_peak_to_peak": _left(span, all_spans, most),
     }
@@ -244,15 +243,15 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
         if (softness > 0).all() and (other > 0).all():
             now = float(alone @ (1.0 / softness))
             part = spread / float(alone @ softness)
-            told[name] = _left(now, float((weight / other).sum()), part * now)
+            errors[name] = _left(now, float((weight / other).sum()), part * now)
     if others.window.closed:
         mean = np.sum(weight * changes, axis=0) / weight.sum(axis=0)
-        told[HARMONICS_KEY] = _of_harmonics(others, rotation, rotation + mean, spread)
-    return told
+        errors[HARMONICS_KEY] = _of_harmonics(others, rotation, rotation + mean, spread)
+    return errors
 
 
 def _left(now: float, whole: float, spread: float) -> Left:
-    """What is left of a number that is another one over the whole period, relative to itself."""
+    """Relative error of a number that has another value over the whole period."""
     scale = abs(now)
     if not scale > 0:
         return Left(0.0, 0.0)
@@ -260,7 +259,7 @@ def _left(now: float, whole: float, spread: float) -> Left:
 
 
 def _weights(position_rad: Floats, window: Window) -> Floats:
-    """Part of the window (P,) that each position stands for."""
+    """Part of the window (P,) that each position represents."""
     if position_rad.size == 1:
         return np.ones(1)
     if window.closed:
@@ -274,7 +273,7 @@ def _weights(position_rad: Floats, window: Window) -> Floats:
 
 
 def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float) -> Left:
-    """Of the worst of the harmonics of a pitch: those of all pitches are those of their mean."""
+    """Largest error of the harmonics of a pitch; those of all pitches are those of their mean."""
     weight = _weights(others.position_rad, others.window)
     turn = 2 * np.pi * others.position_rad / others.window.pitch_rad
     waves = 2.0 * weight * np.exp(-1j * np.outer(HARMONICS, turn))

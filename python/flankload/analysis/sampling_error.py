@@ -1,9 +1,9 @@
-"""What sampled positions miss of a rotation and of stiffnesses: the curve through them says.
+"""Sampling errors of rotation and stiffnesses, from the curve through the positions.
 
-Where a flank pair begins or ends to carry, the rotation has a kink and the tangent stiffness a
-step. The curve finds the kink where it goes on from both sides until they meet; what the mean of
-the samples lacks of the mean of the curve is their error, with its sign. In doubt is a part of
-that, and what intervals leave open in which no kink was found, or two.
+At a position where a flank pair begins or ceases to carry load, the rotation has a kink and the
+tangent stiffness a step. The kink is the intersection of the curves from both sides. The error is
+the mean of the samples minus the mean of the curve, with its sign. The doubt is a part of that,
+plus the uncertainty of intervals in which no kink, or two kinks, were found.
 """
 
 from __future__ import annotations
@@ -22,41 +22,40 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Flags = NDArray[np.bool_]
 
-#: Places in an interval between positions at which a curve is looked at.
+#: Places in an interval between positions at which a curve is evaluated.
 BETWEEN = 16
-#: Part of what a curve adds to the samples that is in doubt; in the mean, and in the peak to peak.
+#: Doubt relative to the difference between curve and samples, in the mean and in the peak to peak.
 DOUBT_MEAN, DOUBT_PEAK_TO_PEAK = 0.8, 0.8
-#: The same of the doubt that the curve itself has in intervals in which the loaded pairs change.
+#: The same relative to the doubt of the curve itself in intervals with a change of loaded pairs.
 DOUBT_KINKS = 0.15
-#: A step whose place is known is in doubt by this part of its interval, twice the standard
-#: deviation; one whose place is not known may be anywhere in it.
+#: Doubt of the place of a step, relative to its interval (twice the standard deviation): with a
+#: known kink, and anywhere in the interval.
 STEP_FOUND, STEP_ANYWHERE = 0.2, 1.0 / np.sqrt(3.0)
-#: Positions from which on an open window is looked at.
+#: Least number of positions for an estimate in an open window.
 LEAST_OPEN = 3
-#: One pair comes and one goes in the same interval: between, there is one more or one less. By this
-#: part of an interval they may be apart, and by this part of what that makes in the stiffness does
-#: the rotation differ from its curve.
+#: If one pair begins and one ceases to carry load in the same interval, there is one pair more or
+#: less in between. Assumed distance of both events relative to the interval, and effect on the
+#: rotation relative to that on the stiffness.
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 
 def between_positions(
     part: Sweep, window: Window, position_rad: Floats
 ) -> dict[str, tuple[float, float]]:
-    """What samples leave in quantities that follow from all positions.
+    """Sampling errors of quantities that depend on all positions.
 
     Parameters
     ----------
     part : Sweep
     window : Window
-        What the positions run over. Where curves do not close over it nothing is known of the
-        interval behind the last position but that they go on as they come.
+        Range of the positions. If curves do not close over it, they are extrapolated over the
+        interval after the last position.
     position_rad : (P,) array
 
     Returns
     -------
     dict
-        By name: error of what follows from the samples, with its sign, and its doubt, both
-        relative.
+        By name: relative error of the quantity from the samples, with its sign, and relative doubt.
     """
     if not window.closed:
         return _open_window(part)
@@ -101,7 +100,7 @@ def between_positions(
 
 
 def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
-    """The same where curves do not close: what the mean misses of the last interval, in doubt."""
+    """The same if curves do not close: the doubt is the contribution of the last interval."""
     rotation = part.rotation_rad
     if rotation.size < LEAST_OPEN:
         return {}
@@ -121,19 +120,19 @@ def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
 
 
 def _next(values: Floats) -> float:
-    """What follows on a straight line."""
+    """Next value by linear extrapolation."""
     return float(2 * values[-1] - values[-2])
 
 
 def mean_stiffness(softness: Floats) -> Floats | None:
-    """What is inverse to rotation over torque; None where that is not known everywhere."""
+    """Inverse of rotation over torque; None if it is unknown at a position."""
     return 1.0 / softness if (softness > 0).all() else None
 
 
 def _steps(
     tangent: Floats, position_rad: Floats, rotation: PositionCurve, changes: Flags
 ) -> tuple[float, float]:
-    """What samples of a stiffness with steps miss of its mean, and its doubt."""
+    """Sampling error of the mean of a stiffness with steps, and its doubt."""
     step = np.diff(tangent, append=tangent[0])[changes]
     start = position_rad[changes]
     width = np.diff(position_rad, append=position_rad[0] + rotation.length)[changes]
@@ -145,7 +144,7 @@ def _steps(
 
 
 def _hidden(loaded: Flags, changes: Flags) -> float:
-    """Intervals in which one pair comes and one goes: its part of all, over the positions."""
+    """Relative effect of intervals in which one pair begins and one ceases to carry load."""
     count = loaded.sum(axis=1)
     alike = changes & (count == np.roll(count, -1))
     return float(np.linalg.norm(1.0 / np.maximum(count[alike], 1)) / count.size)

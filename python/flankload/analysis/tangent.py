@@ -1,9 +1,9 @@
-"""Stiffness as what the rotation itself does: when the torque grows, and from no torque on.
+"""Tangent stiffness by differences of the rotation, and the rotation without torque.
 
-With the pairs in contact held, the derivative of the rotation lacks what the edges of the contacts
-add when their cells grow along: 0.1 to 0.3 % on gears with ten cells to the half-width. As cells
-are laid anew for each torque, in the same number for each half-width, the rotation is smooth in
-the torque, and differences over 2e-3 of it agree with those over 1e-4 to 2e-8.
+The derivative of the rotation for fixed pairs in contact lacks the contribution of the edges of the
+contacts, since cells become longer with the torque: 0.1 to 0.3 % on gears with ten cells on the
+half-width. Cells are laid out for each torque, in the same number on each half-width, so the
+rotation is smooth in the torque: differences over 2e-3 of it agree with those over 1e-4 to 2e-8.
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
     from flankload.contact.sweep import Sweep
 
-#: Step of the torque, relative: the third derivative stays below 1e-7, rounding below 1e-8.
+#: Relative step of the torque: the error is below 1e-7 by the third derivative, below 1e-8 by
+#: rounding.
 STEP = 1e-3
-#: Torques beside each torque.
+#: Signs of the steps.
 SIDES = (-1, 1)
-#: Where both sides differ by more than this a flank comes into contact or leaves within the step:
-#: there the derivative with the pairs in contact held is the better one.
+#: If both one-sided differences differ by more than this, a flank comes into contact or leaves it
+#: within the step; the derivative for fixed pairs in contact is more accurate then.
 LARGEST_KINK = 5e-3
 
 
@@ -44,7 +45,7 @@ def with_tangents(
     Returns
     -------
     tuple of Sweep
-        As they were where there is no torque, or no state under one a little greater.
+        Unchanged without torque, or if there is no state under a slightly larger torque.
     """
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
     if not loaded:
@@ -63,10 +64,10 @@ def with_tangents(
 def with_unloaded(
     found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
 ) -> tuple[Sweep, ...]:
-    """Add the rotation without torque, from which the deflection by a torque counts.
+    """Add the rotation without torque, from which the deflection under torque is measured.
 
-    Deviations of pitch and profile, an offset of the axes, growth and preload turn body 1 before
-    there is any torque.
+    Deviations of pitch and profile, an offset of the axes, expansion and preload rotate body 1
+    without any torque.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def with_unloaded(
     Returns
     -------
     tuple of Sweep
-        As they were where there is no state without torque.
+        Unchanged if there is no state without torque.
     """
     none = next((part for part in found if part.torque_Nmm == 0.0), None)
     if none is None:
@@ -90,7 +91,7 @@ def with_unloaded(
 
 
 def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:
-    """One torque."""
+    """Central differences for one torque."""
     step = STEP * part.torque_Nmm
     before = (part.rotation_rad - less.rotation_rad) / step
     behind = (more.rotation_rad - part.rotation_rad) / step

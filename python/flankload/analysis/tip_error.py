@@ -1,19 +1,19 @@
-"""What modes miss where a contact works on a sharp corner: its force turns.
+"""Error of pressure modes in contact on a sharp corner, where the direction of the force changes.
 
-Pressure modes push along the normal of the flank; the modes of a tip rounding or chamfer describe
-forces that turn. A sharp corner has no such modes, but there, too, the force is normal to the other
-flank: it turns towards the tooth's axis, in which the tooth hardly yields. What moves a tip,
-bending of the tooth and turning of the rim, moves it along its circle: with n the normal of the
-flank at the contact, n' that of the force and u the direction of the circle, places i and j yield
-to each other k_i k_j times as much, k = (n'·u)/(n·u), 1 where the flank itself touches.
-Of the place's own yielding the near field has no preferred direction; it
-reaches as far as the contact.
+Pressure modes act along the normal of the flank; the modes of a tip rounding or chamfer describe
+forces of other directions. A sharp corner has no such modes, but the force there is also normal to
+the other flank: it is inclined towards the axis of the tooth, in which the tooth is stiff. A tip
+moves along its circle, by bending of the tooth and rotation of the rim. With n the normal of the
+flank at the contact, n' the direction of the force and u the direction of the circle, the
+compliance between places i and j is multiplied by k_i k_j, k = (n'·u)/(n·u); k = 1 for contact on
+the flank itself. The near field at the place of the force has no preferred direction; it extends as
+far as the contact.
 
-Forces on a gear (corner of 125 degrees) and a ring (105 degrees) with elements of 0.0125 mm, turned
-by 2 to 15 degrees within 0.15 to 0.5 mm of the corner: the loss of compliance is 0.89 to 0.96 times
-this on the gear, 1.25 to 1.66 times on the ring. So 1.66 times what it changes is in doubt. Its
-sign is known, but what it may cancel of other sources holds for one torque and position, and is not
-counted on.
+Measured with forces on a gear (corner of 125 degrees) and a ring (105 degrees), elements of
+0.0125 mm, inclined by 2 to 15 degrees within 0.15 to 0.5 mm of the corner: the loss of compliance
+is 0.89 to 0.96 times this on the gear, 1.25 to 1.66 times on the ring. The doubt is therefore 1.66
+times the change. Its sign is known, but a cancellation of other errors is specific to one torque
+and position and is not assumed.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Because forces turn: the loss of compliance over its closed form, at the most.
+#: Largest ratio of the loss of compliance by inclined forces to its closed form.
 DOUBT = 1.66
-#: A site takes part where it takes up more than this part of what the stiffest does.
+#: Sites with a marginal force below this part of the largest are omitted.
 LEAST_PART = 1e-3
-#: What a site yields under its own force is at least this part of all that it yields.
+#: The compliance of a site under its own force is at least this part of its whole compliance.
 LEAST_OWN = 0.1
-#: Of the flank's length: so far from its end it has its own normal.
+#: Distance from the end of the flank, relative to its length, at which its own normal is evaluated.
 SHORT = 1e-6
 
 
@@ -53,7 +53,7 @@ def tip_error(
     pairing: Pairing,
     face_width_mm: float,
 ) -> dict[str, Left]:
-    """What turned forces leave in the quantities of a sweep.
+    """Errors by inclined forces in the quantities of a sweep.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def tip_error(
     Returns
     -------
     dict
-        By quantity; empty where no tip works, or nothing is known of its circle.
+        By quantity; empty if no tip carries load or its circle is unknown.
     """
     none = np.zeros_like(found.site_force_N)
     turned, between = none.copy(), np.zeros((*none.shape, none.shape[1]))
@@ -81,7 +81,7 @@ def tip_error(
 
 
 def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
-    """By how much each quantity is too large where sites (P, S) yield too much."""
+    """Excess of each quantity if sites (P, S) are too compliant."""
     rotation, force = found.rotation_rad, found.site_force_N
     error, apart = _answer(found, lost, between)
     tiny = np.finfo(float).tiny
@@ -108,10 +108,10 @@ def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
 
 
 def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats]:
-    """By how much rotation (P,) and forces (P, S) are too large where sites yield too much.
+    """Excess of rotation (P,) and forces (P, S) if sites are too compliant.
 
-    As springs C that know each other: C w = b dφ/dM of the marginal forces w gives what each site
-    yields under its own force; then C dF - b dφ = lost, where b·dF = 0.
+    With coupled springs C: C w = b dφ/dM for the marginal forces w gives the compliance of each
+    site under its own force; then C dF - b dφ = lost, where b·dF = 0.
     """
     rotation = np.zeros_like(found.rotation_rad)
     forces = np.zeros_like(lost)
@@ -138,14 +138,14 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
 def _yields(
     found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
 ) -> tuple[Floats, Floats]:
-    """What a body yields less at each site under all forces, and sites under each other's.
+    """Loss of displacement at each site under all forces, and compliance between sites.
 
     Returns
     -------
     turned : (P, S) array
-        Because forces turn; mm² (per width).
+        By the inclination of forces; mm² (per width).
     between : (P, S, S) array
-        mm²/N (per width), as the modes have it.
+        By the modes; mm²/N (per width).
     """
     none = np.zeros_like(found.site_force_N)
     pairs = found.pairs

@@ -30,7 +30,7 @@ def _check_scene(path: Path) -> None:
         _print_rows(title, rows)
     if picked:
         keys = [(key, f"{value}") for table in picked.values() for key, value in table.items()]
-        _print_rows(f"knobs that a tolerance of {scene.accuracy.tolerance:g} begins with", keys)
+        _print_rows(f"initial discretization for a tolerance of {scene.accuracy.tolerance:g}", keys)
     if description.notes:
         print()
     for note in description.notes:

@@ -89,7 +89,7 @@ def _check_outputs(arguments: Namespace) -> None:
     printed = [key for key, path in _files(arguments).items() if path == STDOUT]
     if len(printed) > 1:
         raise SceneError(
-            key=printed[1], expected=f"a file, since {printed[0]} takes stdout", found="-"
+            key=printed[1], expected=f"a file, since {printed[0]} uses stdout", found="-"
         )
     for key, path in _files(arguments).items():
         if path != STDOUT:

@@ -21,7 +21,7 @@ def accuracy(arguments: Namespace) -> None:
         raise SceneError(key="--budget", expected="CPU seconds > 0", found=f"{arguments.budget:g}")
     files = {"--csv": arguments.csv, "--json": arguments.json}
     if STDOUT in files.values() and files["--csv"] == files["--json"]:
-        raise SceneError(key="--json", expected="a file, since --csv takes stdout", found="-")
+        raise SceneError(key="--json", expected="a file, since --csv uses stdout", found="-")
     named = {**files, "--resume": arguments.resume}
     places = {key: Path(path) for key, path in named.items() if path not in (None, STDOUT)}
     for key, path in places.items():

@@ -108,7 +108,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
             "quadratic ones with their middle nodes on the profile, follow the flank better"
         )
     if turned:
-        notes.append(f"{turned} elements are numbered clockwise: taken the other way round")
+        notes.append(f"{turned} elements are numbered clockwise: their numbering is reversed")
     return PlaneBody(nodes, cells, boundary_edges(cells), linear, tuple(notes))
 
 
@@ -150,9 +150,7 @@ def _mixed_orders(raw: RawMesh) -> Defect | None:
     quadratic = sum(len(data) for kind, data in raw.cells if kind not in CORNERS)
     if not linear or not quadratic:
         return None
-    return Defect(
-        "elements of one order", f"{linear} linear elements beside {quadratic} quadratic ones"
-    )
+    return Defect("elements of one order", f"{linear} linear and {quadratic} quadratic elements")
 
 
 def _edge_lengths(nodes: Floats, cells: Cells) -> Floats:
@@ -178,7 +176,7 @@ def _double_nodes(raw: RawMesh) -> Defect | None:
     count = np.unique(pairs[:, 1]).size
     return Defect(
         "one node at a place (merge them in the mesher)",
-        f"{count} nodes that stand on others, the first at {_place(raw.nodes, pairs[0, 0])}",
+        f"{count} nodes that coincide with others, the first at {_place(raw.nodes, pairs[0, 0])}",
     )
 
 
@@ -290,6 +288,6 @@ def _materials(raw: RawMesh) -> Defect | None:
         return None
     sizes = [f"{name} ({count} elements)" for name, count in sorted(raw.materials.items())]
     return Defect(
-        "one material (one_material = true in the scene, where groups do not mean materials)",
+        "one material (one_material = true in the scene if groups do not mean materials)",
         f"{len(sizes)}: {', '.join(sizes[:4])}{', …' if len(sizes) > 4 else ''}",
     )

@@ -13,8 +13,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from flankload.base.files import write_atomically
 from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short
-from flankload.studies.accuracy.observed import MEANINGS
-from flankload.studies.accuracy.study_text import GROUPS, KNOBS, NAMED
+from flankload.studies.accuracy.quantities import MEANINGS
+from flankload.studies.accuracy.study_text import GROUPS, NAMED, PARAMETER_LABELS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ LEAST_ERROR = 1e-7
 LEAST_SHOWN = 1e-6
 #: The upper edge of this shaded area is the uncertainty of the reference.
 SHADE = "#ececec"
-MARKS = dict(zip(KNOBS, "osD^v", strict=True))
+MARKS = dict(zip(PARAMETER_LABELS, "osD^v", strict=True))
 LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
 TITLES = {
     "transmission_error": "Transmission error",
@@ -113,9 +113,9 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     for tolerance in NAMED:
         axes.axhline(tolerance, color=GREY, linewidth=0.7, linestyle=":")
     axes.axhline(study.tolerance, color=GREY, linewidth=1.2, linestyle=(0, (6, 3)))
-    for colour, (knob, mark) in zip(COLOURS, MARKS.items(), strict=False):
+    for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False):
         look = {"color": colour, "marker": mark}
-        even, adaptive = _ladder(study, knob, name)
+        even, adaptive = _ladder(study, parameter, name)
         _points(axes, even, linestyle="-", **look)
         _points(axes, adaptive, markerfacecolor="white", **look)
     _points(axes, _errors(study.rows, name), color="#bbbbbb", marker=".", zorder=1)
@@ -129,13 +129,13 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _ladder(study: Study, knob: str, name: str) -> tuple[Points, Points]:
+def _ladder(study: Study, parameter: str, name: str) -> tuple[Points, Points]:
     """Even and adaptive steps: seconds with the others at default, error of this parameter."""
     parts: tuple[Points, Points] = ([], [])
-    for row in study.steps.get(knob, ()):
-        seconds, error = study.seconds_at_default(row, knob), row.alone.get(name)
+    for row in study.steps.get(parameter, ()):
+        seconds, error = study.seconds_at_default(row, parameter), row.alone.get(name)
         if seconds is not None and error is not None:
-            parts[row.setting.adaptive is not None].append((seconds, error))
+            parts[row.run.discretization.adaptive is not None].append((seconds, error))
     return sorted(parts[0]), sorted(parts[1])
 
 
@@ -155,11 +155,19 @@ def _points(axes: Axes, points: Points, **style: Any) -> None:
 def _legend(study: Study) -> list[Line2D]:
     groups = {row.group for row in study.rows}
     handles = [
-        Line2D([], [], color=colour, marker=mark, markersize=5, linewidth=1.4, label=KNOBS[knob])
-        for colour, (knob, mark) in zip(COLOURS, MARKS.items(), strict=False)
-        if study.steps.get(knob)
+        Line2D(
+            [],
+            [],
+            color=colour,
+            marker=mark,
+            markersize=5,
+            linewidth=1.4,
+            label=PARAMETER_LABELS[parameter],
+        )
+        for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False)
+        if study.steps.get(parameter)
     ]
-    if any(row.setting.adaptive is not None for row in study.steps.get("count", ())):
+    if any(row.run.discretization.adaptive is not None for row in study.steps.get("count", ())):
         colour = COLOURS[list(MARKS).index("count")]
         handles.append(
             Line2D([], [], color=colour, marker=MARKS["count"], markerfacecolor="white",
@@ -175,6 +183,6 @@ def _legend(study: Study) -> list[Line2D]:
         Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
                label=f"tolerance of the scene, {study.tolerance:g}")
     )  # fmt: skip
-    label = "the limit itself is in doubt"
+    label = "uncertainty of the limit"
     handles.append(Line2D([], [], color=SHADE, linewidth=8, label=label))
     return handles

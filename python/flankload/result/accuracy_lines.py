@@ -53,18 +53,18 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
             f"{knob} {_number(one)} -> {_number(two)}"
             for knob, (one, two) in found["tightened"].items()
         )
-        lines.append(f"tightened once: {steps}")
+        lines.append(f"refined once: {steps}")
     itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
     if bound is not None and itself is not None and bound < itself > found["tolerance"]:
         lines.append(
             f"peak to peak {percent(itself)} of itself is {percent(bound)} of the largest "
-            "transmission error, which is what counts"
+            "transmission error, to which the tolerance refers"
         )
     if found["not_estimated"]:
         names = ", ".join(name.replace("_", " ") for name in found["not_estimated"])
         lines.append(f"not estimated, so not checked: {names}")
     lines += [
-        f"missed: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, most of it from "
+        f"exceeded: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, mostly from "
         f"{one['source']}{_beside(one['beside'])}: {one['why']}"
         for one in found["missed"]
     ]
@@ -76,7 +76,7 @@ def _beside(sources: Sequence[str]) -> str:
     if not sources:
         return ""
     exceed = "exceeds" if len(sources) == 1 else "each exceed"
-    return f" ({' and '.join(sources)} alone {exceed} the tolerance, too)"
+    return f" ({' and '.join(sources)} alone also {exceed} the tolerance)"
 
 
 def percent(part: float) -> str:

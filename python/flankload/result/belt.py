@@ -140,12 +140,13 @@ class BeltDrive:
     def words(self) -> str:
         """Text of a report."""
         text = (
-            f"strands {self.tight_tension_N.max():.4g} and {self.slack_tension_N.max():.4g} N, as "
-            f"springs: a tooth {self.tooth_stiffness_N_per_mm:.4g} N/mm, the cord on its lands "
+            f"strand tensions {self.tight_tension_N.max():.4g} and "
+            f"{self.slack_tension_N.max():.4g} N; equivalent springs: tooth "
+            f"{self.tooth_stiffness_N_per_mm:.4g} N/mm, cord on its lands "
             f"{self.cord_stiffness_N:.4g} N"
         )
         if self.land_friction:
-            text += f", friction of the lands takes {self.land_friction_N.max():.4g} N"
+            text += f", friction of the lands carries {self.land_friction_N.max():.4g} N"
         return text
 
 

@@ -103,9 +103,9 @@ def coast_side(
     one, two = pair.body_1.involute, pair.body_2.involute
     for z, involute in enumerate((one, two)):
         if involute is None:
-            return None, f"of body_{z + 1} only the working flank is known"
+            return None, f"body_{z + 1} has no known coast flank"
         if any(len(shift) > 1 for shift in compliances[z].shifts.values()):
-            return None, f"of body_{z + 1} only the growth of each working flank is known"
+            return None, f"the expansion of body_{z + 1} is known on the working flanks only"
     assert one is not None
     coast = CoastSide(
         bodies=(pair.body_1, pair.body_2),

@@ -18,22 +18,22 @@ if TYPE_CHECKING:
 CORNERS = {
     ("flank", "relief"): (
         "the kink where its tip relief begins",
-        '{body}.tip_relief_shape = "parabolic" begins without one',
+        '{body}.tip_relief_shape = "parabolic" avoids it',
     ),
     ("fillet", "flank"): (
         "the end of its undercut",
-        "more {body}.profile_shift leaves none",
+        "a larger {body}.profile_shift avoids undercut",
     ),
     ("*", "tip_chamfer"): (
         "the edge between flank and chamfer",
-        "{body}.tip_radius_mm in place of {body}.tip_chamfer_mm has none",
+        "{body}.tip_radius_mm instead of {body}.tip_chamfer_mm avoids it",
     ),
 }
 TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
 #: If tips and fillets are left out.
-CUT = ("the end of its active flank", "the tip or fillet beyond it is left out")
+CUT = ("the end of its active flank", "the tip or fillet beyond it is excluded from contact")
 #: For bodies with an imported profile.
-OF_FILE = ("a sharp corner of its flank", "a rounding there cures it")
+OF_FILE = ("a sharp corner of its flank", "a rounding there avoids it")
 
 
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:

@@ -17,7 +17,7 @@ MEASURES = (
     ("cpu_s", "CPU s", 1.0),
     ("wall_s", "wall s", 1.0),
     ("bytes", "MB held", 1e-6),
-    ("workspace_bytes", "MB on the way", 1e-6),
+    ("workspace_bytes", "MB workspace", 1e-6),
 )
 
 

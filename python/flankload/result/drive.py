@@ -113,7 +113,7 @@ class ChainDrive:
             f"{self.mode}, tight strand {tight.min():.4g} to {tight.max():.4g} N, slack strand "
             f"{abs(margin):.4g} N {'above' if margin >= 0 else 'below'} T1 q^n "
             f"(q = {self.tension_ratio:.4f}), up to "
-            f"{self.passes.max()} contact problems a position"
+            f"{self.passes.max()} contact problems per position"
         )
 
 

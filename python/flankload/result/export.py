@@ -168,7 +168,7 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if value is None or isinstance(value, str | int):
         return value
-    raise TypeError(f"a result holds {type(value).__name__}, which JSON cannot say")
+    raise TypeError(f"the result contains {type(value).__name__}, which JSON cannot represent")
 
 
 def results_to_csv(results: Result | Sequence[Result], path: str | Path | None = None) -> str:

@@ -291,7 +291,7 @@ def _loaded_pairs(result: Result) -> str:
             text += f", {by_tips} by geometry"
             text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
-    return text + f" of {result.sites.size} teeth carry" * result.whole_circle
+    return text + f" of {result.sites.size} teeth carry load" * result.whole_circle
 
 
 def _estimate_lines(result: Result, beyond: str) -> Iterator[str]:
@@ -342,20 +342,20 @@ def _contact_lines(result: Result) -> Iterator[str]:
         text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"
         yield _labelled("line load", text)
     if summary["largest_sliding_mm_per_rad"]:
-        turning = "the cam, as if no roller turned" if result.has_cam else "body 1"
+        turning = "the cam, for a roller that does not rotate" if result.has_cam else "body 1"
         text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
         yield _labelled("sliding", text)
     if result.coast is not None:
         yield _labelled("coast flanks", _coast_forces(summary))
     elif summary["coast_flank_gap_min_um"] is not None:
         gap = summary["coast_flank_gap_min_um"]
-        text = f"at least {gap:.1f} um apart, bodies turned as loaded"
+        text = f"at least {gap:.1f} um apart under load"
         if gap < 0:
-            text = f"overlap by up to {-gap:.1f} um, bodies turned as loaded: they would carry, too"
+            text = f"overlap of up to {-gap:.1f} um under load: they would carry load as well"
         yield _labelled("coast flanks", text)
     elif result.geometry is not None and not result.has_cam:
         reason = result.geometry.coast_unknown or "none face each other"
-        yield _labelled("coast flanks", f"not known: {reason}")
+        yield _labelled("coast flanks", f"unknown: {reason}")
 
 
 def _coast_forces(summary: dict[str, Any]) -> str:
@@ -388,7 +388,7 @@ def _largest_pressure(summary: dict[str, Any]) -> str:
     if summary["peak_pressure_at_corner"]:
         parts.append(
             f"up to {summary['peak_pressure_MPa']:.0f} MPa on a sharp corner ({MARK}), "
-            "which means nothing"
+            "which is meaningless"
         )
     return "; ".join(parts)
 
@@ -399,7 +399,7 @@ def _friction(friction: FrictionResult) -> str:
     if friction.efficiency is None or friction.loss_work_J is None:
         return text
     return (
-        f"{text}; loss {friction.loss_work_J:.4g} J a period, efficiency "
+        f"{text}; loss {friction.loss_work_J:.4g} J per period, efficiency "
         f"{100 * friction.efficiency:.3f} %"
     )
 
@@ -428,12 +428,12 @@ def _cost(cost: Any) -> str:
             ("fe_factorisations", "FE factorisations"),
             ("unit_loads_normal", "unit loads"),
             *(
-                [("unit_loads_tangential", "along the flanks")]
+                [("unit_loads_tangential", "tangential unit loads")]
                 if cost.get("unit_loads_tangential")
                 else []
             ),
             *(
-                [("fe_load_cases_growth", "load cases of growth")]
+                [("fe_load_cases_growth", "load cases of expansion")]
                 if cost.get("fe_load_cases_growth")
                 else []
             ),

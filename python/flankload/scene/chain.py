@@ -72,7 +72,7 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
         "accuracy": frozenset({"tolerance", "estimate"}),
     }
     no_pair: ClassVar[str] = (
-        "a chain lies on its sprocket, and its contacts yield by body_2.contact_stiffness_N_per_mm"
+        "a chain lies on its sprocket, with the contact stiffness body_2.contact_stiffness_N_per_mm"
     )
 
     pitch_mm: Pitch

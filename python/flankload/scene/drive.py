@@ -72,7 +72,7 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     if slack is None:
         refuse(
             "load.slack_tension_N",
-            f"a number > 0: what the slack strand of the {body_2.kind} pulls with",
+            f"a number > 0: the tension of the slack strand of the {body_2.kind}",
             "nothing",
         )
     if asked.pair is not None:
@@ -84,6 +84,6 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
             if key not in known:
                 refuse(
                     f"{table}.{key}",
-                    f"nothing: a {body_2.kind} and its {body_1.kind} do not know it",
+                    f"nothing: it does not apply to a {body_2.kind} and its {body_1.kind}",
                     shown(value),
                 )

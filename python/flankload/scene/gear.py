@@ -348,7 +348,7 @@ def _check_bore(body: Gear | SplineShaft, key: str) -> None:
         refuse(
             f"{key}.bore_diameter_mm",
             f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
-            f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is held there",
+            f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there",
             body.bore_diameter_mm,
         )
     if body.bore_diameter_mm >= body.tip_diameter_mm:
@@ -366,7 +366,7 @@ def _check_ring(ring: RingKeys, key: str) -> None:
         if getattr(ring, outer) <= getattr(ring, inner):
             refuse(
                 f"{key}.{outer}",
-                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of a "
-                f"{ring.called} stand inwards",
+                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
+                f"a {ring.called} point inwards",
                 getattr(ring, outer),
             )

@@ -102,7 +102,7 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
             if self.reference_radius_mm is None:
                 refuse(
                     f"{key}.reference_radius_mm",
-                    f"a number > 0, since there is no {key}.profile to take it from",
+                    f"a number > 0, since there is no {key}.profile that determines it",
                     "nothing",
                 )
             return

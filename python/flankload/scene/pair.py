@@ -87,14 +87,14 @@ class Pair(Table, frozen=True, kw_only=True):
         if body_1.conforms and distance is not None:
             refuse(
                 "pair.center_distance_mm",
-                "nothing: a spline's axes stand on pair.center_offset_mm (absent = 0)",
+                "nothing: splines have pair.center_offset_mm (absent = 0)",
                 distance,
             )
         if not body_1.conforms and offset is not None:
             refuse(
                 "pair.center_offset_mm",
-                f"nothing: a {body_1.kind} and a {body_2.kind} stand on "
-                "pair.center_distance_mm, only splines on an offset",
+                f"nothing: a {body_1.kind} and a {body_2.kind} have "
+                "pair.center_distance_mm, only splines an offset",
                 offset,
             )
         if not body_1.conforms and distance is None:

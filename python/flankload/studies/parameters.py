@@ -54,10 +54,12 @@ ELEMENTS_WORK: Powers = {ELEMENTS: -2.0}
 STATES_WORK: Powers = {STRIPS: 1.0}
 #: Keys of [positions] that set the positions of a drive.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
-FEW_MODES = "meshes and compliances from files bear no more of them"
+FEW_MODES = "meshes and compliances from files allow no more modes"
 #: Reason for slow convergence with finer steps, added to another reason.
-CORNERS = "; pairs work on sharp corners, beside which all converges slowly (a warning names them)"
-BELT_CORNERS = "; beside the corners of teeth and lands errors fall hardly faster than elements do"
+CORNERS = "; contact on sharp corners, near which convergence is slow (a warning names them)"
+BELT_CORNERS = (
+    "; near the corners of teeth and lands, errors decrease more slowly than the element length"
+)
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,7 @@ def parameters_of(scene: Scene) -> Parameters:
 
 def _of_chain(scene: Scene) -> Parameters:
     fixed = _named(scene)
-    fixed.setdefault("positions", "even ones do")
+    fixed.setdefault("positions", "equally spaced positions suffice")
     return Parameters({}, fixed, {}, {}, has_pressures=False)
 
 
@@ -174,9 +176,9 @@ def _of_belt(scene: Scene) -> Parameters:
     from flankload.mechanisms.belt.drive import default_element_mm
 
     fixed, length = _named(scene), default_element_mm(scene)
-    fixed.setdefault("positions", "a belt has as many even ones as positions.count says")
+    fixed.setdefault("positions", "a belt has positions.count equally spaced positions")
     if length is None:
-        fixed.setdefault(ELEMENTS, "flanks that are bare have no elements")
+        fixed.setdefault(ELEMENTS, "rigid flanks have no elements")
     return Parameters(
         {} if length is None else {ELEMENTS: scene.accuracy.flank_element_mm or _rounded(length)},
         fixed,
@@ -192,17 +194,17 @@ def _of_flanks(scene: Scene) -> Parameters:
     fixed, accuracy = _named(scene), scene.accuracy
     length, most = _elements(scene)
     if length is None:
-        fixed.setdefault(ELEMENTS, "meshes and compliances from files are what they are")
+        fixed.setdefault(ELEMENTS, "meshes and compliances from files are fixed")
     if scene.effects.near_field == "nodes":
-        nodes = "effects.near_field = 'nodes' goes by the nodes of the flank"
+        nodes = "determined by the nodes of the flank with effects.near_field = 'nodes'"
         fixed |= {MODES: nodes, ELEMENTS: nodes}
     if most <= LEAST_MODES:
-        fixed.setdefault(MODES, "the files hold no more of them")
+        fixed.setdefault(MODES, "the files contain no more modes")
     if scene.effects.contact == "lumped":
-        fixed[STRIPS] = "lumped contact lays no strips"
+        fixed[STRIPS] = "lumped contact has no strips"
     cam = not (scene.is_drive or scene.body_2.has_teeth)
     if cam or scene.positions.count == 1:
-        fixed.setdefault("positions", "even ones do")
+        fixed.setdefault("positions", "equally spaced positions suffice")
     modes = accuracy.modes or DEFAULT.modes
     flank_mm = inf if length is None or cam else FLANK_ELEMENTS * length
     named_mm = accuracy.flank_element_mm
@@ -239,13 +241,13 @@ KINDS = {"chain": _of_chain, "belt": _of_belt}
 def _named(scene: Scene) -> dict[str, str]:
     """Parameters that the scene names."""
     fixed = {
-        name: f"accuracy.{name} is named"
+        name: f"accuracy.{name} is set"
         for name in (ELEMENTS, MODES, STRIPS)
         if getattr(scene.accuracy, name) is not None
     }
     places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]
     if places:
-        fixed["positions"] = f"positions.{places[0]} is named"
+        fixed["positions"] = f"positions.{places[0]} is set"
     return fixed
 
 

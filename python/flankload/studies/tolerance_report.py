@@ -35,10 +35,10 @@ BOUND = (
 )
 #: Sources that no parameter controls, with what controls them instead.
 LEFT_BY = {
-    "tip": "forces on tips turn from the normal of the flank, along which its modes push",
-    "lumped": "effects.contact = 'lumped' leaves it",
-    "period": "positions.pitches leaves out teeth that yield differently",
-    "one solution": "effects.large_displacement = false leaves it",
+    "tip": "forces on tips deviate from the normal of the flank, in which its modes act",
+    "lumped": "caused by effects.contact = 'lumped'",
+    "period": "positions.pitches omits teeth with another compliance",
+    "one solution": "caused by effects.large_displacement = false",
 }
 
 
@@ -201,8 +201,8 @@ def tolerance_report(
     }
     if not errors:
         loaded = any(result.torque_Nm > 0 for result in last.results)
-        default = "the default, not checked (accuracy.estimate = false)"
-        report["unchecked"] = default if loaded else "without torque nothing is approximated"
+        default = "default discretization, not checked (accuracy.estimate = false)"
+        report["unchecked"] = default if loaded else "without torque there is no approximation"
     return report
 
 
@@ -243,16 +243,16 @@ def _why(
     last = attempts[-1]
     name = next((name for name, of in SOURCES.items() if of == source), None)
     if name is None:
-        return LEFT_BY.get(source, "no parameter answers for it")
+        return LEFT_BY.get(source, "no parameter controls it")
     if name in parameters.fixed:
         return parameters.fixed[name]
     if source == "strips" and last.by_source[source][quantity] > LARGEST_SMOOTH_CHANGE:
-        return "a rounding, a chamfer or a kink that so many strips do not resolve"
+        return "a rounding, a chamfer or a kink that this number of strips does not resolve"
     if source != "positions" and parameters.finer(last.choice.values, source) is None:
-        why = parameters.ends.get(name, "the finest step of its ladder")
+        why = parameters.ends.get(name, "the parameter is at its finest value")
     elif last.choice.foreseen.get(quantity, np.inf) > tolerance:
-        why = "no step of its ladder is likely to bring this below the tolerance"
+        why = "no value of the parameter is likely to meet the tolerance"
     else:
-        why = "more than could be foreseen"
+        why = "larger than predicted"
     corners = any(result.corner_contact.any() for result in last.results)
     return why + parameters.slow * (parameters.always_slow or corners)

@@ -234,7 +234,7 @@ def test_friction_on_a_cam_is_not_known() -> None:
     with pytest.raises(SceneError) as caught:
         fl.Scene.from_dict(scene)
     assert str(caught.value) == (
-        "effects.friction_coefficient: expected nothing: this version knows no friction between a "
+        "effects.friction_coefficient: expected nothing: this version has no friction between a "
         "cam and its follower, found a coefficient"
     )
     assert not fl.Scene.from_dict(cam_scene(effects={"friction_coefficient": 0})).has_friction
@@ -480,7 +480,7 @@ def test_result_says_where_the_follower_stands(tmp_path: Path) -> None:
     assert lines[2].split()[-3:] == ["follower", "force", "pressure"]
     assert float(lines[4].split()[4]) == pytest.approx(np.degrees(turn[0]), abs=1e-3)
     said = " ".join(lines)
-    assert "mm per rad of the cam, as if no roller turned" in said
+    assert "mm per rad of the cam, for a roller that does not rotate" in said
     assert "coast flanks" not in said
     names = {path.name for path in plot_all(result, tmp_path)}
     assert names == {

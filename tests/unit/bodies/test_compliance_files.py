@@ -263,7 +263,7 @@ def test_rigid_bodies_turn_without_torque() -> None:
     found = solved(**rigid, load={"torque_Nm": 0})
     assert_no_elements(found)
     np.testing.assert_allclose(found.transmission_error_um, 0.0, rtol=0, atol=1e-6)
-    with pytest.raises(SceneError, match="nothing says how the flanks share the torque"):
+    with pytest.raises(SceneError, match="load sharing of two rigid bodies is undetermined"):
         scene_of(**rigid)
     with pytest.raises(SceneError, match=r"body_2\.rigid"):
         scene_of(**rigid, load={"torque_Nm": [0, 1]})
@@ -457,8 +457,14 @@ OWN_REFUSALS = [
     (drop("smooth"), "smooth: expected numbers, found nothing: the file has format, version"),
     (drop("format"), "format: expected text, found nothing"),
     (change(format="another"), "format: expected 'flankload flank compliance' or 'flankload nodal"),
-    (change(version=4), "version: expected at most 3, which this flankload knows, found 4"),
-    (change(version=0), "version: expected at most 3, which this flankload knows, found 0"),
+    (
+        change(version=4),
+        "version: expected at most 3, the latest version that this flankload reads, found 4",
+    ),
+    (
+        change(version=0),
+        "version: expected at most 3, the latest version that this flankload reads, found 0",
+    ),
     (change(tip_corner_deg=-3.0), "tip_corner_deg: expected a number >= 30, found -3"),
     (change(version=1.5), "version: expected whole numbers, found 1.5"),
     (change(teeth=17), "smooth: expected an array of shape (17, any, any), found shape (16, 5, 5)"),

@@ -322,7 +322,7 @@ def test_outline_goes_from_cut_to_cut() -> None:
             "between the form diameter",
             "60",
         ),
-        ({"profile_crowning_um": 3000.0}, "profile_crowning_um", "less metal", "3000"),
+        ({"profile_crowning_um": 3000.0}, "profile_crowning_um", "less material", "3000"),
         ({"pitch_errors_um": (1.0, 2.0)}, "pitch_errors_um", "one entry per tooth: 16", "2"),
     ],
 )

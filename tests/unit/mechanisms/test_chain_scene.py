@@ -66,7 +66,7 @@ def test_sprocket_and_chain_go_together() -> None:
 def test_slack_tension_is_needed() -> None:
     scene = tables()
     del scene["load"]["slack_tension_N"]
-    with pytest.raises(fl.SceneError, match=r"load.slack_tension_N: expected a number > 0: what"):
+    with pytest.raises(fl.SceneError, match=r"load.slack_tension_N: expected a number > 0: the"):
         fl.Scene.from_dict(scene)
 
 

@@ -411,14 +411,14 @@ def test_two_rigid_bodies_cannot_press_on_each_other() -> None:
     rigid = {key: {**EXTERNAL[key], "rigid": True} for key in ("body_1", "body_2")}
     assert refused({**EXTERNAL, **rigid}, 0.0, **BOTH) == (
         "effects.coast_flank: expected false with body_1.rigid and body_2.rigid: flanks that press "
-        "on each other across a tooth must yield, found true"
+        "on each other across a tooth must be elastic, found true"
     )
 
 
 def test_root_stress_is_refused_beside_it() -> None:
     both = {"effects": {"coast_flank": True, "root_stress": True}}
     assert refused(EXTERNAL, 1.0, **both) == (
-        "effects.root_stress: expected false with effects.coast_flank: stress is known of forces "
+        "effects.root_stress: expected false with effects.coast_flank: stress is known for forces "
         "on the working flanks only, found true"
     )
 

@@ -144,7 +144,7 @@ def test_splines_conform() -> None:
 def test_strips_go_with_pairs(knob: str) -> None:
     error = refusal(changed(effects__contact="lumped", **{f"accuracy__{knob}": 3.5}))
     assert str(error) == (
-        f"a.toml: accuracy.{knob}: expected nothing with effects.contact 'lumped', which lays no "
+        f"a.toml: accuracy.{knob}: expected nothing with effects.contact 'lumped', which has no "
         "strips, found 3.5"
     )
 

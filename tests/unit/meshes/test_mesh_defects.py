@@ -163,10 +163,10 @@ def two_materials(mesh: meshio.Mesh) -> None:
 
 DEFECTS: list[tuple[Change, str, str]] = [
     (doubled_node, "one node at a place (merge them in the mesher)",
-     "1 nodes that stand on others, the first at x = "),
+     "1 nodes that coincide with others, the first at x = "),
     (doubled_element, "each element once", "2 repeated elements, the first at x = "),
     (linear_among_quadratic, "elements of one order",
-     "5 linear elements beside 299 quadratic ones"),
+     "5 linear and 299 quadratic elements"),
     (folded, "elements that do not lie on each other", "edges with two elements on the same side"),
     (turned_over, "elements with a positive Jacobian", "1 inverted of 304, the first (quad9) at x"),
     (middle_moved, "middle nodes within 0.15 of an edge's length from its middle",
@@ -174,7 +174,7 @@ DEFECTS: list[tuple[Change, str, str]] = [
     (nodes_in_wrong_order, "middle nodes within 0.15 of an edge's length from its middle",
      "of 1216 further off, the first at x = "),
     (loose_part, "one connected body in a file", "2 parts that share no edge, of 304, 3 elements"),
-    (two_materials, "one material (one_material = true in the scene, ",
+    (two_materials, "one material (one_material = true in the scene ",
      "2: BODY (204 elements), RIM (100 elements)"),
 ]  # fmt: skip
 
@@ -260,7 +260,7 @@ def test_elements_numbered_clockwise_are_turned_round(
     path = pinion(clockwise, tmp_path)
     found = fl.solve(fl.read_scene(scene_with(path)))
     assert (found.rotation_rad == expected.rotation_rad).all()
-    assert any("numbered clockwise: taken the other way" in note for note in found.warnings)
+    assert any("numbered clockwise: their numbering is reversed" in note for note in found.warnings)
     assert run(capsys, "check", path)[0] == 0
 
 

@@ -164,7 +164,7 @@ def test_every_plane_element_of_abaqus(
     found = inp(tmp_path, "\n".join(lines))
     assert [(k, data.tolist()) for k, data in found.cells] == [(kind, [list(range(size))])]
     np.testing.assert_array_equal(found.nodes, nodes)
-    notes = (f"elements {written} are taken fully integrated, without their special rules",)
+    notes = (f"elements {written} are fully integrated, without their special rules",)
     assert found.notes == (notes if suffix else ())
 
 

@@ -475,14 +475,14 @@ def test_another_program_gets_no_bodies_that_grow(capsys: pytest.CaptureFixture[
     scene = str(SCENES / "external_gear_warm.toml")
     assert main(["verify", scene, "--position", "0", "--no-run"]) == 2
     said = capsys.readouterr().err
-    assert "effects.temperature_rise_K: expected nothing: bodies that grow are not written" in said
+    assert "effects.temperature_rise_K: expected nothing: expanding bodies are not written" in said
     assert "found [70.0, 50.0]" in said
 
 
 def test_a_report_tells_of_flanks_that_overlap_and_of_load_cases() -> None:
     tight = solved(("temperature_rise_K", 150.0), ("support_expansion_per_K", 0.0), torque=10.0)
-    assert "coast flanks        overlap by up to 9" in tight.table()
-    assert "2 load cases of growth" in tight.table()
+    assert "coast flanks        overlap of up to 9" in tight.table()
+    assert "2 load cases of expansion" in tight.table()
     assert "growth" not in solved(torque=302.0).table()
 
 

@@ -42,7 +42,7 @@ def test_with_a_rounded_tip_the_kink_of_the_relief_is_the_corner(contact: str) -
     """Regression: it was called a sharp tip corner, which a tip radius cures."""
     (said,) = corners(RELIEF, ROUND, contact=contact)
     assert "body_1 works on the kink where its tip relief begins" in said
-    assert said.endswith('body_1.tip_relief_shape = "parabolic" begins without one')
+    assert said.endswith('body_1.tip_relief_shape = "parabolic" avoids it')
     assert corners({**RELIEF, "tip_relief_shape": "parabolic"}, ROUND, contact=contact) == []
 
 
@@ -51,7 +51,7 @@ def test_each_body_and_kind_of_corner_is_said_once() -> None:
     assert "body_1 works on its sharp tip corner" in one
     assert one.endswith("body_1.tip_radius_mm rounds it")
     assert "body_2 works on the edge between flank and chamfer" in two
-    assert two.endswith("body_2.tip_radius_mm in place of body_2.tip_chamfer_mm has none")
+    assert two.endswith("body_2.tip_radius_mm instead of body_2.tip_chamfer_mm avoids it")
     assert corners(ROUND, ROUND) == []
 
 
@@ -64,8 +64,8 @@ def test_undercut_is_named() -> None:
     )
     assert isinstance(found, fl.Result)
     (one, two) = [line for line in found.warnings if "undercut" in line]
-    assert one.endswith("more body_1.profile_shift leaves none")
-    assert two.endswith("more body_2.profile_shift leaves none")
+    assert one.endswith("a larger body_1.profile_shift avoids undercut")
+    assert two.endswith("a larger body_2.profile_shift avoids undercut")
 
 
 def test_meshes_name_no_key_that_they_do_not_have() -> None:
@@ -74,4 +74,4 @@ def test_meshes_name_no_key_that_they_do_not_have() -> None:
     said = [line for line in found.warnings if "grows with the resolution" in line]
     assert len(said) == 2
     assert all("works on a sharp corner of its flank" in line for line in said)
-    assert all(line.endswith("a rounding there cures it") for line in said)
+    assert all(line.endswith("a rounding there avoids it") for line in said)

@@ -275,7 +275,7 @@ def test_table_has_a_line_per_position_and_marks_corners() -> None:
     ]
     assert "sharp corner" in text
     assert "1000 MPa on pair 0 at 0.000 deg" in text
-    assert "up to 1700 MPa on a sharp corner (*), which means nothing" in text
+    assert "up to 1700 MPa on a sharp corner (*), which is meaningless" in text
 
 
 def test_table_quotes_summary_estimate_cost_and_warnings() -> None:

@@ -221,9 +221,7 @@ def test_without_profile_the_coast_flanks_are_not_known(external: Result) -> Non
     assert json.loads(result.to_json())["coast_flank_gap_um"] is None
     row = next(csv.DictReader(io.StringIO(result.to_csv())))
     assert row["coast_flank_gap_um"] == ""
-    assert "coast flanks        not known: of body_2 only the working flank is known" in (
-        result.table()
-    )
+    assert "coast flanks        unknown: body_2 has no known coast flank" in (result.table())
 
 
 # --- pairs, contact ratio -------------------------------------------------------------------------

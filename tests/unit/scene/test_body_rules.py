@@ -74,7 +74,7 @@ from tests.support.gear_scenes import MESH, PROFILE, RING, changed, one_line, re
         (
             {"body_1": {k: v for k, v in MESH.items() if k != "profile"}},
             "body_1.reference_radius_mm",
-            "a number > 0, since there is no body_1.profile to take it from",
+            "a number > 0, since there is no body_1.profile that determines it",
             "nothing",
         ),
         (
@@ -122,13 +122,13 @@ from tests.support.gear_scenes import MESH, PROFILE, RING, changed, one_line, re
         (
             {"body_2": {**RING, "root_diameter_mm": 260}},
             "body_2.root_diameter_mm",
-            "more than body_2.tip_diameter_mm (262), since the teeth of a ring stand inwards",
+            "more than body_2.tip_diameter_mm (262), since the teeth of a ring point inwards",
             "260.0",
         ),
         (
             {"body_2": {**RING, "outer_diameter_mm": 281}},
             "body_2.outer_diameter_mm",
-            "more than body_2.root_diameter_mm (281), since the teeth of a ring stand inwards",
+            "more than body_2.root_diameter_mm (281), since the teeth of a ring point inwards",
             "281.0",
         ),
         (
@@ -182,7 +182,7 @@ def test_impossible_body_gets_one_line(
             {"body_1__bore_diameter_mm": 0.08},
             (
                 "body_1.bore_diameter_mm: expected at least 0.001 of body_1.tip_diameter_mm "
-                "(0.08246), since the body is held there, found 0.08"
+                "(0.08246), since the body is fixed there, found 0.08"
             ),
         ),
         (

@@ -17,28 +17,28 @@ UNDETERMINED = "the load sharing of two rigid bodies is undetermined"
         (
             {"effects__near_field": "nodes", "accuracy__modes": 5},
             "accuracy.modes",
-            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes",
+            "nothing with effects.near_field 'nodes': nodal forces replace modes",
             "5",
         ),
         (
             {"effects__near_field": "nodes", "body_1": {**MESH, "profile": ROUNDED}},
             "effects.near_field",
             (
-                "'analytic' with body_1.profile.tip_radius_mm: the edges of a file's flank set "
-                "that carry end where the tip turns"
+                "'analytic' with body_1.profile.tip_radius_mm: the carrying edges of a flank "
+                "set from a file end at the tip rounding or chamfer"
             ),
             "'nodes'",
         ),
         (
             {"effects__near_field": "nodes", "effects__contact": "lumped"},
             "effects.contact",
-            "'pairs' with effects.near_field 'nodes': forces there have places",
+            "'pairs' with effects.near_field 'nodes': nodal forces need resolved contact",
             "'lumped'",
         ),
         (
             {"effects__influence": "finite", "effects__contact": "lumped"},
             "effects.contact",
-            "'pairs' with effects.influence 'finite': forces there have places",
+            "'pairs' with effects.influence 'finite': finite forces need resolved contact",
             "'lumped'",
         ),
         (

@@ -16,14 +16,28 @@ from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
-from flankload.studies.accuracy import Study, accuracy, combinations, knobs, making, runs, truth
-from flankload.studies.accuracy.knobs import can_be_nodal, knobs_of
+from flankload.studies.accuracy import (
+    Study,
+    accuracy,
+    combinations,
+    reference,
+    refinements,
+    run_study,
+    runs,
+)
 from flankload.studies.accuracy.ladder import limit_of
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes
-from flankload.studies.accuracy.observed import common, errors_of, from_tree, observed, to_tree
+from flankload.studies.accuracy.quantities import (
+    common,
+    errors_of,
+    from_tree,
+    quantities_of,
+    to_tree,
+)
+from flankload.studies.accuracy.reference import Reference
+from flankload.studies.accuracy.refinements import can_be_nodal, refinements_of
 from flankload.studies.accuracy.runs import Run, Runs, fingerprint
 from flankload.studies.accuracy.study import Row
-from flankload.studies.accuracy.truth import Truth
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 from tests.support.small_job import SCENE
@@ -56,14 +70,14 @@ def small() -> fl.Scene:
 def short_ladders() -> Iterator[None]:
     """Short ladders, and nothing measured twice."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(knobs, "ELEMENTS", (2.0, 1.0, 0.5))
-        patch.setattr(knobs, "MODES", (3, 5, 8))
-        patch.setattr(knobs, "STRIPS", (5.0, 10.0, 20.0))
-        patch.setattr(knobs, "ZONES", (2.0, 2.5, 3.0))
-        patch.setattr(knobs, "FINEST", ((0.5, 20.0, 2.0),))
-        for room in (knobs, truth, combinations):
+        patch.setattr(refinements, "ELEMENTS", (2.0, 1.0, 0.5))
+        patch.setattr(refinements, "MODES", (3, 5, 8))
+        patch.setattr(refinements, "STRIPS", (5.0, 10.0, 20.0))
+        patch.setattr(refinements, "ZONES", (2.0, 2.5, 3.0))
+        patch.setattr(refinements, "FINEST", ((0.5, 20.0, 2.0),))
+        for room in (refinements, reference, combinations):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
-        patch.setattr(making, "TOLERANCES", (0.02,))
+        patch.setattr(run_study, "TOLERANCES", (0.02,))
         patch.setattr(runs, "REPEATED_BELOW_S", 0.0)
         yield
 
@@ -84,7 +98,7 @@ def test_torques_under_which_other_pairs_carry_are_observed_together() -> None:
     arrays = ("site_force_N", "peak_pressure_MPa", "corner_contact")
     first_two = {name: getattr(whole, name)[:, :2] for name in arrays}
     few = made_up_result(count=4, sites=whole.sites[:2], **first_two)
-    found = observed((few, whole))
+    found = quantities_of((few, whole))
     np.testing.assert_array_equal(found["sites"], whole.sites)
     assert found["load_share"].shape == (2, 4, 3)
     np.testing.assert_array_equal(found["load_share"][0, :, :2], few.load_share)
@@ -178,7 +192,7 @@ def test_runs_read_as_they_are_written() -> None:
 
 # --- settings -------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
-    "setting",
+    "discretization",
     [
         NamedDiscretization("pairs", 0.5, 6, 12.0, 2.5, 64),
         NamedDiscretization("pairs", 0.25, 8, 100.0, 3.0, 8, 0.001),
@@ -187,14 +201,17 @@ def test_runs_read_as_they_are_written() -> None:
         NamedDiscretization("nodes", count=32),
     ],
 )
-def test_lines_of_a_setting_make_the_scene_of_its_run(setting: NamedDiscretization) -> None:
+def test_lines_of_a_setting_make_the_scene_of_its_run(discretization: NamedDiscretization) -> None:
     tree = tomllib.loads(SCENE)
     del tree["accuracy"]
     del tree["positions"]
     plain = fl.Scene.from_dict(tree)
-    written = fl.Scene.from_dict(tree | tomllib.loads(setting.lines()))
-    assert scene_at(written, NamedDiscretization()) == scene_at(plain, setting)
-    assert NamedDiscretization.from_dict(json.loads(json.dumps(setting.as_dict()))) == setting
+    written = fl.Scene.from_dict(tree | tomllib.loads(discretization.lines()))
+    assert scene_at(written, NamedDiscretization()) == scene_at(plain, discretization)
+    assert (
+        NamedDiscretization.from_dict(json.loads(json.dumps(discretization.as_dict())))
+        == discretization
+    )
 
 
 @pytest.mark.parametrize(
@@ -210,7 +227,7 @@ def test_lines_of_a_setting_make_the_scene_of_its_run(setting: NamedDiscretizati
     ],
 )
 def test_knobs_are_those_that_a_scene_has(name: str, absent: set[str]) -> None:
-    found = knobs_of(example(name))
+    found = refinements_of(example(name))
     everything = {
         "flank_element_mm",
         "modes",
@@ -219,14 +236,14 @@ def test_knobs_are_those_that_a_scene_has(name: str, absent: set[str]) -> None:
         "count",
     }
     assert set(found.ladders) == everything - absent
-    for knob, steps in found.ladders.items():
-        assert getattr(found.finest, knob) in steps
-        assert getattr(found.base, knob) in steps
+    for parameter, steps in found.ladders.items():
+        assert getattr(found.finest, parameter) in steps
+        assert getattr(found.base, parameter) in steps
 
 
 def test_modes_go_as_far_as_a_file_holds() -> None:
     """The example's compliance files hold five."""
-    assert max(knobs_of(example("external_gear_compliance")).ladders["modes"]) == 5
+    assert max(refinements_of(example("external_gear_compliance")).ladders["modes"]) == 5
 
 
 # --- runs -----------------------------------------------------------------------------------------
@@ -268,7 +285,14 @@ def test_run_without_answer_says_why(study: Study) -> None:
 # --- the study ------------------------------------------------------------------------------------
 def test_study_holds_all_ladders_levels_and_combinations(study: Study) -> None:
     groups = {row.group for row in study.rows}
-    assert {"as it stands", "default", "finest", "lumped", "nodes", *study.knobs.ladders} <= groups
+    assert {
+        "as it stands",
+        "default",
+        "finest",
+        "lumped",
+        "nodes",
+        *study.knobs.ladders,
+    } <= groups
     assert study.stopped is None
     text = str(study)
     assert "mm (others finest)" in text
@@ -279,8 +303,8 @@ def test_study_holds_all_ladders_levels_and_combinations(study: Study) -> None:
 
 
 def test_nodes_of_the_study_are_named_without_modes_and_strips(study: Study) -> None:
-    nodal = [row for row in study.rows if row.setting.level == "nodes"]
-    assert [row.setting.tables().get("accuracy") for row in nodal] == [
+    nodal = [row for row in study.rows if row.run.discretization.level == "nodes"]
+    assert [row.run.discretization.tables().get("accuracy") for row in nodal] == [
         {"flank_element_mm": study.knobs.finest.flank_element_mm},
         None,
     ]
@@ -305,9 +329,9 @@ def test_nodes_stand_where_flanks_are_open_and_meshed(name: str, can: bool) -> N
 
 
 def test_finer_elements_and_strips_are_better(study: Study) -> None:
-    for knob in ("flank_element_mm", "strips_per_half_width"):
-        errors = [row.alone["transmission_error"] for row in study.steps[knob]]
-        assert len(errors) == len(study.knobs.ladders[knob])
+    for parameter in ("flank_element_mm", "strips_per_half_width"):
+        errors = [row.alone["transmission_error"] for row in study.steps[parameter]]
+        assert len(errors) == len(study.knobs.ladders[parameter])
         assert errors == sorted(errors)
 
 
@@ -317,10 +341,10 @@ def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
     assert row is not None
     tree = tomllib.loads(SCENE)
     tree["body_2"]["rigid"] = True
-    written = fl.Scene.from_dict(tree | tomllib.loads(row.setting.lines()))
+    written = fl.Scene.from_dict(tree | tomllib.loads(row.run.discretization.lines()))
     found = fl.solve(scene_at(written, NamedDiscretization()))
     assert row.run.values is not None
-    for name, values in observed(found).items():
+    for name, values in quantities_of(found).items():
         np.testing.assert_array_equal(row.run.values[name], values)
     finest = next(row for row in study.rows if row.group == "finest").run.values
     assert finest is not None
@@ -351,7 +375,7 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
 
 
 # --- what the limit itself is known to ------------------------------------------------------------
-def steps_of(values: list[float]) -> tuple[Truth, knobs.Knobs]:
+def steps_of(values: list[float]) -> tuple[Reference, refinements.Refinements]:
     """A ladder of elements, the finest first: a transmission error at two positions."""
     sizes = (0.5, 1.0, 2.0)
     ladder = tuple(sizes[::-1][-len(values) :])
@@ -361,11 +385,11 @@ def steps_of(values: list[float]) -> tuple[Truth, knobs.Knobs]:
     )
     done = {}
     for size, value in zip(sizes, values, strict=False):
-        setting = NamedDiscretization(flank_element_mm=size, modes=5)
+        discretization = NamedDiscretization(flank_element_mm=size, modes=5)
         found = curves([0.0, 1.0], [0], [value, 0.5 * value], [1.0])
-        done[setting] = Run(setting, 1.0 / size, 0, found)
-    found = knobs.Knobs({"flank_element_mm": ladder}, base, finest, can_adapt=False)
-    return Truth(done, found), found
+        done[discretization] = Run(discretization, 1.0 / size, 0, found)
+    found = refinements.Refinements({"flank_element_mm": ladder}, base, finest, can_adapt=False)
+    return Reference(done, found), found
 
 
 @pytest.mark.parametrize(
@@ -389,12 +413,12 @@ def test_limit_is_in_doubt_by_what_its_ladder_leaves(values: list[float], doubt:
 def test_a_ladder_that_was_not_gone_leaves_what_the_default_does() -> None:
     found, ladders = steps_of([100.0, 101.0, 105.0])
     more = replace(ladders, ladders={**ladders.ladders, "modes": (3, 5)})
-    (base,) = (run for setting, run in found._done.items() if setting == ladders.base)
-    both = Truth(found._done, more).doubts["transmission_error_mean"]
+    (base,) = (run for discretization, run in found._done.items() if discretization == ladders.base)
+    both = Reference(found._done, more).doubts["transmission_error_mean"]
     error = found.errors(base)["transmission_error_mean"]
     assert both == pytest.approx(np.hypot(error, found.doubts["transmission_error_mean"]), rel=1e-9)
     fixed = replace(ladders, ladders={**ladders.ladders, "modes": (5,)})
-    assert Truth(found._done, fixed).doubts == found.doubts
+    assert Reference(found._done, fixed).doubts == found.doubts
 
 
 def test_what_errors_are_measured_against_is_not_named() -> None:
@@ -411,12 +435,12 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
         knobs=ladders,
         doubts=found.doubts,
     )
-    finest = next(row for row in rows if row.setting == ladders.finest)
+    finest = next(row for row in rows if row.run.discretization == ladders.finest)
     assert finest.largest(study.measures) == 0.0
     assert study.cheapest(1e-2) is None
     assert study.cheapest(0.03) is not finest
     text = str(study)
-    assert "0.01 %: not reached (?): the limit itself is in doubt by 2 % (TE)" in text
+    assert "0.01 %: not reached (?): the uncertainty of the limit is 2 % (TE)" in text
     (line,) = (line for line in text.splitlines() if line.startswith("  1 %  "))
     assert line.split()[2:] == ["?", "?", "?", "0.500", "0.500", "0.500", "?"]
     assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02
@@ -435,7 +459,7 @@ def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:
     (base,) = (row for row in study.rows if row.group == "default")
     for name, doubt in study.doubts.items():
         assert 0 <= doubt < base.errors[name] + ROUND_OFF
-    assert "the limit itself, in doubt by" in str(study)
+    assert "uncertainty of the limit" in str(study)
 
 
 def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:
@@ -449,7 +473,7 @@ def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:
     tree = json.loads(study.to_json())
     assert len(tree["runs"]) == len(study.rows)
     row = study.cheapest(0.01)
-    wanted = row and {"cpu_s": row.run.cpu_s, "keys": row.setting.tables()}
+    wanted = row and {"cpu_s": row.run.cpu_s, "keys": row.run.discretization.tables()}
     assert tree["cheapest"]["0.01"] == wanted
 
 
@@ -481,7 +505,7 @@ def test_sharp_corner_is_named_with_its_pressure() -> None:
         for n, values in ((5.0, few), (20.0, many))
     ]
     (note,) = corner_notes(rows)
-    assert "5000 MPa on 5 strips, is 20000 MPa on 20" in note
+    assert "5000 MPa with 5 strips and 20000 MPa with 20" in note
     assert "tip_radius_mm" in note
     assert corner_notes([]) == ()
 
@@ -589,7 +613,7 @@ def test_command_writes_files_and_says_what_is_wrong(
     command = ["accuracy", str(path)]
     files = ["--csv", str(tmp_path / "a.csv"), "--json", str(tmp_path / "a.json")]
     assert main([*command, "--budget", "1e-9", *files, "--plot", str(tmp_path / "out")]) == 0
-    assert "small job: what accuracy costs" in capsys.readouterr().out
+    assert "small job: cost of accuracy" in capsys.readouterr().out
     assert (tmp_path / "out" / "work_precision.png").is_file()
     assert (tmp_path / "a.csv").read_text(encoding="utf-8").startswith("group,level,")
     for arguments, said in (

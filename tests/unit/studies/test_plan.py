@@ -274,7 +274,9 @@ def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
     warm, rubs = plan.remarks
     assert warm.startswith("thermal expansion is off (effects.temperature_rise_K absent): with ")
     off = "friction is off (effects.friction_coefficient absent)"
-    assert rubs.startswith(f"{off}: with effects.friction_coefficient = 0.1 it would change 2 % of")
+    assert rubs.startswith(
+        f"{off}: with effects.friction_coefficient = 0.1 it would change the rotation "
+    )
     assert rubs in str(plan)
 
 
@@ -284,7 +286,9 @@ def test_what_is_off_and_small_has_none() -> None:
     assert friction.size is not None
     assert friction.size.largest < SIGNIFICANT_PART * 0.1
     assert [effect.name for effect in plan.effects if effect.remark] == ["thermal_growth"]
-    assert re.search(r"it would change \d{3} % of the rotation", plan.remarks[0])  # no exponents
+    assert re.search(
+        r"it would change the rotation at a position by \d{3} %", plan.remarks[0]
+    )  # no exponents
 
 
 def test_rows_are_those_of_the_table_that_scenes_have_keys_of(plain_plan: Plan) -> None:
@@ -343,7 +347,7 @@ def test_a_chain_has_a_plan_of_its_own() -> None:
     )
     share = np.abs(one.load_share - other.load_share).max()
     np.testing.assert_allclose(size.load_share, share, rtol=1.0, atol=0)
-    assert "of the rotation at a position" in plan.remarks[0]
+    assert "the rotation at a position by" in plan.remarks[0]
     spent = one.cost["stages"]
     assert plan.predicted["stages"].keys() == spent.keys() - {"result"}
     predicted = plan.predicted["stages"]
@@ -426,12 +430,12 @@ def same_numbers(one: fl.Result, other: fl.Result) -> bool:
         (
             {"effects__friction_coefficient": 0.001},
             {},
-            r"effects\.friction_coefficient left out \(0\.02\d % <= 0\.25 %\)",
+            r"effects\.friction_coefficient omitted \(0\.02\d % <= 0\.25 %\)",
         ),
         (
             {"effects__friction_coefficient": 0.1},
             {"effects__friction_coefficient": 0.1},
-            r"effects\.friction_coefficient stays \(2\.\d % > 0\.25 %\)",
+            r"effects\.friction_coefficient kept \(2\.\d % > 0\.25 %\)",
         ),
         (
             {"body_2__young_modulus_MPa": 2e8},
@@ -463,7 +467,7 @@ def test_a_quarter_of_the_tolerance_is_not_rounded() -> None:
     assert threshold_text(0.05) == "1.25 %"
     assert threshold_text(1e-4) == "0.0025 %"
     plan = fl.plan(scene_of(accuracy__tolerance=0.05, positions__count=4, body_2__rigid=True))
-    assert "what exceeds 1.25 %, a quarter of the tolerance" in str(plan)
+    assert "changes of more than 1.25 %, a quarter of the tolerance" in str(plan)
 
 
 @pytest.mark.parametrize(
@@ -488,11 +492,11 @@ def test_the_plan_of_a_choice_has_what_was_chosen() -> None:
     assert plan.predicted["counters"]["unit_loads_tangential"] == 0
     assert plan.left_out is not None
     assert 0 < plan.left_out.largest < SIGNIFICANT_PART * plan.tolerance
-    assert "chosen by effects.choose: effects.friction_coefficient left out" in str(plan)
+    assert "chosen by effects.choose: effects.friction_coefficient omitted" in str(plan)
 
 
 def test_what_contradicts_a_named_key_is_not_chosen() -> None:
-    """Lumped contact lays no strips: a scene that names their number keeps contact pairs."""
+    """Lumped contact has no strips: a scene that names their number keeps contact pairs."""
     knobs = {"accuracy__strips_per_half_width": 8, "accuracy__tolerance": 0.1}
     scene = scene_of(effects__choose="auto", positions__count=4, **knobs)
     chosen, choice = choose_effects(scene)

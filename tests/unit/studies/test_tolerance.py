@@ -178,8 +178,8 @@ def test_named_parameters_stay_and_are_blamed() -> None:
     assert found["tightened"] == {}
     assert not found["met"]
     reasons = {one["source"]: one["why"] for one in found["missed"]}
-    assert reasons["modes"] == "accuracy.modes is named"
-    assert found["knobs"]["positions"]["left_as_it_is"] == "positions.count is named"
+    assert reasons["modes"] == "accuracy.modes is set"
+    assert found["knobs"]["positions"]["left_as_it_is"] == "positions.count is set"
     values = {name: row["value"] for name, row in found["knobs"].items()}
     assert values == {ELEMENTS: 2.0, MODES: 4, STRIPS: 6.0, "positions": 6}
 
@@ -209,14 +209,14 @@ def test_without_estimate_the_default_is_not_checked() -> None:
     result = solved(small(tolerance=0.01, estimate=False))
     found = said(result)
     assert found["met"] is None
-    assert found["unchecked"] == "the default, not checked (accuracy.estimate = false)"
+    assert found["unchecked"] == "default discretization, not checked (accuracy.estimate = false)"
     assert_same(result, solved(small(estimate=False)))
 
 
 def test_without_torque_nothing_is_approximated() -> None:
     tree = small(tolerance=0.01, flank_element_mm=2.0)
     tree["load"]["torque_Nm"] = 0.0
-    assert said(solved(tree))["unchecked"] == "without torque nothing is approximated"
+    assert said(solved(tree))["unchecked"] == "without torque there is no approximation"
 
 
 def test_chain_has_no_parameters() -> None:
@@ -238,7 +238,9 @@ def test_elements_of_a_belt_follow_the_tolerance() -> None:
     plain, finer = said(solved(belt(tolerance=0.012))), said(solved(belt(tolerance=0.008)))
     assert plain["met"]
     assert set(plain["knobs"]) == {ELEMENTS, "positions"}
-    assert plain["knobs"]["positions"]["left_as_it_is"].startswith("a belt has as many even ones")
+    assert plain["knobs"]["positions"]["left_as_it_is"].startswith(
+        "a belt has positions.count equally spaced"
+    )
     assert plain["keys"] == {}
     assert set(finer["keys"]) == {"accuracy"}
     assert list(finer["tightened"]) == [ELEMENTS]
@@ -259,9 +261,9 @@ def test_elements_of_belt_and_pulley_are_one_source() -> None:
 @pytest.mark.parametrize(
     ("keys", "name", "why"),
     [
-        ({"effects": {"contact": "lumped"}}, STRIPS, "lumped contact lays no"),
-        ({"effects": {"near_field": "nodes"}}, MODES, "effects.near_field = 'nodes' goes by"),
-        ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is named"),
+        ({"effects": {"contact": "lumped"}}, STRIPS, "lumped contact has no"),
+        ({"effects": {"near_field": "nodes"}}, MODES, "determined by the nodes of the flank"),
+        ({"positions": {"adaptive": True}}, "positions", "positions.adaptive is set"),
     ],
 )
 def test_parameters_that_stay_say_why(keys: dict[str, Any], name: str, why: str) -> None:
@@ -407,17 +409,22 @@ def reasons(
 
 
 def test_a_miss_says_what_ends_it(met: fl.Result) -> None:
-    end, unlikely = "the finest step of its ladder", "no step of its ladder is likely to bring"
+    end, unlikely = (
+        "the parameter is at its finest value",
+        "no value of the parameter is likely to meet",
+    )
     assert reasons(small(), met, {ELEMENTS: 0.2}, 0.0).startswith(end)
     assert reasons(small(), met, {}, None).startswith(unlikely)
     assert reasons(small(), met, {ELEMENTS: 0.5}, 0.002).startswith(unlikely)
-    assert reasons(small(), met, {ELEMENTS: 0.5}, 0.0005).startswith("more than could be")
+    assert reasons(small(), met, {ELEMENTS: 0.5}, 0.0005).startswith("larger than predicted")
 
 
 def test_a_belt_says_why_finer_elements_help_little(met: fl.Result) -> None:
     """Its corners are no corners of pairs, and no tip radius cures them."""
     why = reasons(belt(), met, {ELEMENTS: 0.01}, 0.0)
-    assert why.startswith("the finest step of its ladder; beside the corners of teeth and lands")
+    assert why.startswith(
+        "the parameter is at its finest value; near the corners of teeth and lands"
+    )
     assert "tip_radius_mm" not in why
 
 
@@ -429,8 +436,8 @@ def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> N
     (one,) = found["missed"]
     assert (one["source"], one["beside"]) == ("strips", ["modes"])
     assert accuracy_lines(found)[-1].startswith(
-        "missed: peak pressure 3.6 %, most of it from strips (modes alone exceeds the tolerance, "
-        "too): "
+        "exceeded: peak pressure 3.6 %, mostly from strips (modes alone also exceeds the "
+        "tolerance): "
     )
 
 
@@ -449,7 +456,7 @@ def test_peak_to_peak_is_told_as_part_of_what() -> None:
     part = np.ptp(result.transmission_error_um) / result.transmission_error_um.max()
     assert accuracy_lines(found)[-1] == (
         f"peak to peak {percent(of_itself)} of itself is {percent(of_itself * part)} of the "
-        "largest transmission error, which is what counts"
+        "largest transmission error, to which the tolerance refers"
     )
 
 
@@ -466,19 +473,19 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     assert first.startswith("0.4 %: not met, transmission error mean ")
     assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
     assert " (modes 0." in knobs
-    assert tightened.startswith("tightened once: flank_element_mm ")
+    assert tightened.startswith("refined once: flank_element_mm ")
     assert missed
     for line, one in zip(missed, found["missed"], strict=True):
-        assert line.startswith(f"missed: {one['quantity'].replace('_', ' ')} ")
-        assert line.endswith("most of it from positions: positions.count is named")
+        assert line.startswith(f"exceeded: {one['quantity'].replace('_', ' ')} ")
+        assert line.endswith("mostly from positions: positions.count is set")
 
 
 def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
     """Strips went from 56.0 to 80.0."""
     found = said(tight)
     found["tightened"] = {"strips_per_half_width": [56.0, 80.0], "modes": [None, 7]}
-    line = next(line for line in accuracy_lines(found) if line.startswith("tightened"))
-    assert line == "tightened once: strips_per_half_width 56 -> 80, modes default -> 7"
+    line = next(line for line in accuracy_lines(found) if line.startswith("refined"))
+    assert line == "refined once: strips_per_half_width 56 -> 80, modes default -> 7"
 
 
 def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -489,7 +496,7 @@ def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert main(["plan", str(path)]) == 0
     assert "accuracy.tolerance = 0.1 begins with modes = 4, " in capsys.readouterr().out
     assert main(["check", str(path)]) == 0
-    assert "knobs that a tolerance of 0.1 begins with" in capsys.readouterr().out
+    assert "initial discretization for a tolerance of 0.1" in capsys.readouterr().out
 
 
 def test_a_plan_is_that_of_the_first_run() -> None:

@@ -22,7 +22,7 @@ from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import friction_of
 from flankload.studies.verification.calculix import read_answer, run_deck, version_of
 from flankload.studies.verification.contact_places import Place, contact_places
-from flankload.studies.verification.deck import Deck, Part, Rubbing, deck_text
+from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
 from flankload.studies.verification.model import friction_of_deck, model_of
 from flankload.studies.verification.refine import refined
 from flankload.studies.verification.triangles import Triangles, quadratic, sides, whole_body
@@ -295,7 +295,9 @@ def test_options_stand_in_the_deck(deck: Deck) -> None:
 
 
 # --- friction -------------------------------------------------------------------------------------
-def rubbing_of(pair_: BodyPair, coefficients: object, driver: str = "body_1") -> Rubbing | None:
+def rubbing_of(
+    pair_: BodyPair, coefficients: object, driver: str = "body_1"
+) -> DeckFriction | None:
     scene = scene_of(
         effects={"friction_coefficient": coefficients}, positions={"count": 8, "driver": driver}
     )
@@ -308,11 +310,11 @@ def rubbing_of(pair_: BodyPair, coefficients: object, driver: str = "body_1") ->
 def test_body_2_comes_from_where_it_stood_a_little_before(
     pair: BodyPair, driver: str, sense: int
 ) -> None:
-    rubbing = rubbing_of(pair, 0.1, driver)
+    friction = rubbing_of(pair, 0.1, driver)
     turned = pair.pairing.turns(np.array([0.0, sense * 2e-3]))[1]
-    assert rubbing.back_rad == pytest.approx(turned[0] - turned[1], rel=SOLVER)
-    assert rubbing.coefficients == (0.1, 0.1)
-    assert rubbing.center_distance_mm == 91.5
+    assert friction.back_rad == pytest.approx(turned[0] - turned[1], rel=SOLVER)
+    assert friction.coefficients == (0.1, 0.1)
+    assert friction.center_distance_mm == 91.5
 
 
 def test_pairs_have_the_coefficients_of_their_teeth(pair: BodyPair) -> None:
@@ -327,8 +329,8 @@ def test_coefficients_along_a_flank_are_refused(pair: BodyPair) -> None:
 
 
 def test_flanks_slide_to_the_position_in_a_second_step(deck: Deck) -> None:
-    rubbing = Rubbing((0.2, 0.0), 91.5, 1e-3)
-    blocks = blocks_of(deck_text(replace(deck, rubbing=rubbing)))
+    friction = DeckFriction((0.2, 0.0), 91.5, 1e-3)
+    blocks = blocks_of(deck_text(replace(deck, friction=friction)))
     rows = [row for key, data in blocks if key == "*BOUNDARY" for row in data]
     assert [row for row in rows if "AXIS_2, 1" in row] == [
         "AXIS_2, 1, 1, 0.001",
@@ -368,7 +370,7 @@ def test_reader_takes_the_last_increment(tmp_path: Path) -> None:
 
 
 def test_with_friction_single_points_do_not_count() -> None:
-    deck = replace(small_deck(), rubbing=Rubbing((0.1, 0.1), 91.5, 1e-3))
+    deck = replace(small_deck(), friction=DeckFriction((0.1, 0.1), 91.5, 1e-3))
     pressure = read_answer(CALCULIX_OUTPUT, deck).pressure_MPa
     np.testing.assert_allclose(pressure, [1450.9, 1212.4], rtol=ROUND_OFF, atol=0)
 
@@ -517,11 +519,11 @@ def test_number_of_elements_has_limits(
 def test_bodies_without_elements_are_refused() -> None:
     tree = _tables("external_gear")
     tree["body_2"] = {**tree["body_2"], "rigid": True}
-    with pytest.raises(SceneError, match=r"body_2\.rigid: expected a body that yields"):
+    with pytest.raises(SceneError, match=r"body_2\.rigid: expected an elastic body"):
         fl.verify(fl.Scene.from_dict(tree), run=False)
     with pytest.raises(SceneError, match=r"body_1\.kind: expected a body with elements"):
         fl.verify(fl.read_scene(SCENES / "external_gear_compliance.toml"), run=False)
-    with pytest.raises(SceneError, match=r"load\.torque_Nm: expected a torque to hold, found 0"):
+    with pytest.raises(SceneError, match=r"load\.torque_Nm: expected a torque > 0, found 0"):
         fl.verify(scene_of(load={"torque_Nm": 0}), run=False)
     with pytest.raises(SceneError, match=r"body_2\.kind: expected bodies with teeth"):
         fl.verify(fl.read_scene(SCENES / "cam.toml"), run=False)

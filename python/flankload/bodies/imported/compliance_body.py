@@ -51,7 +51,9 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
     latest, read = READERS[found.text("format", *READERS)]
     version = int(found.integers("version"))
     if not 1 <= version <= latest:
-        found.refuse("version", f"at most {latest}, which this flankload knows", version)
+        found.refuse(
+            "version", f"at most {latest}, the latest version that this flankload reads", version
+        )
     body = read(found)
     named = checked_pitch_errors(spec.pitch_errors_um, body.teeth, key)
     errors = named or body.pitch_errors_um

@@ -174,7 +174,7 @@ def _fixed_nodes(
         if held.any():
             source.refuse(
                 "fixed_set",
-                f"nodes that are held to stay clear of the flank ({name!r})",
+                f"fixed nodes that are not on the flank ({name!r})",
                 f"{np.unique(flank[held]).size} nodes of {spec.fixed_set!r} on it",
             )
     check_axis(source, fixed)

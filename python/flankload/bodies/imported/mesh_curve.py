@@ -182,7 +182,7 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     deviation = (
         f"estimated deviation from the true profile {1000 * found.deviation_mm:.2g} um"
         if np.isfinite(found.deviation_mm)
-        else "too few to tell how far it deviates from the true profile"
+        else "too few to estimate its deviation from the true profile"
     )
     note = f"the flank is a smooth curve through {found.count} nodes, {deviation}"
     return FlankFit(

@@ -142,7 +142,7 @@ def _note_of(given: NodalCompliance, points: int, teeth: int) -> str:
         f"{given.file.name}, asymmetry {given.asymmetry:.2g}"
     )
     if given.offsets.size == 1:
-        note += "; other teeth do not move with the loaded one: pairs side by side seem too stiff"
+        note += "; other teeth do not move with the loaded one: adjacent pairs appear too stiff"
     return note
 
 
@@ -174,7 +174,7 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
     if (tip >= root) if inwards else (tip <= root):
         found.refuse(
             "points",
-            "places from root to tip, the axis at the origin, of teeth that stand "
+            "places from root to tip, the axis at the origin, of teeth that point "
             + ("inwards" if inwards else "outwards"),
             f"a first radius of {root:g} and a last one of {tip:g} mm",
         )
@@ -216,8 +216,7 @@ def _symmetric(
         k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
         found.refuse(
             "compliance",
-            "a symmetric matrix (what a moves at b, b moves at a), to "
-            f"{LARGEST_ASYMMETRY:g} of its norm",
+            f"a symmetric matrix (reciprocity), to {LARGEST_ASYMMETRY:g} of its norm",
             f"{asymmetry:.3g}, most at [{k}, {i}, {j}]",
         )
     return 0.5 * (matrix + mirrored), asymmetry
@@ -236,6 +235,6 @@ def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
     if not least.min() > 0.0:
         found.refuse(
             "compliance",
-            "a positive definite matrix, since any load takes up work",
+            "a positive definite matrix, since any load does positive work",
             f"an eigenvalue of {least.min():.3g}",
         )

@@ -120,8 +120,10 @@ def modifications_of(
         )
         raise SceneError(
             key=f"{key}.{name}",
-            expected="less metal taken off than the involute has above its base circle, "
-            f"{1000 * base * form_roll:.3f} um at the form circle"
+            expected=(
+                "less material removed than the involute has above its base circle, "
+                f"{1000 * base * form_roll:.3f} um at the form circle"
+            )
             if not enough
             else "a modification less steep than the flank is high, so that the flank goes on "
             "towards the tip",

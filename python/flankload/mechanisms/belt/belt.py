@@ -223,11 +223,6 @@ class Strip:
         half_width = 0.5 * self.tooth.width_mm if self.tooth is not None else 0.0
         return sqrt(self.land_radius_mm**2 - half_width**2)
 
-    @property
-    def tooth_angles_rad(self) -> Floats:
-        """(w,) Centre lines of the teeth, from the tight end of the strip."""
-        return np.asarray(self.pitch_rad * (np.arange(self.wrapped_teeth) + 0.5), dtype=np.float64)
-
     def placed(self, places: Floats, tooth_angle_rad: float) -> Floats:
         """Transform places (…, 2) from the frame of a tooth to axes at the centre of rotation."""
         cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)

@@ -47,7 +47,7 @@ class BeltState:
         Circumferential force of each tooth on the pitch circle.
     land_N_per_mm : (w + 1,) array
         Contact force of each land; negative if a fixed land would have to pull.
-    land_rub_N_per_mm : (w + 1,) array
+    land_friction_N_per_mm : (w + 1,) array
         Circumferential friction force on the belt, on the pitch circle.
     land_lift_mm : (w + 1,) array
         Largest lift of each land.
@@ -62,7 +62,7 @@ class BeltState:
     pair_gap_mm: Floats
     tooth_N_per_mm: Floats
     land_N_per_mm: Floats
-    land_rub_N_per_mm: Floats
+    land_friction_N_per_mm: Floats
     land_lift_mm: Floats
     tight_N_per_mm: float
     contact: ContactState
@@ -196,27 +196,27 @@ def solve_belt(
     ContactError
         If no state exists.
     """
-    asked = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
+    problem = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
-        asked = _with_lift(asked, response)
+        problem = _with_lift(problem, response)
     state = solve_contact_general(
-        asked.matrix,
-        asked.gaps,
-        asked.levers,
-        asked.torque,
-        load_rows=asked.rows,
+        problem.matrix,
+        problem.gaps,
+        problem.levers,
+        problem.torque,
+        load_rows=problem.rows,
         # strands that bend at edges of lands press on these, but the reverse effect is zero
         positive_definite=True
         if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
         else None,
     )
-    return _state_of(strip, response, asked, state, slack_N_per_mm, land_friction)
+    return _state_of(strip, response, problem, state, slack_N_per_mm, land_friction)
 
 
 def _state_of(
     strip: Strip,
     response: StripResponse,
-    asked: _Problem,
+    problem: _Problem,
     state: ContactState,
     slack_N_per_mm: float,
     land_friction: float,
@@ -224,15 +224,15 @@ def _state_of(
     """Forces on teeth and lands from the solution of the contact problem."""
     n = response.flanks.tooth.size
     force, lift = state.normal_forces[:n], np.zeros(response.land.size)
-    pushed = asked.push @ force + asked.push_0
+    pushed = problem.push @ force + problem.push_0
     tight = response.tight @ force + response.tight_by_slack * slack_N_per_mm
     if state.normal_forces.size > n and response.lifting is not None:
         lift = state.normal_forces[n:]
         pushed = pushed + response.lifting.reaction @ lift
         tight += response.lifting.tight @ lift
-    rub = land_friction * pushed
-    if land_friction != 0.0 and response.rubbing is not None:
-        tight += response.rubbing.tight @ rub
+    friction_force = land_friction * pushed
+    if land_friction != 0.0 and response.sliding is not None:
+        tight += response.sliding.tight @ friction_force
     most = np.zeros(response.lands)
     np.maximum.at(most, response.land, lift)
     radius = strip.pitch_radius_mm
@@ -245,7 +245,9 @@ def _state_of(
             response.flanks.tooth, force * response.flanks.levers_mm / radius, response.teeth
         ),
         land_N_per_mm=_sums(response.land, pushed, most.size),
-        land_rub_N_per_mm=_sums(response.land, rub * strip.land_radius_mm / radius, most.size),
+        land_friction_N_per_mm=_sums(
+            response.land, friction_force * strip.land_radius_mm / radius, most.size
+        ),
         land_lift_mm=most,
         tight_N_per_mm=float(tight),
         contact=state,
@@ -283,13 +285,13 @@ def _problem(
     )
     if friction == 0.0:
         return held
-    assert response.rubbing is not None
-    own = np.eye(response.land.size) - friction * response.rubbing.reaction
+    assert response.sliding is not None
+    own = np.eye(response.land.size) - friction * response.sliding.reaction
     push, push_0 = (
         np.asarray(np.linalg.solve(own, part), dtype=np.float64)
         for part in (held.push, held.push_0)
     )
-    recedes = friction * response.rubbing.recession
+    recedes = friction * response.sliding.recession
     helps = friction * strip.land_radius_mm
     return _Problem(
         matrix=held.matrix + recedes @ push,

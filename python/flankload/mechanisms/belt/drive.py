@@ -292,7 +292,7 @@ def _rows_of_pulley(scene: Scene) -> list[tuple[str, str]]:
     mesh = pulley_mesh(scene)
     pulley, sector = mesh.pulley, mesh.sector
     return [
-        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, held"),
+        ("bore diameter", f"{2 * pulley.bore_radius_mm:.4f} mm, fixed"),
         ("depth of the grooves", f"{pulley.depth_mm:.4f} mm"),
         ("Young's modulus", f"{pulley.material.young_modulus_MPa:g} MPa, plane {pulley.plane}"),
         ("mesh of a sector", f"{len(sector.nodes)} nodes, {len(sector.cells[0][1])} quad9"),
@@ -350,7 +350,7 @@ def _row(scene: Scene, strip: Strip, elements: int, account: Account) -> BeltRow
     return BeltRow(
         strip,
         elements,
-        rubbing=scene.effects.land_friction != 0.0,
+        sliding=scene.effects.land_friction != 0.0,
         lifting=asked_of(scene).lifting,
         account=account,
     )
@@ -365,7 +365,7 @@ def asked_of(scene: Scene) -> Asked:
 
 def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
     """Response of an elastic pulley to forces on its grooves and lands."""
-    return solve_pulley(mesh, rubbing=scene.effects.land_friction != 0.0, account=account)
+    return solve_pulley(mesh, sliding=scene.effects.land_friction != 0.0, account=account)
 
 
 def response_at(

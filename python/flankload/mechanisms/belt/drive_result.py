@@ -151,11 +151,11 @@ def _drive(
     assert slack is not None
     lands = [width * state.land_N_per_mm for state in states]
     lifts = [UM_PER_MM * state.land_lift_mm for state in states]
-    rubs = [width * state.land_rub_N_per_mm for state in states]
+    friction_forces = [width * state.land_friction_N_per_mm for state in states]
     # load that later teeth and lands take from the cord; a land precedes its tooth
     behind = [
-        slack + np.cumsum((width * state.tooth_N_per_mm + rub[1:])[::-1])[::-1]
-        for state, rub in zip(states, rubs, strict=True)
+        slack + np.cumsum((width * state.tooth_N_per_mm + friction[1:])[::-1])[::-1]
+        for state, friction in zip(states, friction_forces, strict=True)
     ]
     # if it does not precede a site
     last = np.array(
@@ -173,7 +173,7 @@ def _drive(
         land_friction=scene.effects.land_friction,
         tight_tension_N=np.array([width * state.tight_N_per_mm for state in states]),
         slack_tension_N=np.full(len(states), slack),
-        land_friction_N=np.array([rub.sum() for rub in rubs]),
+        land_friction_N=np.array([friction.sum() for friction in friction_forces]),
         last_land_N=ends + np.array([land[-1] for land in lands]),
         last_land_lift_um=ends + np.array([lift[-1] for lift in lifts]),
         tension_behind_N=_over_sites(sites, standings, behind, nothing=np.nan),

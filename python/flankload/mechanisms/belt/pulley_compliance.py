@@ -60,7 +60,7 @@ class PulleyResponse:
 def solve_pulley(
     mesh: PulleyMesh,
     *,
-    rubbing: bool = False,
+    sliding: bool = False,
     account: Account | None = None,
 ) -> PulleyResponse:
     """Solve the finite elements of one sector and close the ring.
@@ -68,7 +68,7 @@ def solve_pulley(
     Parameters
     ----------
     mesh : PulleyMesh
-    rubbing : bool
+    sliding : bool
         Whether forces along the lands are included.
     account : Account, optional
 
@@ -77,9 +77,9 @@ def solve_pulley(
     PulleyResponse
     """
     pulley, sector = mesh.pulley, mesh.sector
-    loads = unit_forces(mesh, rubbing=rubbing)
+    loads = unit_forces(mesh, sliding=sliding)
     if account is not None:
-        along = mesh.land.size * rubbing
+        along = mesh.land.size * sliding
         account.count(
             unit_loads_normal=loads.shape[1] - along,
             unit_loads_tangential=along,
@@ -128,7 +128,7 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     StripResponse
         Its land displacements are relative to the pulley.
     """
-    lifting, rubbing = response.lifting, response.rubbing
+    lifting, sliding = response.lifting, response.sliding
     assert lifting is not None
     touches, count = touches_of(strip, response, known.mesh, known.response.shape[1])
     whole = pulley_compliance(known, touches, count)
@@ -141,10 +141,10 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     own = [response.compliance, response.by_slack[:, None], lifting.recession]
     tight = [response.tight, np.array([response.tight_by_slack]), lifting.tight]
     sunk = [by_flank, np.zeros((count, 1)), np.zeros((count, h))]
-    if rubbing is not None:
-        loads.append(rubbing.reaction)
-        own.append(rubbing.recession)
-        tight.append(rubbing.tight)
+    if sliding is not None:
+        loads.append(sliding.reaction)
+        own.append(sliding.recession)
+        tight.append(sliding.tight)
         sunk.append(whole[:, n + h :])
     given = np.hstack(sunk)
     pushed = np.hstack(loads) - lifting.reaction @ given[n : n + h]
@@ -153,7 +153,9 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     seen = np.asarray(np.hstack(own) + given[:n] - lifting.recession @ given[n : n + h])
     strand = np.asarray(np.concatenate(tight) - lifting.tight @ given[n : n + h])
     parts = [slice(0, n), slice(n, n + 1), slice(n + 1, n + 1 + h), slice(n + 1 + h, None)]
-    pairs, slack, lifts, rubs = (LandColumns(seen[:, p], push[:, p], strand[p]) for p in parts)
+    pairs, slack, lifts, sliding_lands = (
+        LandColumns(seen[:, p], push[:, p], strand[p]) for p in parts
+    )
     compliance, reaction = pairs.recession, lifts.reaction
     if not response.phase:  # otherwise strands bend at edges of lands
         compliance, reaction = 0.5 * (compliance + compliance.T), 0.5 * (reaction + reaction.T)
@@ -166,7 +168,7 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
         tight=pairs.tight,
         tight_by_slack=float(slack.tight[0]),
         lifting=replace(lifts, reaction=reaction),
-        rubbing=rubs if rubbing is not None else None,
+        sliding=sliding_lands if sliding is not None else None,
         degrees_of_freedom=response.degrees_of_freedom + known.degrees_of_freedom,
         pulley_yields=True,
     )

@@ -83,7 +83,7 @@ class StripResponse:
     reaction_by_slack : (h,) array
     tight, tight_by_slack : (n,) array, float
         Tension of the tight strand.
-    rubbing, lifting : LandColumns or None
+    sliding, lifting : LandColumns or None
         If requested.
     degrees_of_freedom : int
         Sum over all pieces that were solved.
@@ -106,7 +106,7 @@ class StripResponse:
     reaction_by_slack: Floats
     tight: Floats
     tight_by_slack: float
-    rubbing: LandColumns | None
+    sliding: LandColumns | None
     lifting: LandColumns | None
     degrees_of_freedom: int
     pulley_yields: bool = False
@@ -121,7 +121,7 @@ class BeltRow:
         Must have teeth: a belt without teeth cannot be cut in the middle of a land.
     flank_elements : int
         On the flank of a tooth.
-    rubbing, lifting : bool
+    sliding, lifting : bool
         Whether the columns of sliding and lifting lands are included.
     account : Account, optional
         Account in which the work is counted.
@@ -132,13 +132,13 @@ class BeltRow:
         strip: Strip,
         flank_elements: int = FLANK_ELEMENTS,
         *,
-        rubbing: bool = False,
+        sliding: bool = False,
         lifting: bool = False,
         account: Account | None = None,
     ) -> None:
         assert strip.tooth is not None
         self._strip, self._elements, self._account = strip, flank_elements, account
-        self._asked = {"rubbing": rubbing, "lifting": lifting}
+        self._asked = {"sliding": sliding, "lifting": lifting}
         # from the middle of tooth 0 to that of tooth 1
         self._cell = self._solved((0, 2), (True, True)) if strip.wrapped_teeth > 1 else None
         # positions with strands that begin at the edges of lands have the same pieces
@@ -279,7 +279,7 @@ def standing(
         land_angle_rad=response.land_angle_rad + angle,
         reaction=response.reaction + np.outer(bent[0], response.tight),
         reaction_by_slack=response.reaction_by_slack + bent[0] * response.tight_by_slack + bent[1],
-        rubbing=lands(response.rubbing),
+        sliding=lands(response.sliding),
         lifting=lands(response.lifting),
     )
 
@@ -360,8 +360,8 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     def lands(kind: Kind) -> LandColumns | None:
         if not columns[kind].size:
             return None
-        reaction = -seen(Kind.WAY, kind)
-        if kind is Kind.WAY:
+        reaction = -seen(Kind.RADIAL, kind)
+        if kind is Kind.RADIAL:
             reaction = 0.5 * (reaction + reaction.T)
         return LandColumns(seen(Kind.PAIR, kind), reaction, seen(Kind.TIGHT, kind)[0])
 
@@ -369,7 +369,7 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     land = np.concatenate([piece.land for piece in pieces])
     first = int(flanks.tooth.min()) if flanks.tooth.size else 0
     compliance = seen(Kind.PAIR, Kind.PAIR)
-    slack = {kind: seen(kind, Kind.SLACK)[:, 0] for kind in (Kind.PAIR, Kind.WAY, Kind.TIGHT)}
+    slack = {kind: seen(kind, Kind.SLACK)[:, 0] for kind in (Kind.PAIR, Kind.RADIAL, Kind.TIGHT)}
     return StripResponse(
         phase=0.0,
         first_tooth=first,
@@ -382,12 +382,12 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
         by_slack=slack[Kind.PAIR],
         land=land - land.min(),
         land_angle_rad=np.concatenate([piece.land_angle_rad for piece in pieces]),
-        reaction=-seen(Kind.WAY, Kind.PAIR),
-        reaction_by_slack=-slack[Kind.WAY],
+        reaction=-seen(Kind.RADIAL, Kind.PAIR),
+        reaction_by_slack=-slack[Kind.RADIAL],
         tight=seen(Kind.TIGHT, Kind.PAIR)[0],
         tight_by_slack=float(slack[Kind.TIGHT][0]),
-        rubbing=lands(Kind.RUB),
-        lifting=lands(Kind.WAY),
+        sliding=lands(Kind.SLIDING),
+        lifting=lands(Kind.RADIAL),
         degrees_of_freedom=sum(
             {id(piece.cell): piece.degrees_of_freedom for piece in pieces}.values()
         ),

@@ -77,7 +77,7 @@ class BeltScreening(Screening):
         self._known: dict[tuple[int, int], BeltSizes] = {}
         self._pulleys: dict[int, PulleyMesh] = {}
         self.base = self.states(scene)
-        # lands that rub would turn a pulley without torque
+        # sliding lands would turn a pulley without torque
         still = without_keys(scene, "land_friction")
         self.unloaded_rad = self._under(still, 0.0).rotation_rad
         for states in self.base:
@@ -92,12 +92,12 @@ class BeltScreening(Screening):
         self._screened = BeltSizes.of(strip, elements, at)
         load_packages()
         start = process_time()
-        row = BeltRow(strip, elements, rubbing=True, lifting=True, account=self._account)
+        row = BeltRow(strip, elements, sliding=True, lifting=True, account=self._account)
         cell_s = process_time() - start
         self._held = [response_at(strip, row, None, float(angle)) for angle in at]
         self._pieces_s = process_time() - start
         start = process_time()
-        BeltRow(strip, MORE_ELEMENTS, rubbing=True, lifting=True)
+        BeltRow(strip, MORE_ELEMENTS, sliding=True, lifting=True)
         self._growth = (process_time() - start) / max(cell_s, 1e-6)
         self._yielding, self._pulley = self._held, Account()
         if not scene.body_1.rigid:

@@ -92,7 +92,7 @@ class BeltSizes:
         """Bytes of the response at a position."""
         n, h = self.pairs, self.hats
         numbers = n * n + h * n + 2 * n + 3 * h
-        numbers += (asked.rubbing + asked.lifting) * (n * h + h * h + h)
+        numbers += (asked.sliding + asked.lifting) * (n * h + h * h + h)
         lines = 2 * self.teeth * (2 * self.elements + 1)
         return BYTES * (numbers + lines) + self.flank_bytes
 

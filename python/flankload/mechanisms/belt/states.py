@@ -135,8 +135,8 @@ def _jump_tension(
 def _torque_of_lands(scene: Scene, strip: Strip, response: StripResponse, slack_N: float) -> float:
     """Torque (N m) of friction on the lands under the slack tension alone."""
     friction = scene.effects.land_friction
-    if friction == 0.0 or response.rubbing is None:
+    if friction == 0.0 or response.sliding is None:
         return 0.0
-    own = np.eye(response.land.size) - friction * response.rubbing.reaction
+    own = np.eye(response.land.size) - friction * response.sliding.reaction
     pushed = np.linalg.solve(own, response.reaction_by_slack * slack_N)
     return float(1e-3 * friction * strip.land_radius_mm * pushed.sum())

@@ -41,8 +41,8 @@ class Kind(IntEnum):
 
     PAIR = 0
     SLACK = 1
-    RUB = 2
-    WAY = 3
+    SLIDING = 2
+    RADIAL = 3
     TIGHT = 4
 
 
@@ -81,7 +81,7 @@ def solve_piece(
     mesh: BeltMesh,
     cuts: tuple[bool, bool] = (False, False),
     *,
-    rubbing: bool = False,
+    sliding: bool = False,
     lifting: bool = False,
     account: Account | None = None,
 ) -> Piece:
@@ -94,7 +94,7 @@ def solve_piece(
         Mesh of the piece, N nodes.
     cuts : (bool, bool)
         Whether another piece adjoins at its left and its right face.
-    rubbing, lifting : bool
+    sliding, lifting : bool
         Whether the columns of sliding and lifting lands are included.
     account : Account, optional
 
@@ -110,18 +110,18 @@ def solve_piece(
     shape = (matrix.shape[0], pulled.size)
     pull = assembled(np.ones(pulled.size), pulled, np.arange(pulled.size), shape)
     prescribed = np.concatenate([lands.degrees, held])
-    forces = hstack([basis.T @ pairs, pull, *([lands.forces] if rubbing else [])]).toarray()
+    forces = hstack([basis.T @ pairs, pull, *([lands.forces] if sliding else [])]).toarray()
     columns, direct = _columns(matrix, forces, prescribed)
-    sizes = (pairs.shape[1], pulled.size, rubbing * lands.number.size, lands.number.size, held.size)
+    sizes = (pairs.shape[1], pulled.size, sliding * lands.number.size, lands.number.size, held.size)
     kinds = np.repeat(list(Kind), sizes)
-    loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.WAY))
+    loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.RADIAL))
     left, right = mesh.left[: None if cuts[0] else 0], mesh.right[: None if cuts[1] else 0]
     cut = np.concatenate([degrees_of(left), degrees_of(right)])
     inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([prescribed, cut]))
     solve, complement = condensed(matrix, inner, cut, account)
     solved = solve(columns[inner])
     if account is not None:
-        normal = int((kinds[loads] != Kind.RUB).sum())
+        normal = int((kinds[loads] != Kind.SLIDING).sum())
         account.count(unit_loads_normal=normal, unit_loads_tangential=loads.size - normal)
         account.workspace_bytes += columns.nbytes + solved.nbytes
     local = columns[inner].T @ solved[:, loads] + direct[:, loads]

@@ -51,14 +51,14 @@ class Touch:
     forces: Floats
 
 
-def unit_forces(mesh: PulleyMesh, *, rubbing: bool) -> Floats:
+def unit_forces(mesh: PulleyMesh, *, sliding: bool) -> Floats:
     """Unit forces at the nodes that a belt can touch, in the frame of the sector.
 
     Parameters
     ----------
     mesh : PulleyMesh
         N nodes.
-    rubbing : bool
+    sliding : bool
         Whether forces along the lands are included.
 
     Returns
@@ -71,7 +71,7 @@ def unit_forces(mesh: PulleyMesh, *, rubbing: bool) -> Floats:
     inwards = -mesh.sector.nodes[mesh.land]
     inwards /= np.linalg.norm(inwards, axis=1)[:, None]
     against = np.column_stack([-inwards[:, 1], inwards[:, 0]])
-    directions = [inwards, against] if rubbing else [inwards]
+    directions = [inwards, against] if sliding else [inwards]
     loads = np.zeros((2 * len(mesh.sector.nodes), flank.size + land.size * len(directions)))
     loads[flank, np.arange(flank.size)] = 1.0
     for k, way in enumerate(directions):
@@ -101,7 +101,7 @@ def touches_of(
     count : int
         Number of shape functions.
     """
-    pitch, rubbing = strip.pitch_rad, response.rubbing is not None
+    pitch, sliding = strip.pitch_rad, response.sliding is not None
     touches, count = [], 0
     for line in response.lines:
         turn = pitch * (line.tooth + response.phase)
@@ -117,9 +117,9 @@ def touches_of(
         away = response.land_angle_rad[own] - pitch * (sector + response.phase)
         held, along = land_forces(mesh, away * _narrower(strip, mesh.pulley), rows)
         touches.append(Touch(sector, count + own, held))
-        if rubbing:
+        if sliding:
             touches.append(Touch(sector, count + hats + own, along))
-    return touches, count + hats * (1 + rubbing)
+    return touches, count + hats * (1 + sliding)
 
 
 def _narrower(strip: Strip, pulley: ElasticPulley) -> float:

@@ -27,10 +27,10 @@ class Asked:
 
     Attributes
     ----------
-    rubbing, lifting : bool
+    sliding, lifting : bool
     """
 
-    rubbing: bool = False
+    sliding: bool = False
     lifting: bool = False
 
 
@@ -87,7 +87,7 @@ class PieceWork:
 
     def columns(self, asked: Asked) -> int:
         """Solutions for its columns."""
-        return self.pairs + self.held + self.pulled + self.hats * (1 + asked.rubbing)
+        return self.pairs + self.held + self.pulled + self.hats * (1 + asked.sliding)
 
 
 def pieces_of(strip: Strip, elements: int, position_rad: Floats) -> list[PieceWork]:
@@ -143,7 +143,7 @@ def work_of_elements(
         "cut_columns": cuts,
         "unit_loads_normal": sum(piece.pairs + piece.pulled for piece in pieces)
         + asked.lifting * hats,
-        "unit_loads_tangential": asked.rubbing * hats,
+        "unit_loads_tangential": asked.sliding * hats,
     }
 
 
@@ -162,7 +162,7 @@ def work_of_pulley(mesh: PulleyMesh, asked: Asked) -> dict[str, int]:
     """
     kept = 2 * (mesh.sector.left_nodes.size + mesh.sector.right_nodes.size)
     many = kept > MANY_KEPT
-    normal, along = 2 * mesh.flank.size + mesh.land.size, mesh.land.size * asked.rubbing
+    normal, along = 2 * mesh.flank.size + mesh.land.size, mesh.land.size * asked.sliding
     return {
         "fe_factorisations": 1 + many,
         "fe_solutions": normal + along + (0 if many else kept),

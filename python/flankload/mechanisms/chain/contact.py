@@ -127,7 +127,7 @@ def solve_wrap(
     slack_N: float,
     *,
     large_displacement: bool,
-    growth: bool = True,
+    with_compliance: bool = True,
 ) -> WrapState:
     """State of the rollers at a position.
 
@@ -141,7 +141,7 @@ def solve_wrap(
         Tension of the slack strand.
     large_displacement : bool
         Whether to iterate until convergence; otherwise one linear state.
-    growth : bool
+    with_compliance : bool
         Whether to compute the derivative of the rotation with respect to the torque.
 
     Returns
@@ -157,7 +157,7 @@ def solve_wrap(
     # the slack tension turns the sprocket, too: its torque is the scale
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
-    if growth:
+    if with_compliance:
         start = found if large_displacement else None
         other = _follow(
             wrap, chain, torque_Nmm + more, slack_N, start, large_displacement=large_displacement
@@ -171,8 +171,8 @@ def solve_wrap(
         place_mm=in_pocket(found.place, -polar) - [0.0, wrap.sprocket.pitch_radius_mm],
         tension_N=np.array([step.tight_N, *step.link_N, slack_N]),
         status=step.state.status,
-        passes=found.passes + growth * other.passes,
-        pivots=found.pivots + growth * other.pivots,
+        passes=found.passes + with_compliance * other.passes,
+        pivots=found.pivots + with_compliance * other.pivots,
         planes=step.planes,
         backward_error=step.state.info.backward_error,
         condition=step.state.info.condition,

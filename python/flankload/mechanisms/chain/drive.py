@@ -186,7 +186,12 @@ def error_estimate(
     scale = max(abs(state.rotation_rad) for state in states)
     for p in sorted({0, len(wraps) // 2}):
         other = solve_wrap(
-            wraps[p], chain, 1000.0 * torque_Nm, slack, large_displacement=True, growth=False
+            wraps[p],
+            chain,
+            1000.0 * torque_Nm,
+            slack,
+            large_displacement=True,
+            with_compliance=False,
         )
         account.count(**work_of([other]))
         turn = max(turn, abs(other.rotation_rad - states[p].rotation_rad) / scale)
@@ -267,7 +272,7 @@ def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
             ),
             ("seating angle", f"{2 * np.degrees(sprocket.seat_half_angle_rad):.2f} deg"),
             ("flank radius", f"{sprocket.flank_radius_mm - ball:.4f} mm"),
-            ("tension ratio q", f"{sprocket.tension_ratio:.4f} a roller, where flanks carry"),
+            ("tension ratio q", f"{sprocket.tension_ratio:.4f} per roller on the flanks"),
         ],
         "body_2: chain": [
             ("pitch", f"{chain.pitch_mm:g} mm{worn}"),
@@ -279,7 +284,7 @@ def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
             ("chain jumps below about", limits),
         ],
         "effects": [
-            ("rollers followed to where they stand", f"{'yes' if large else 'no'} ({key})"),
+            ("large displacements of the rollers", f"{'yes' if large else 'no'} ({key})"),
         ],
     }
 

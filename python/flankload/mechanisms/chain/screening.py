@@ -74,7 +74,7 @@ class ChainScreening(Screening):
         def solved(p: int, torque_Nm: float, *, large: bool) -> WrapState:
             torque = 1000.0 * torque_Nm
             return solve_wrap(
-                wraps[p], chain, torque, slack, large_displacement=large, growth=False
+                wraps[p], chain, torque, slack, large_displacement=large, with_compliance=False
             )
 
         unloaded = [solved(p, 0.0, large=self._large) for p in range(len(wraps))]
@@ -103,8 +103,8 @@ class ChainScreening(Screening):
         large, torques = scene.effects.large_displacement, len(scene.torques_Nm)
         counted = predicted_work(scene, self._positions)
         found, states = self._found[large], counted["sweep"]["states"]
-        growth = large != self._large and large  # not part of the screening
-        each = LINEAR_PASSES if not large else (1 + growth) * _passes(found)
+        with_compliance = large != self._large and large  # not part of the screening
+        each = LINEAR_PASSES if not large else (1 + with_compliance) * _passes(found)
         stages = {
             "bodies": Account(cpu_s=self._bodies.cpu_s, bytes=self._bodies.bytes),
             "sweep": Account(

@@ -226,8 +226,8 @@ class _Reader:
             mesh.elastic = self.elastic[0]
         if self.reduced:
             mesh.notes.append(
-                f"elements {', '.join(sorted(self.reduced))} are taken fully integrated, without "
-                "their special rules"
+                f"elements {', '.join(sorted(self.reduced))} are fully integrated, "
+                "without their special rules"
             )
         return mesh
 

@@ -31,7 +31,8 @@ ONE_FLANK = {
     "chain": "which has no teeth",
 }
 IN_MODES = (
-    "no such level with effects.coast_flank, whose flanks cross the teeth in modes, by small forces"
+    "the default with effects.coast_flank, whose coupling across the teeth is known in modes for "
+    "small forces"
 )
 
 
@@ -109,10 +110,10 @@ class Effects:
         size_by="spacing",
         coarser=True,
         refused_with={
-            "thermal_growth": "'analytic' with effects.temperature_rise_K: growth is known in "
-            "modes alone",
-            "centrifugal_growth": "'analytic' with effects.speed_rpm: growth is known in modes "
-            "alone",
+            "thermal_growth": "'analytic' with effects.temperature_rise_K: expansion is known in "
+            "modes only",
+            "centrifugal_growth": "'analytic' with effects.speed_rpm: expansion is known in modes "
+            "only",
             "coast_flanks": IN_MODES,
         },
         refused_for={
@@ -136,8 +137,10 @@ class Effects:
         size_by="places",
         coarser=True,
         refused_with={
-            "nodal_near_field": "'pairs' with effects.near_field 'nodes': forces there have places",
-            "finite_influence": "'pairs' with effects.influence 'finite': forces there have places",
+            "nodal_near_field": "'pairs' with effects.near_field 'nodes': nodal forces need "
+            "resolved contact",
+            "finite_influence": "'pairs' with effects.influence 'finite': finite forces need "
+            "resolved contact",
             "coast_flanks": "'pairs' with effects.coast_flank: lumped contact has working flanks "
             "only",
         },
@@ -229,7 +232,7 @@ class Effects:
         counters=("stress_recoveries",),
         of_teeth=True,
         refused_with={
-            "coast_flanks": "false with effects.coast_flank: stress is known of forces on the "
+            "coast_flanks": "false with effects.coast_flank: stress is known for forces on the "
             "working flanks only"
         },
         refused_for={"cam": "nothing: a cam and its follower have no tooth roots"},
@@ -265,8 +268,7 @@ class Effects:
         work=Work(normal_loads=1, columns=1),
         size_by="places",
         refused_with={
-            "land_friction": "false with effects.land_friction: lands that lift do not rub as all "
-            "others do"
+            "land_friction": "false with effects.land_friction, which assumes that all lands slide"
         },
         only_for="belt",
     )

@@ -76,7 +76,7 @@ def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
         own = [effect.key for effect in EFFECTS if effect.only_for == drive]
         for key, value in given.items():
             if drive == kind_2 and key not in own:
-                expected = f"nothing: a {kind_2} and its {kind_1} do not know it"
+                expected = f"nothing: it does not apply to a {kind_2} and its {kind_1}"
                 refuse(f"effects.{key}", expected, shown(value))
             if drive != kind_2 and key in own:
                 refuse(f"effects.{key}", f"nothing, unless body_2.kind is '{drive}'", shown(value))
@@ -92,7 +92,7 @@ def _check_friction(asked: SceneFile) -> None:
     """Check that a list has one number per tooth, or rows of ascending roll position."""
     given, key = asked.effects.friction_coefficient, "effects.friction_coefficient"
     if given and not asked.body_2.has_teeth:
-        expected = "nothing: this version knows no friction between a cam and its follower"
+        expected = "nothing: this version has no friction between a cam and its follower"
         refuse(key, expected, "a coefficient")
     if not isinstance(given, tuple):
         return
@@ -129,7 +129,7 @@ def _check_extent(asked: SceneFile) -> None:
         if spec.rigid or isinstance(spec, DriveTable):
             continue
         if isinstance(spec, ComplianceBody):
-            why = f"{name}.kind is 'compliance': its file says how much of the body it is"
+            why = f"{name}.kind is 'compliance': its file determines the elastic part of the body"
         elif not spec.has_teeth:
             why = f"{name}.kind is '{spec.kind}', which has one flank"
         elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
@@ -148,7 +148,7 @@ def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Check tooth coupling and tip contact: a single tooth and a cam have neither."""
     effects, key = asked.effects, "effects.tooth_coupling"
     if effects.body == "tooth" and given.get("tooth_coupling"):
-        why = "of a tooth by itself no other moves"
+        why = "a single tooth has no coupling"
         refuse(key, f"false or nothing, since effects.body is 'tooth': {why}", True)
     if asked.body_2.has_teeth:
         return
@@ -189,11 +189,11 @@ def _check_growth(asked: SceneFile) -> None:
 def _check_elements(asked: SceneFile, key: str) -> None:
     """Check for finite elements: expansion by speed or against a support is a load on them."""
     if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
-        why = "effects.body is 'tooth': how a body grows is a matter of all its sectors"
+        why = "effects.body is 'tooth': the expansion of a body depends on all its sectors"
         refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
     for name, spec in _bodies(asked):
         if isinstance(spec, ComplianceBody) and not spec.rigid:
-            why = f"{name}.kind is 'compliance': its file does not say how it grows"
+            why = f"{name}.kind is 'compliance': its file contains no expansion"
             refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
 
 
@@ -208,7 +208,7 @@ def _check_levels(asked: SceneFile) -> None:
     if asked.effects.contact == "lumped":
         for name in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
             if getattr(accuracy, name) is not None:
-                expected = "nothing with effects.contact 'lumped', which lays no strips"
+                expected = "nothing with effects.contact 'lumped', which has no strips"
                 refuse(f"accuracy.{name}", expected, getattr(accuracy, name))
     if asked.effects.near_field != "nodes":
         return
@@ -218,14 +218,12 @@ def _check_levels(asked: SceneFile) -> None:
             if getattr(profile, rounding) is not None:
                 refuse(
                     "effects.near_field",
-                    f"'analytic' with {name}.profile.{rounding}: the edges of a file's flank set "
-                    "that carry end where the tip turns",
+                    f"'analytic' with {name}.profile.{rounding}: the carrying edges of a "
+                    "flank set from a file end at the tip rounding or chamfer",
                     "'nodes'",
                 )
     if accuracy.modes is not None:
-        expected = (
-            "nothing with effects.near_field 'nodes': forces at nodes stand in place of modes"
-        )
+        expected = "nothing with effects.near_field 'nodes': nodal forces replace modes"
         refuse("accuracy.modes", expected, accuracy.modes)
 
 
@@ -233,12 +231,12 @@ def _check_forces(asked: SceneFile) -> None:
     """Check that a lifted belt has prestress, and that coast flanks have an elastic body."""
     belt = asked.body_2
     if asked.effects.land_lift and isinstance(belt, Belt) and belt.prestress_N == 0.0:
-        why = "what holds a belt straight off its pulley"
+        why = "it keeps a belt straight off its pulley"
         refuse("body_2.prestress_N", f"a number > 0 with effects.land_lift: {why}", "0")
     if asked.effects.coast_flank and asked.body_1.rigid and asked.body_2.rigid:
         refuse(
             "effects.coast_flank",
             "false with body_1.rigid and body_2.rigid: flanks that press on each other "
-            "across a tooth must yield",
+            "across a tooth must be elastic",
             "true",
         )

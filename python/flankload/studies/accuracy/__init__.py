@@ -1,6 +1,6 @@
-"""Accuracy study: refinement of all discretization parameters, and the cheapest settings."""
+"""Accuracy study: refinement of all discretization parameters, and the cheapest discretizations."""
 
-from flankload.studies.accuracy.making import accuracy
+from flankload.studies.accuracy.run_study import accuracy
 from flankload.studies.accuracy.study import Row, Study
 
 __all__ = ["Row", "Study", "accuracy"]

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flankload.studies.accuracy.knobs import ADAPTIVE, ADAPTIVE_START
+from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START
 
 if TYPE_CHECKING:
     from flankload.scene.named_discretization import NamedDiscretization
-    from flankload.studies.accuracy.knobs import Knobs
+    from flankload.studies.accuracy.reference import Reference
+    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
-    from flankload.studies.accuracy.truth import Truth
 
 #: Part of a tolerance allowed for each parameter in the first guess.
 FIRST_PART = 0.5
@@ -32,8 +32,8 @@ STEPS = (
 
 def search(
     tolerance: float,
-    knobs: Knobs,
-    truth: Truth,
+    refinements: Refinements,
+    reference: Reference,
     measures: Sequence[str],
     run: Callable[[NamedDiscretization], Run],
 ) -> None:
@@ -42,44 +42,47 @@ def search(
     Parameters
     ----------
     tolerance : float
-    knobs : Knobs
-    truth : Truth
+    refinements : Refinements
+    reference : Reference
     measures : sequence of str
         Errors to be limited.
     run : callable
     """
 
-    if truth.doubt(measures) > tolerance:  # no run could be certified to meet it
+    if reference.doubt(measures) > tolerance:  # no run could be certified to meet it
         return
 
-    def meets(setting: NamedDiscretization) -> bool:
-        error = truth.within(run(setting), measures)
+    def meets(discretization: NamedDiscretization) -> bool:
+        error = reference.within(run(discretization), measures)
         return error is not None and error <= tolerance
 
     guesses = (
-        guess(tolerance * FIRST_PART * FINER**n, knobs, truth, measures) for n in range(GUESSES)
+        guess(tolerance * FIRST_PART * FINER**n, refinements, reference, measures)
+        for n in range(GUESSES)
     )
-    setting = next((found for found in guesses if found is not None and meets(found)), None)
-    tried = {setting}
-    while setting is not None:
-        others = (coarser(setting, names, knobs) for names in STEPS)
+    discretization = next((found for found in guesses if found is not None and meets(found)), None)
+    tried = {discretization}
+    while discretization is not None:
+        others = (coarser(discretization, names, refinements) for names in STEPS)
         fresh = [other for other in others if other is not None and other not in tried]
         tried.update(fresh)
-        setting = next((other for other in fresh if meets(other)), None)
+        discretization = next((other for other in fresh if meets(other)), None)
 
 
 def coarser(
-    setting: NamedDiscretization, names: tuple[str, ...], knobs: Knobs
+    discretization: NamedDiscretization, names: tuple[str, ...], refinements: Refinements
 ) -> NamedDiscretization | None:
-    """The setting with some parameters a step coarser; None if one has no coarser step."""
-    if names == ("count",) and setting.adaptive is not None:
-        looser = [tolerance for tolerance in ADAPTIVE if tolerance > setting.adaptive]
-        return replace(setting, count=ADAPTIVE_START, adaptive=min(looser)) if looser else None
-    return knobs.coarser(setting, *names)
+    """The discretization with some parameters a step coarser; None if one has no coarser step."""
+    if names == ("count",) and discretization.adaptive is not None:
+        looser = [tolerance for tolerance in ADAPTIVE if tolerance > discretization.adaptive]
+        return (
+            replace(discretization, count=ADAPTIVE_START, adaptive=min(looser)) if looser else None
+        )
+    return refinements.coarser(discretization, *names)
 
 
 def guess(
-    part: float, knobs: Knobs, truth: Truth, measures: Sequence[str]
+    part: float, refinements: Refinements, reference: Reference, measures: Sequence[str]
 ) -> NamedDiscretization | None:
     """Each parameter at its cheapest sufficient step; None if one has no sufficient step.
 
@@ -87,24 +90,24 @@ def guess(
     ----------
     part : float
         Allowed error of each parameter.
-    knobs, truth, measures
+    refinements, reference, measures
         As in `search`.
 
     Returns
     -------
     NamedDiscretization or None
     """
-    setting = knobs.finest
-    for knob in knobs.ladders:
+    discretization = refinements.finest
+    for parameter in refinements.ladders:
         enough = [
             run
-            for run in truth.steps(knob)
-            if (error := truth.largest(run, measures, knob)) is not None and error <= part
+            for run in reference.steps(parameter)
+            if (error := reference.largest(run, measures, parameter)) is not None and error <= part
         ]
         if not enough:
             return None
-        cheapest = min(enough, key=lambda run: run.cpu_s).setting
-        setting = replace(setting, **{knob: getattr(cheapest, knob)})
-        if knob == "count":
-            setting = replace(setting, adaptive=cheapest.adaptive)
-    return setting
+        cheapest = min(enough, key=lambda run: run.cpu_s).discretization
+        discretization = replace(discretization, **{parameter: getattr(cheapest, parameter)})
+        if parameter == "count":
+            discretization = replace(discretization, adaptive=cheapest.adaptive)
+    return discretization

@@ -1,4 +1,4 @@
-"""Notes of a study: errors that no setting reduces, and runs without a solution."""
+"""Notes of a study: errors that no discretization reduces, and runs without a solution."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.result.accuracy_lines import outside_words
-from flankload.studies.accuracy.observed import CORNER
+from flankload.studies.accuracy.quantities import CORNER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,9 +27,12 @@ def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
 
 
 def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Note on an error that no setting reduces: the pressure on sharp corners."""
+    """Note on an error that no discretization reduces: the pressure on sharp corners."""
     pressures = [
-        (row.setting.strips_per_half_width, float(np.max(row.run.values[CORNER], initial=0.0)))
+        (
+            row.run.discretization.strips_per_half_width,
+            float(np.max(row.run.values[CORNER], initial=0.0)),
+        )
         for row in rows
         if row.run.values is not None
     ]
@@ -38,9 +41,9 @@ def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         return ()
     (few, low), (many, high) = carrying[0], carrying[-1]
     note = (
-        f"a sharp corner carries: the pressure there, {low:.0f} MPa on {few:g} strips, is "
-        f"{high:.0f} MPa on {many:g} and has no limit; no setting cures that, but a tip radius "
-        "(tip_radius_mm) or a parabolic relief does"
+        f"a sharp corner carries load: its pressure, {low:.0f} MPa with {few:g} strips "
+        f"and {high:.0f} MPa with {many:g}, has no limit; no discretization changes that, "
+        "but a tip radius (tip_radius_mm) or a parabolic relief does"
     )
     return (note,)
 
@@ -57,11 +60,11 @@ def file_notes(scene: Scene) -> tuple[str, ...]:
 def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     """Runs without a solution, with the reason."""
     return tuple(
-        f"{row.group.replace('_', ' ')} ({_short(row.setting)}): {row.run.failure}"
+        f"{row.group.replace('_', ' ')} ({_short(row.run.discretization)}): {row.run.failure}"
         for row in rows
         if row.run.failure is not None
     )
 
 
-def _short(setting: NamedDiscretization) -> str:
-    return ", ".join(f"{key} {value}" for key, value in setting.as_dict().items())
+def _short(discretization: NamedDiscretization) -> str:
+    return ", ".join(f"{key} {value}" for key, value in discretization.as_dict().items())

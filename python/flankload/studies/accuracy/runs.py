@@ -15,7 +15,7 @@ from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError, SceneError
 from flankload.mechanisms import run_once
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
-from flankload.studies.accuracy.observed import Observed, from_tree, observed, to_tree
+from flankload.studies.accuracy.quantities import Quantities, from_tree, quantities_of, to_tree
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
@@ -38,12 +38,12 @@ class Run:
 
     Attributes
     ----------
-    setting : NamedDiscretization
+    discretization : NamedDiscretization
     cpu_s : float
         CPU seconds of all its stages, including elements.
     memory_bytes : int
         Arrays of all stages, and the largest workspace.
-    values : Observed or None
+    values : Quantities or None
         None if it has no solution.
     failure : str or None
         Reason for the missing solution.
@@ -53,10 +53,10 @@ class Run:
         Premises of the model that it violates.
     """
 
-    setting: NamedDiscretization
+    discretization: NamedDiscretization
     cpu_s: float
     memory_bytes: int
-    values: Observed | None
+    values: Quantities | None
     failure: str | None = None
     stages: dict[str, float] = field(default_factory=dict)
     outside: tuple[str, ...] = ()
@@ -107,45 +107,49 @@ class Runs:
                 found=f"{file}, which is another one",
             )
         self._lines = lines[1:]
-        self.done = {run.setting: run for run in runs}
+        self.done = {run.discretization: run for run in runs}
 
-    def at(self, setting: NamedDiscretization, progress: Progress | None = None) -> Run:
-        """The run at a setting, solved if it is not available."""
-        if setting not in self.done:
-            run = self._solved(setting, progress)
-            self.done[setting] = run
+    def at(self, discretization: NamedDiscretization, progress: Progress | None = None) -> Run:
+        """The run at a discretization, solved if it is not available."""
+        if discretization not in self.done:
+            run = self._solved(discretization, progress)
+            self.done[discretization] = run
             if self._file is not None:
                 self._lines.append(json.dumps(_to_tree(run), separators=(",", ":")))
                 text = "\n".join([json.dumps(self._head), *self._lines]) + "\n"
                 write_atomically(self._file, text)
-        return self.done[setting]
+        return self.done[discretization]
 
-    def _solved(self, setting: NamedDiscretization, progress: Progress | None) -> Run:
-        as_it_is = first_scene(self.scene) if setting.as_it_stands else self.scene
-        scene = scene_at(as_it_is, setting)
+    def _solved(self, discretization: NamedDiscretization, progress: Progress | None) -> Run:
+        as_it_is = first_scene(self.scene) if discretization.as_it_stands else self.scene
+        scene = scene_at(as_it_is, discretization)
         try:
-            run = _measured(setting, scene, self._compliances(setting), progress)
+            run = _measured(discretization, scene, self._compliances(discretization), progress)
             if run.cpu_s < REPEATED_BELOW_S:
-                again = _measured(setting, scene, {}, progress)
+                again = _measured(discretization, scene, {}, progress)
                 stages = {key: min(run.stages[key], again.stages[key]) for key in run.stages}
                 run = replace(run, stages=stages, cpu_s=sum(stages.values()))
-        except PremiseError:  # independent of the setting
+        except PremiseError:  # independent of the discretization
             raise
         except FlankloadError as error:
-            return Run(setting, 0.0, 0, None, failure=str(error))
+            return Run(discretization, 0.0, 0, None, failure=str(error))
         return run
 
-    def _compliances(self, setting: NamedDiscretization) -> Kept:
+    def _compliances(self, discretization: NamedDiscretization) -> Kept:
         """Compliances for the same elements and modes; or for more modes, if that saves time."""
-        if setting.as_it_stands:
+        if discretization.as_it_stands:
             return {}
-        elements = (setting.level == "nodes", setting.flank_element_mm)
-        kept = self._kept.setdefault((elements, setting.modes), {})
-        if kept or setting.modes is None:
+        elements = (discretization.level == "nodes", discretization.flank_element_mm)
+        kept = self._kept.setdefault((elements, discretization.modes), {})
+        if kept or discretization.modes is None:
             return kept
         for key, other in self._kept.items():
-            if isinstance(key, tuple) and key[0] == elements and (key[1] or 0) > setting.modes:
-                fewer = {z: _with_modes(*body, setting.modes) for z, body in other.items()}
+            if (
+                isinstance(key, tuple)
+                and key[0] == elements
+                and (key[1] or 0) > discretization.modes
+            ):
+                fewer = {z: _with_modes(*body, discretization.modes) for z, body in other.items()}
                 if all(body is not None for body in fewer.values()):
                     kept.update({z: body for z, body in fewer.items() if body is not None})
                     break
@@ -164,7 +168,7 @@ def _with_modes(
 
 
 def _measured(
-    setting: NamedDiscretization, scene: Scene, kept: Kept, progress: Progress | None
+    discretization: NamedDiscretization, scene: Scene, kept: Kept, progress: Progress | None
 ) -> Run:
     results = run_once(scene, kept, progress)
     several = results if isinstance(results, tuple) else (results,)
@@ -172,10 +176,10 @@ def _measured(
     stages = {name: stage["cpu_s"] for name, stage in cost["stages"].items()}
     largest = max(stage["workspace_bytes"] for stage in cost["stages"].values())
     return Run(
-        setting=setting,
+        discretization=discretization,
         cpu_s=sum(stages.values()),
         memory_bytes=int(cost["bytes"] + largest),
-        values=observed(results),
+        values=quantities_of(results),
         stages=stages,
         outside=tuple(sorted({name for result in several for name in result.outside_limits})),
     )
@@ -183,7 +187,7 @@ def _measured(
 
 def _to_tree(run: Run) -> dict[str, Any]:
     return {
-        "setting": run.setting.as_dict(),
+        "setting": run.discretization.as_dict(),
         "cpu_s": run.cpu_s,
         "memory_bytes": run.memory_bytes,
         "failure": run.failure,
@@ -195,7 +199,7 @@ def _to_tree(run: Run) -> dict[str, Any]:
 
 def _from_tree(tree: dict[str, Any]) -> Run:
     return Run(
-        setting=NamedDiscretization.from_dict(tree["setting"]),
+        discretization=NamedDiscretization.from_dict(tree["setting"]),
         cpu_s=float(tree["cpu_s"]),
         memory_bytes=int(tree["memory_bytes"]),
         values=None if tree["values"] is None else from_tree(tree["values"]),

@@ -1,4 +1,4 @@
-"""A finished study: its table, its files, the cheapest settings."""
+"""A finished study: its table, its files, the cheapest discretizations."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.files import write_atomically
-from flankload.studies.accuracy.observed import HEADS, MEANINGS
+from flankload.studies.accuracy.quantities import HEADS, MEANINGS
+from flankload.studies.accuracy.reference import twin
 from flankload.studies.accuracy.study_text import NAMED, text_of
-from flankload.studies.accuracy.truth import twin
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from flankload.scene.named_discretization import NamedDiscretization
-    from flankload.studies.accuracy.knobs import Knobs
     from flankload.studies.accuracy.ladder import Limit
+    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
 
 
@@ -35,7 +35,7 @@ class Row:
         stands", "finest", or a contact model.
     run : Run
     errors : dict
-        Relative errors against the limit of all parameters, by the names of `observed.HEADS`.
+        Relative errors against the limit of all parameters, by the names of `quantities.HEADS`.
     alone : dict
         For a step of a sequence: against the limit of this parameter, with the others at their
         finest.
@@ -49,7 +49,7 @@ class Row:
     @property
     def setting(self) -> NamedDiscretization:
         """Discretization of the run."""
-        return self.run.setting
+        return self.run.discretization
 
     def largest(self, measures: Sequence[str]) -> float | None:
         """The largest of some errors; None if none is known."""
@@ -68,13 +68,13 @@ class Study:
     tolerance : float
         Tolerance of the scene.
     measures : tuple of str
-        Errors to be limited, by the names of `observed.HEADS`.
+        Errors to be limited, by the names of `quantities.HEADS`.
     rows : tuple of Row
         In the order of the runs.
     limits : dict of dict of Limit
         For each parameter, by names of quantities: the limit of its sequence of refinements.
-    knobs : Knobs
-        Parameter steps and the finest setting.
+    knobs : Refinements
+        Steps of the parameters and the finest discretization.
     steps : dict of tuple of Row
         For each parameter its sequence of refinements, the finest step first; even positions before
         adaptive ones. Their `alone` is known.
@@ -91,7 +91,7 @@ class Study:
     measures: tuple[str, ...]
     rows: tuple[Row, ...]
     limits: Mapping[str, Mapping[str, Limit]]
-    knobs: Knobs
+    knobs: Refinements
     steps: Mapping[str, tuple[Row, ...]]
     doubts: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -100,13 +100,13 @@ class Study:
 
     @property
     def has_errors(self) -> bool:
-        """Whether the finest setting was run, so that errors are known."""
+        """Whether the finest discretization was run, so that errors are known."""
         return any(row.errors for row in self.rows)
 
-    def seconds_at_default(self, row: Row, knob: str) -> float | None:
+    def seconds_at_default(self, row: Row, parameter: str) -> float | None:
         """CPU seconds of a step with the other parameters at their default."""
-        wanted = twin(self.knobs, knob, row.setting)
-        found = (other.run.cpu_s for other in self.rows if other.setting == wanted)
+        wanted = twin(self.knobs, parameter, row.run.discretization)
+        found = (other.run.cpu_s for other in self.rows if other.run.discretization == wanted)
         return next(found, None)
 
     def candidates(self, *names: str) -> tuple[Row, ...]:
@@ -187,11 +187,11 @@ class Study:
             ]
         )
         for row in self.rows:
-            knobs = row.setting.as_dict()
+            keys_of_row = row.run.discretization.as_dict()
             writer.writerow(
                 [
                     row.group,
-                    *(knobs.get(key, "") for key in keys),
+                    *(keys_of_row.get(key, "") for key in keys),
                     f"{row.run.cpu_s:.6g}",
                     row.run.memory_bytes,
                     *(_cell(row.errors.get(name)) for name in errors),
@@ -213,7 +213,7 @@ class Study:
             "runs": [
                 {
                     "group": row.group,
-                    "setting": row.setting.as_dict(),
+                    "setting": row.run.discretization.as_dict(),
                     "cpu_s": row.run.cpu_s,
                     "memory_bytes": row.run.memory_bytes,
                     "errors": dict(row.errors),
@@ -224,8 +224,8 @@ class Study:
                 for row in self.rows
             ],
             "orders": {
-                knob: {name: limit.order for name, limit in limits.items()}
-                for knob, limits in self.limits.items()
+                parameter: {name: limit.order for name, limit in limits.items()}
+                for parameter, limits in self.limits.items()
             },
             "doubts_of_the_limit": {
                 name: doubt if isfinite(doubt) else None for name, doubt in self.doubts.items()
@@ -233,7 +233,7 @@ class Study:
             "cheapest": {
                 tolerance: None
                 if row is None
-                else {"cpu_s": row.run.cpu_s, "keys": row.setting.tables()}
+                else {"cpu_s": row.run.cpu_s, "keys": row.run.discretization.tables()}
                 for tolerance, row in cheapest.items()
             },
             "notes": list(self.notes),

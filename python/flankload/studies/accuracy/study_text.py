@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from flankload.studies.accuracy.knobs import KINKS
-from flankload.studies.accuracy.observed import HEADS, MEANINGS
+from flankload.studies.accuracy.quantities import HEADS, MEANINGS
+from flankload.studies.accuracy.refinements import KINKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flankload.studies.accuracy.study import Row, Study
 
 #: Names of parameters in text.
-KNOBS = {
+PARAMETER_LABELS = {
     "flank_element_mm": "flank elements, mm",
     "modes": "pressure modes",
     "strips_per_half_width": "strips on the half-width",
@@ -23,18 +23,18 @@ KNOBS = {
 }
 #: Other groups, in order.
 GROUPS = {
-    "as it stands": "the scene as it stands",
+    "as it stands": "scene as given",
     "default": "default",
-    "finest": "the finest",
+    "finest": "finest",
     "lumped": "lumped Hertz contact",
     "nodes": "plain nodal loads",
     "combination": "combinations",
 }
-#: Tolerances for which the cheapest setting is given.
+#: Tolerances for which the cheapest discretization is given.
 NAMED = (1e-2, 1e-3, 1e-4)
 WIDTH = 40
 #: Description of the reference, and of its uncertainty.
-LIMIT = "the limit itself, in doubt by"
+LIMIT = "uncertainty of the limit"
 #: Replaces seconds if the uncertainty of the limit exceeds the tolerance.
 IN_DOUBT = "?"
 #: Column heading of the seconds of a step with the other parameters at their default.
@@ -42,7 +42,7 @@ DEFAULT_SECONDS = "default"
 
 
 def text_of(study: Study) -> str:
-    """Tables of parameter steps, contact models and combinations, then the cheapest settings.
+    """Tables of parameter steps, contact models and combinations; the cheapest discretizations.
 
     Parameters
     ----------
@@ -57,19 +57,20 @@ def text_of(study: Study) -> str:
 
 def _lines(study: Study) -> Iterator[str]:
     names = [m for m in HEADS if any(m in row.errors for row in study.rows)]
-    yield f"{study.name}: what accuracy costs"
+    yield f"{study.name}: cost of accuracy"
     yield "CPU seconds and memory of a run alone, elements included; errors in %"
-    yield "ladders: other knobs at their finest, errors against the limit of this knob; beside, the"
-    yield "seconds with the others at their default; all else: errors against the limit of all"
+    yield "steps of a parameter: others at their finest, errors relative to its limit; column"
+    yield f"'{DEFAULT_SECONDS}': seconds with the others at their default; other rows: errors"
+    yield "relative to the limit of all parameters"
     if not study.has_errors:
-        yield "the finest setting was not run: errors are not known"
+        yield "the finest discretization was not run: errors are unknown"
     for name in names:
-        counts = "" if name in study.measures else "; not asked for"
+        counts = "" if name in study.measures else "; not requested"
         yield f"  {HEADS[name]:10s}{MEANINGS[name]}{counts}"
     yield ""
-    for knob, words in KNOBS.items():
-        if study.steps.get(knob):
-            yield from _ladder(study, knob, words, names)
+    for parameter, words in PARAMETER_LABELS.items():
+        if study.steps.get(parameter):
+            yield from _ladder(study, parameter, words, names)
     yield from _others(study, names)
     for note in study.notes:
         yield f"note: {note}"
@@ -80,28 +81,29 @@ def _lines(study: Study) -> Iterator[str]:
         yield from _cheapest(study, names)
 
 
-def _ladder(study: Study, knob: str, words: str, names: Sequence[str]) -> Iterator[str]:
+def _ladder(study: Study, parameter: str, words: str, names: Sequence[str]) -> Iterator[str]:
     """Errors against the limit of this parameter, the others at their finest; coarse first."""
     yield _head(f"{words} (others finest)", names, DEFAULT_SECONDS)
-    steps = study.steps[knob]
-    adaptive = [row for row in steps if row.setting.adaptive is not None]
+    steps = study.steps[parameter]
+    adaptive = [row for row in steps if row.run.discretization.adaptive is not None]
     for row in (*(row for row in reversed(steps) if row not in adaptive), *adaptive):
-        label = f"{getattr(row.setting, knob):g}{' (finest)' * (row.group == 'finest')}"
-        if row.setting.adaptive is not None:
-            label = f"adaptive from {row.setting.count}, to {row.setting.adaptive:g}"
-        seconds = study.seconds_at_default(row, knob)
+        used = row.run.discretization
+        label = f"{getattr(used, parameter):g}{' (finest)' * (row.group == 'finest')}"
+        if used.adaptive is not None:
+            label = f"adaptive from {used.count}, to {used.adaptive:g}"
+        seconds = study.seconds_at_default(row, parameter)
         beside = "-" if seconds is None else f"{seconds:.3f}"
         yield _row(label, row, row.alone, names, beside)
-    yield from _orders(study, knob)
+    yield from _orders(study, parameter)
     yield ""
 
 
-def _orders(study: Study, knob: str) -> Iterator[str]:
-    limits = study.limits.get(knob)
+def _orders(study: Study, parameter: str) -> Iterator[str]:
+    limits = study.limits.get(parameter)
     if limits is None:
         return
-    if knob == "count" and any(row.setting.adaptive == KINKS for row in study.rows):
-        yield "  kinks leave no order: measured against the last line"
+    if parameter == "count" and any(row.run.discretization.adaptive == KINKS for row in study.rows):
+        yield "  no order of convergence because of kinks: errors relative to the last line"
         return
     orders = [
         f"{limit.order:.1f} ({_named(name)})"
@@ -114,7 +116,7 @@ def _orders(study: Study, knob: str) -> Iterator[str]:
     slow = [name for name, limit in limits.items() if limit.monotone and limit.slow]
     for what, found in (("does not converge monotonically", erratic), ("converges slowly", slow)):
         if found:
-            yield f"  {what} in {', '.join(map(_named, found))}: no limit but the finest step"
+            yield f"  {what} in {', '.join(map(_named, found))}: errors relative to the finest step"
 
 
 def _named(name: str) -> str:
@@ -139,23 +141,27 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
 
 
 def _label(row: Row) -> str:
-    setting = row.setting
-    if setting.as_it_stands:
-        return "all knobs as the scene has them"
+    discretization = row.run.discretization
+    if discretization.as_it_stands:
+        return "all parameters as in the scene"
     parts = []
-    if setting.level == "nodes" and setting.flank_element_mm is None:
+    if discretization.level == "nodes" and discretization.flank_element_mm is None:
         parts.append("nodes by the contact's width")
-    if setting.flank_element_mm is not None:
-        parts.append(f"{setting.flank_element_mm:g} mm")
-    if setting.modes is not None:
-        parts.append(f"{setting.modes} m")
-    if setting.strips_per_half_width is not None:
-        parts.append(f"{setting.strips_per_half_width:g} s")
-    if setting.zone_half_widths is not None:
-        parts.append(f"{setting.zone_half_widths:g} z")
-    if setting.count is not None:
-        even = setting.adaptive is None
-        parts.append(f"{setting.count} p" if even else f"{setting.count} p to {setting.adaptive:g}")
+    if discretization.flank_element_mm is not None:
+        parts.append(f"{discretization.flank_element_mm:g} mm")
+    if discretization.modes is not None:
+        parts.append(f"{discretization.modes} m")
+    if discretization.strips_per_half_width is not None:
+        parts.append(f"{discretization.strips_per_half_width:g} s")
+    if discretization.zone_half_widths is not None:
+        parts.append(f"{discretization.zone_half_widths:g} z")
+    if discretization.count is not None:
+        even = discretization.adaptive is None
+        parts.append(
+            f"{discretization.count} p"
+            if even
+            else f"{discretization.count} p to {discretization.adaptive:g}"
+        )
     return ", ".join(parts)
 
 
@@ -187,9 +193,9 @@ def _percent(error: float | None) -> str:
 
 
 def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
-    yield "CPU seconds of the cheapest setting"
+    yield "CPU seconds of the cheapest discretization"
     columns = "".join(f"{HEADS[name]:>10s}" for name in names)
-    yield f"  {'to':8s}{columns}{'all asked':>12s}"
+    yield f"  {'to':8s}{columns}{'all':>12s}"
     for tolerance in NAMED:
         texts = [_seconds(study, tolerance, name) for name in names]
         texts.append(_seconds(study, tolerance))
@@ -201,7 +207,7 @@ def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
             yield f"{100 * tolerance:g} %: {_why_none(study, tolerance)}"
             continue
         yield f"{100 * tolerance:g} %: {row.run.cpu_s:.3f} CPU s"
-        lines = row.setting.lines() or "the scene as it stands"
+        lines = row.run.discretization.lines() or "scene as given"
         yield from (f"    {line}" for line in lines.splitlines())
 
 
@@ -219,10 +225,10 @@ def _is_in_doubt(study: Study, tolerance: float, *names: str) -> bool:
 
 def _why_none(study: Study, tolerance: float) -> str:
     if not _is_in_doubt(study, tolerance):
-        return "not reached by any of these"
+        return "not reached by any run"
     worst = max(
         (name for name in study.measures if name in study.doubts), key=study.doubts.__getitem__
     )
     doubt = study.doubts[worst]
-    known = f"by {_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "of any size"
-    return f"not reached ({IN_DOUBT}): the limit itself is in doubt {known}"
+    size = f"{_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "unknown"
+    return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"

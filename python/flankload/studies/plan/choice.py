@@ -108,7 +108,7 @@ def _is_open(scene: Scene, effect: Effect, switches: Mapping[str, Switch]) -> bo
 def said_of(choice: tuple[Chosen, ...], tolerance: float) -> str:
     """The choice in one sentence."""
     threshold = f"{threshold_text(tolerance)}, a quarter of accuracy.tolerance"
-    return f"effects chosen by what changes more than {threshold}: " + "; ".join(map(str, choice))
+    return f"effects chosen by a change of more than {threshold}: " + "; ".join(map(str, choice))
 
 
 def _switched(scene: Scene, effect: Effect, *, on: bool) -> tuple[Scene, str, bool | str | None]:

@@ -99,7 +99,7 @@ class Chosen:
     def __str__(self) -> str:
         if self.value is not None:
             return f"{self.key} = {json.dumps(self.value)} ({self.why})"
-        return f"{self.key} {'stays' if self.on else 'left out'} ({self.why})"
+        return f"{self.key} {'kept' if self.on else 'omitted'} ({self.why})"
 
 
 @dataclass(frozen=True)

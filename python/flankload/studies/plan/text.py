@@ -14,23 +14,26 @@ if TYPE_CHECKING:
 MEGABYTE = 1e6
 #: Smaller changes of the load share are not mentioned.
 LEAST_SHARE = 1e-4
-#: The most informative counters.
-SHOWN = (
-    "fe_factorisations",
-    "unit_loads_normal",
-    "unit_loads_tangential",
-    "coast_readings",
-    "stress_recoveries",
-    "states",
-    "influence_columns",
-    "pivots",
-)
+#: The most informative counters, with their names in text.
+SHOWN = {
+    "fe_factorisations": "factorisations",
+    "unit_loads_normal": "normal unit loads",
+    "unit_loads_tangential": "tangential unit loads",
+    "coast_readings": "coast readings",
+    "stress_recoveries": "stress recoveries",
+    "states": "states",
+    "influence_columns": "influence columns",
+    "pivots": "pivots",
+}
 
 
 def plan_text(plan: Plan) -> str:
     """Table of the effects, table of the stages, sentences."""
     threshold = threshold_text(plan.tolerance)
-    title = f"{plan.name}: what exceeds {threshold}, a quarter of the tolerance, matters"
+    title = (
+        f"{plan.name}: changes of more than {threshold}, a quarter of the tolerance, are "
+        "significant"
+    )
     parts = [[title], _effects(plan), _stages(plan)]
     if plan.picked is not None:
         parts.append(_picked(plan.tolerance, plan.picked))
@@ -38,13 +41,13 @@ def plan_text(plan: Plan) -> str:
         lines = [f"chosen by effects.choose: {chosen}" for chosen in plan.choice]
         if plan.left_out is not None:
             lines.append(
-                "what is left out changes together at most "
-                f"{_percent(plan.left_out.rotation_largest)} of the rotation and "
-                f"{_points(plan.left_out.load_share)} of the load share"
+                "omitted effects together change the rotation by at most "
+                f"{_percent(plan.left_out.rotation_largest)} and the load share by at most "
+                f"{_points(plan.left_out.load_share)}"
             )
         parts.append(lines)
     unknown = [
-        f"size of {effect.title} not known: {effect.unknown}"
+        f"size of {effect.title} unknown: {effect.unknown}"
         for effect in plan.effects
         if effect.unknown is not None and effect.possible
     ]
@@ -57,9 +60,10 @@ def plan_text(plan: Plan) -> str:
 
 def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
     keys = [f"{key} = {value}" for table in picked["keys"].values() for key, value in table.items()]
+    start = ", ".join(keys) or "the given parameters"
     return [
-        f"accuracy.tolerance = {tolerance:g} begins with {', '.join(keys) or 'the knobs named'}",
-        "where the estimate of that run exceeds the tolerance, finer ones follow it, two at most",
+        f"accuracy.tolerance = {tolerance:g} begins with {start}",
+        "if the error estimate of that run exceeds the tolerance, up to two finer runs follow",
     ]
 
 
@@ -81,11 +85,11 @@ def _row(effect: PlannedEffect, width: int) -> str:
         numbers = (mean, largest or f"{size.rotation_um:.3g} um", _points(size.load_share))
     because = effect.because
     if effect.assumed is not None:
-        because += f" ({effect.assumed.rpartition(' = ')[2]} taken)"
+        because += f" (with {effect.assumed.rpartition(' = ')[2]})"
     if not effect.possible:
         return f"{effect.title:<{width}}{'no':<5}{'':47}  not with this scene"
     if effect.unknown is not None:
-        because += " (size not known)"
+        because += " (size unknown)"
     cost = f"{'':16}"
     if effect.extra_s is not None and effect.extra_bytes is not None:
         cost = f"{effect.extra_s:8.3f}{effect.extra_bytes / MEGABYTE:8.2f}"
@@ -107,12 +111,8 @@ def _stages(plan: Plan) -> list[str]:
         lines.append(f"{name:<20}{stage['cpu_s']:8.3f}{memory[name]:8.2f}")
     lines.append(f"{'all':<20}{plan.seconds:8.3f}{sum(memory.values()):8.2f}")
     counters = plan.predicted["counters"]
-    words = [
-        f"{counters[name]} {name.replace('_', ' ').replace('fe ', '')}"
-        for name in SHOWN
-        if counters.get(name)
-    ]
-    known = f"seconds are known to a factor of {plan.within:g}"
+    words = [f"{counters[name]} {text}" for name, text in SHOWN.items() if counters.get(name)]
+    known = f"uncertainty of the seconds: a factor of {plan.within:g}"
     return [*lines, *filter(None, [", ".join(words)]), known]
 
 
@@ -132,11 +132,11 @@ def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None
-    change = f"{_hundredths(size.rotation_largest)} % of the rotation at a position"
+    change = f"the rotation at a position by {_hundredths(size.rotation_largest)} %"
     if size.rotation_largest is None:
-        change = f"{size.rotation_um:.2g} um of the transmission error"
+        change = f"the transmission error by {size.rotation_um:.2g} um"
     if size.load_share > LEAST_SHARE:
-        change += f" and {_hundredths(size.load_share)} points of the load share"
+        change += f" and the load share by {_hundredths(size.load_share)} points"
     if coarser:
         return f"{row.title} is on ({row.because}): that changes {change}"
     off = f"{row.title} is off ({row.because})"

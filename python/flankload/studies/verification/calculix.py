@@ -270,7 +270,7 @@ def _numbers_after(block: str, heading: str, count: int) -> list[float]:
 def _pressures(stress: str, deck: Deck) -> Floats:
     """Largest pressure of each pair."""
     rows = np.array([[float(x) for x in line.split()[:3]] for line in stress.splitlines()])
-    of_side = np.max if deck.rubbing is None else np.median
+    of_side = np.max if deck.friction is None else np.median
     found = np.zeros(len(deck.sites))
     for k, faces in enumerate(deck.parts[0].flanks):
         for element in np.intersect1d(rows[:, 0], faces[:, 0] + 1):

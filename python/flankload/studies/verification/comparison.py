@@ -244,9 +244,7 @@ def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     if not any(scene.torques_Nm):
-        raise SceneError(
-            file=scene.file, key="load.torque_Nm", expected="a torque to hold", found="0"
-        )
+        raise SceneError(file=scene.file, key="load.torque_Nm", expected="a torque > 0", found="0")
     found = run_once(scene)
     result = max(found, key=lambda r: r.torque_Nm) if isinstance(found, tuple) else found
     count = result.position_rad.size

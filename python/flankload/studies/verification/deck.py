@@ -59,7 +59,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Rubbing:
+class DeckFriction:
     """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
     Attributes
@@ -95,7 +95,7 @@ class Deck:
     plane : {"strain", "stress"}
     large_displacement : bool
         Whether the geometry follows the deformation.
-    rubbing : Rubbing or None
+    friction : DeckFriction or None
         None without friction.
     """
 
@@ -106,7 +106,7 @@ class Deck:
     start_rad: float
     plane: str
     large_displacement: bool
-    rubbing: Rubbing | None = None
+    friction: DeckFriction | None = None
 
     @property
     def node_count(self) -> int:
@@ -169,7 +169,7 @@ def deck_text(deck: Deck) -> str:
 def _lines(deck: Deck) -> Iterator[str]:
     yield "*HEADING"
     yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa; per mm of width]"
-    yield f"** body 1 stands turned by {deck.start_rad!r} rad from the position without load;"
+    yield f"** body 1 is rotated by {deck.start_rad!r} rad from the position without load;"
     yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
     first_node, first_element = 1, 1
     for z, part in enumerate(deck.parts, start=1):
@@ -181,14 +181,14 @@ def _lines(deck: Deck) -> Iterator[str]:
         first_node += len(part.nodes)
         first_element += len(part.cells)
     yield from _axis(deck, 1, 0.0)
-    if deck.rubbing is not None:
-        yield from _axis(deck, 2, deck.rubbing.center_distance_mm)
+    if deck.friction is not None:
+        yield from _axis(deck, 2, deck.friction.center_distance_mm)
     yield from _contact(deck)
-    if deck.rubbing is None:
+    if deck.friction is None:
         yield from ("*BOUNDARY", "HELD_2, 1, 2")
         yield from _step(deck)
     else:
-        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.rubbing.back_rad)}")
+        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
         yield from _step(deck, "AXIS_2, 1, 1, 0.")
 
 
@@ -215,9 +215,9 @@ def _contact(deck: Deck) -> Iterator[str]:
         yield f"*SURFACE INTERACTION, NAME={name}"
         yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
         yield f"{PENALTY:g}"
-        if deck.rubbing is not None and deck.rubbing.coefficients[k] > 0:
+        if deck.friction is not None and deck.friction.coefficients[k] > 0:
             yield "*FRICTION"
-            yield f"{_number(deck.rubbing.coefficients[k])}, {STICK:g}"
+            yield f"{_number(deck.friction.coefficients[k])}, {STICK:g}"
         yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE"
         yield f"{surface_name(site, 1)}, {surface_name(site, 2)}"
 

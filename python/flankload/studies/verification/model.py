@@ -12,7 +12,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
-from flankload.studies.verification.deck import Deck, Part, Rubbing, part_of
+from flankload.studies.verification.deck import Deck, DeckFriction, Part, part_of
 from flankload.studies.verification.refine import refined
 from flankload.studies.verification.triangles import moved, whole_body
 
@@ -76,14 +76,14 @@ def check_bodies(scene: Scene) -> None:
             raise SceneError(
                 file=scene.file,
                 key=f"effects.{key}",
-                expected="nothing: bodies that grow are not written for another program",
+                expected="nothing: expanding bodies are not written for another program",
                 found=shown(getattr(scene.effects, key)),
             )
     if scene.effects.coast_flank:
         raise SceneError(
             file=scene.file,
             key="effects.coast_flank",
-            expected="false: a deck lets the working flanks touch, not the coast flanks",
+            expected="false: a deck has contact on the working flanks only",
             found="true",
         )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
@@ -92,13 +92,13 @@ def check_bodies(scene: Scene) -> None:
                 file=scene.file,
                 key=f"{key}.kind",
                 expected="a body with elements, for another program to solve them",
-                found="'compliance': its file holds what the elements gave, not the elements",
+                found="'compliance': its file contains no elements",
             )
         if spec.rigid:
             raise SceneError(
                 file=scene.file,
                 key=f"{key}.rigid",
-                expected="a body that yields: rigid flanks are not written for another program",
+                expected="an elastic body: rigid flanks are not written for another program",
                 found="true",
             )
 
@@ -159,12 +159,14 @@ def model_of(
         start_rad=start,
         plane=plane,
         large_displacement=large_displacement,
-        rubbing=friction_of_deck(scene, pair, places),
+        friction=friction_of_deck(scene, pair, places),
     )
     return Model(deck, min(place.element_mm for place in places))
 
 
-def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) -> Rubbing | None:
+def friction_of_deck(
+    scene: Scene, pair: BodyPair, places: tuple[Place, ...]
+) -> DeckFriction | None:
     """Friction of the pairs in the deck.
 
     Parameters
@@ -175,7 +177,7 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
 
     Returns
     -------
-    Rubbing, or None without friction or sliding
+    DeckFriction, or None without friction or sliding
 
     Raises
     ------
@@ -189,11 +191,11 @@ def friction_of_deck(scene: Scene, pair: BodyPair, places: tuple[Place, ...]) ->
         raise SceneError(
             file=scene.file,
             key="effects.friction_coefficient",
-            expected="a number, or one per tooth: another program gets one coefficient for a pair",
+            expected="a number, or one per tooth: the deck has one coefficient for each pair",
             found="a table over the roll position",
         )
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
-    return Rubbing(
+    return DeckFriction(
         coefficients=tuple(friction.coefficients[0, rows].tolist()),
         center_distance_mm=pairing.center_distance_mm,
         back_rad=friction.sense * pairing.ratio * SLIDING_RAD,

@@ -97,14 +97,14 @@ def _lines(v: Verification) -> Iterator[str]:
         pressure = None if other is None else other.pressure_MPa[s]
         yield _row("  pressure, MPa" + mark, v.peak_pressure_MPa[s], pressure, ".1f")
     yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}" + (
-        f"{other.cpu_s:>16.3g}{'':>4}(all {v.positions} positions against one; flankload's "
-        f"positions take {v.position_cpu_s:.2g} s each)"
+        f"{other.cpu_s:>16.3g}{'':>4}(all {v.positions} positions versus one; flankload needs "
+        f"{v.position_cpu_s:.2g} s for each position)"
         if other is not None
         else f"{'-':>16}{'':>4}(all {v.positions} positions)"
     )
     yield ""
     if v.corner_contact.any():
-        yield "* on a sharp corner, where no pressure means anything"
+        yield "* on a sharp corner, where the pressure is meaningless"
     deck = f"deck: {v.nodes} nodes, {v.elements} six-node triangles, finest {v.finest_mm:.3g} mm"
     yield deck if other is None else f"{deck}; {other.iterations} iterations"
     if v.deck is not None:

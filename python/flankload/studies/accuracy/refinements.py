@@ -1,4 +1,4 @@
-"""Discretization parameters of a scene, their steps, and the finest affordable setting."""
+"""Discretization parameters of a scene, their steps, and the finest affordable discretization."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ ADAPTIVE = (0.03, 0.01, 0.003, 0.001)
 ADAPTIVE_START = 8
 #: The same for the reference, which begins with the largest number of even positions.
 KINKS = 3e-4
-#: The finest setting: more modes reduce the convergence of the elements, most of all on splines,
-#: and wider zones are unloaded.
+#: The finest discretization: more modes reduce the convergence of the elements, most of all on
+#: splines, and wider zones are unloaded.
 FINEST_MODES, FINEST_ZONE = 8, 3.0
 #: Cost of elements at these relative lengths, compared with a run at the default.
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
 #: The work is proportional to this power of the number of cells.
 STRIPS_ORDER = 1.4
-#: Possible limits of the finest setting, finest first: relative element length, cells, relative
-#: number of positions.
+#: Possible limits of the finest discretization, finest first: relative element length, cells,
+#: relative number of positions.
 FINEST = ((0.125, 40.0, 4.0), (0.25, 40.0, 4.0), (0.25, 20.0, 2.0), (0.5, 20.0, 2.0))
 #: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
 #: among them, and number of solutions with the finest elements.
@@ -46,7 +46,7 @@ LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS = 0.6, 20.0, 1.5
 
 
 @dataclass(frozen=True)
-class Knobs:
+class Refinements:
     """Steps of each parameter of a scene by the names of `NamedDiscretization`, coarse steps first.
 
     Attributes
@@ -64,21 +64,23 @@ class Knobs:
     finest: NamedDiscretization
     can_adapt: bool = True
 
-    def step(self, setting: NamedDiscretization, knob: str) -> int:
+    def step(self, discretization: NamedDiscretization, parameter: str) -> int:
         """Index of a parameter's value among its steps."""
-        return self.ladders[knob].index(getattr(setting, knob))
+        return self.ladders[parameter].index(getattr(discretization, parameter))
 
-    def coarser(self, setting: NamedDiscretization, *names: str) -> NamedDiscretization | None:
-        """The setting with some parameters a step coarser; None if one has no coarser step."""
+    def coarser(
+        self, discretization: NamedDiscretization, *names: str
+    ) -> NamedDiscretization | None:
+        """A discretization with some parameters a step coarser; None if one has no such step."""
         changed = {}
-        for knob in names:
-            if knob not in self.ladders or self.step(setting, knob) == 0:
+        for parameter in names:
+            if parameter not in self.ladders or self.step(discretization, parameter) == 0:
                 return None
-            changed[knob] = self.ladders[knob][self.step(setting, knob) - 1]
-        return replace(setting, **changed)  # type: ignore[arg-type]
+            changed[parameter] = self.ladders[parameter][self.step(discretization, parameter) - 1]
+        return replace(discretization, **changed)  # type: ignore[arg-type]
 
 
-def knobs_of(scene: Scene) -> Knobs:
+def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
 
     Parameters
@@ -87,8 +89,8 @@ def knobs_of(scene: Scene) -> Knobs:
 
     Returns
     -------
-    Knobs
-        Its finest setting is the first of `FINEST`.
+    Refinements
+        Its finest discretization is the first of `FINEST`.
     """
     if scene.is_drive:
         return _of_drives(scene)
@@ -113,10 +115,10 @@ def knobs_of(scene: Scene) -> Knobs:
         zone_half_widths=2.5,
         count=scene.positions.count if "count" in ladders else None,
     )
-    return finest_within(Knobs(ladders, base, base), FINEST[0])
+    return finest_within(Refinements(ladders, base, base), FINEST[0])
 
 
-def _of_drives(scene: Scene) -> Knobs:
+def _of_drives(scene: Scene) -> Refinements:
     """Parameters of chains and belts: positions, and the elements of belts."""
     ladders: dict[str, tuple[float, ...]] = {}
     length = mechanism_of(scene).default_element_mm(scene)
@@ -128,7 +130,7 @@ def _of_drives(scene: Scene) -> Knobs:
         flank_element_mm=None if length is None else ladders["flank_element_mm"][1],
         count=scene.positions.count if "count" in ladders else None,
     )
-    return finest_within(Knobs(ladders, base, base, can_adapt=False), FINEST[0])
+    return finest_within(Refinements(ladders, base, base, can_adapt=False), FINEST[0])
 
 
 def _counts(scene: Scene) -> tuple[int, ...]:
@@ -136,11 +138,11 @@ def _counts(scene: Scene) -> tuple[int, ...]:
     return tuple(sorted({round(count * part) for part in COUNTS if count * part >= 1}))
 
 
-def finest_within(knobs: Knobs, fineness: tuple[float, float, float]) -> Knobs:
-    """The parameters with a given finest setting, without finer steps than that."""
+def finest_within(refinements: Refinements, fineness: tuple[float, float, float]) -> Refinements:
+    """The parameters with a given finest discretization, without finer steps than that."""
     part, strips, positions = fineness
-    kept = dict(knobs.ladders)
-    base = knobs.base
+    kept = dict(refinements.ladders)
+    base = refinements.base
     if base.flank_element_mm is not None:
         least = base.flank_element_mm * part * 0.99
         kept["flank_element_mm"] = tuple(h for h in kept["flank_element_mm"] if h >= least)
@@ -158,36 +160,36 @@ def finest_within(knobs: Knobs, fineness: tuple[float, float, float]) -> Knobs:
         zone_half_widths=FINEST_ZONE if "zone_half_widths" in kept else None,
         count=int(kept["count"][-1]) if "count" in kept else None,
     )
-    return replace(knobs, ladders=kept, finest=finest)
+    return replace(refinements, ladders=kept, finest=finest)
 
 
-def affordable(knobs: Knobs, stages: dict[str, float], budget_s: float) -> Knobs:
+def affordable(refinements: Refinements, stages: dict[str, float], budget_s: float) -> Refinements:
     """The finest parameters whose steps the budget can probably pay.
 
     Parameters
     ----------
-    knobs : Knobs
+    refinements : Refinements
     stages : dict
         CPU seconds by stage of a run at their base.
     budget_s : float
 
     Returns
     -------
-    Knobs
+    Refinements
     """
     elements = sum(s for name, s in stages.items() if name.startswith("compliance"))
     sweeps = stages.get("sweep", 0.0) + stages.get("tangent", 0.0)
-    if knobs.base.flank_element_mm is None:
+    if refinements.base.flank_element_mm is None:
         elements = 0.0
     for fineness in FINEST:
         part, strips, positions = fineness
         each = sweeps * (strips / 10.0) ** STRIPS_ORDER
-        if knobs.base.count is not None:
+        if refinements.base.count is not None:
             each *= positions
         ladders = LADDER_ELEMENTS * elements * ELEMENTS_COST[part] + LADDER_SWEEPS * each
         if ladders <= LADDERS_PART * budget_s:
             break
-    return finest_within(knobs, fineness)
+    return finest_within(refinements, fineness)
 
 
 def _rounded(length: float) -> float:

@@ -1,4 +1,4 @@
-"""Runs of a study within a budget: finest setting, refinements, contact models, combinations."""
+"""Runs of a study within a budget: finest run, refinements, contact models, combinations."""
 
 from __future__ import annotations
 
@@ -11,12 +11,17 @@ from typing import TYPE_CHECKING
 from flankload.errors import SceneError
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
-from flankload.studies.accuracy.knobs import affordable, can_be_nodal, can_lump, knobs_of
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
-from flankload.studies.accuracy.observed import MEASURES
+from flankload.studies.accuracy.quantities import MEASURES
+from flankload.studies.accuracy.reference import Reference, at_default, ladder
+from flankload.studies.accuracy.refinements import (
+    affordable,
+    can_be_nodal,
+    can_lump,
+    refinements_of,
+)
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
-from flankload.studies.accuracy.truth import Truth, at_default, ladder
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
@@ -48,9 +53,9 @@ def accuracy(
 
     The study refines each parameter with the others at their finest, tries other contact models,
     and searches the cheapest combinations that meet tolerances. All errors are relative to the
-    finest setting and the extrapolated limits. Runs that differ only in cells and positions share
-    finite elements, but each is charged as if it were alone. Seconds are those of all threads of
-    the process.
+    finest discretization and the extrapolated limits. Runs that differ only in cells and positions
+    share finite elements, but each is charged as if it were alone. Seconds are those of all threads
+    of the process.
 
     Parameters
     ----------
@@ -78,19 +83,19 @@ def accuracy(
     """
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)
-    making = _Making(
+    run_study = _StudyRuns(
         scene, quantities, budget_s, progress, None if resume is None else Path(resume)
     )
     stopped, interrupted = None, False
     try:
-        making.all_runs()
+        run_study.all_runs()
     except OutOfBudgetError:
-        stopped = f"the budget of {budget_s:g} CPU seconds is spent: further runs are left out"
+        stopped = f"the budget of {budget_s:g} CPU seconds is used up: further runs are omitted"
     except KeyboardInterrupt:
-        if not making.groups:
+        if not run_study.groups:
             raise
-        stopped, interrupted = "interrupted: further runs are left out", True
-    return making.study(stopped, interrupted=interrupted)
+        stopped, interrupted = "interrupted: further runs are omitted", True
+    return run_study.study(stopped, interrupted=interrupted)
 
 
 def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
@@ -105,13 +110,13 @@ def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
     if not all(torque > 0 for torque in scene.torques_Nm):
         raise SceneError(
             key="load.torque_Nm",
-            expected="torques > 0, since without load nothing is approximated",
+            expected="torques > 0, since without load there is no approximation",
             found="0",
             file=scene.file,
         )
 
 
-class _Making:
+class _StudyRuns:
     """Runs of a study in order."""
 
     def __init__(
@@ -124,7 +129,7 @@ class _Making:
     ) -> None:
         self.scene, self.quantities = scene, quantities
         self.measures = [name for quantity in quantities for name in MEASURES[quantity]]
-        self.knobs = knobs_of(scene)
+        self.refinements = refinements_of(scene)
         self.runs = Runs(scene, resume)
         self.groups: dict[NamedDiscretization, str] = {}
         self._budget_s, self._began, self._progress = budget_s, process_time(), progress
@@ -132,44 +137,44 @@ class _Making:
     def all_runs(self) -> None:
         """All runs that the budget allows."""
         self._warm_up()
-        base = self.run("default", self.knobs.base)
-        self.knobs = affordable(self.knobs, base.stages, self._budget_s)
+        base = self.run("default", self.refinements.base)
+        self.refinements = affordable(self.refinements, base.stages, self._budget_s)
         self.run("as it stands", NamedDiscretization())
-        self.run("finest", self.knobs.finest)
-        for knob in sorted(self.knobs.ladders, key="count".__eq__):
-            for setting in ladder(self.knobs, knob):
-                self.run(knob, setting)
-        for knob in self.knobs.ladders:
-            for setting in at_default(self.knobs, knob):
-                self.run("default but for one knob", setting)
-        for setting in self._levels():
-            self.run(setting.level, setting)
-        truth = Truth(self.runs.done, self.knobs)
+        self.run("finest", self.refinements.finest)
+        for parameter in sorted(self.refinements.ladders, key="count".__eq__):
+            for discretization in ladder(self.refinements, parameter):
+                self.run(parameter, discretization)
+        for parameter in self.refinements.ladders:
+            for discretization in at_default(self.refinements, parameter):
+                self.run("default but for one knob", discretization)
+        for discretization in self._levels():
+            self.run(discretization.level, discretization)
+        reference = Reference(self.runs.done, self.refinements)
         alone = [MEASURES[quantity] for quantity in self.quantities]
         for measures in (self.measures, *(alone if len(alone) > 1 else ())):
             for tolerance in TOLERANCES:
-                search(tolerance, self.knobs, truth, measures, self._combination)
+                search(tolerance, self.refinements, reference, measures, self._combination)
         if can_be_nodal(self.scene):  # last, since it is the most expensive one
             self.run("nodes", self._nodes(None))
 
-    def _combination(self, setting: NamedDiscretization) -> Run:
-        return self.run("combination", setting)
+    def _combination(self, discretization: NamedDiscretization) -> Run:
+        return self.run("combination", discretization)
 
-    def run(self, group: str, setting: NamedDiscretization) -> Run:
+    def run(self, group: str, discretization: NamedDiscretization) -> Run:
         """A run, assigned to the first group that requests it."""
-        if setting not in self.runs.done:
+        if discretization not in self.runs.done:
             if self._spent() >= self._budget_s:
                 raise OutOfBudgetError
             self._tell(group)
-        found = self.runs.at(setting, lambda *_: self._tell(group))
-        self.groups.setdefault(setting, group)
+        found = self.runs.at(discretization, lambda *_: self._tell(group))
+        self.groups.setdefault(discretization, group)
         return found
 
     def _warm_up(self) -> None:
         """Load packages whose import would otherwise be charged to the first run."""
-        if self.knobs.base not in self.runs.done:
+        if self.refinements.base not in self.runs.done:
             self._tell("warming up")
-            Runs(self.scene).at(self.knobs.base)
+            Runs(self.scene).at(self.refinements.base)
 
     def _spent(self) -> float:
         return process_time() - self._began
@@ -181,7 +186,7 @@ class _Making:
 
     def _levels(self) -> Iterator[NamedDiscretization]:
         """Other contact models at the default, with finer elements, and at more positions."""
-        base, ladders = self.knobs.base, self.knobs.ladders
+        base, ladders = self.refinements.base, self.refinements.ladders
         if can_lump(self.scene):
             plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)
             yield plain
@@ -190,27 +195,39 @@ class _Making:
             if len(ladders.get("count", ())) > 1:
                 yield replace(plain, count=int(ladders["count"][-2]))
         if can_be_nodal(self.scene) and base.flank_element_mm is not None:
-            yield self._nodes(self.knobs.finest.flank_element_mm)
+            yield self._nodes(self.refinements.finest.flank_element_mm)
 
     def _nodes(self, apart_mm: float | None) -> NamedDiscretization:
         """Nodal forces, which have neither modes nor cells; on their own if None."""
-        return NamedDiscretization("nodes", flank_element_mm=apart_mm, count=self.knobs.base.count)
+        return NamedDiscretization(
+            "nodes", flank_element_mm=apart_mm, count=self.refinements.base.count
+        )
 
     def study(self, stopped: str | None, *, interrupted: bool) -> Study:
         """Study of the runs so far."""
-        truth = Truth(self.runs.done, self.knobs)
+        reference = Reference(self.runs.done, self.refinements)
         done = self.runs.done
 
-        def row(setting: NamedDiscretization, *knobs: str) -> Row:
-            alone = truth.errors(done[setting], *knobs) if knobs else {}
-            return Row(self.groups[setting], done[setting], truth.errors(done[setting]), alone)
+        def row(discretization: NamedDiscretization, *parameters: str) -> Row:
+            alone = reference.errors(done[discretization], *parameters) if parameters else {}
+            return Row(
+                self.groups[discretization],
+                done[discretization],
+                reference.errors(done[discretization]),
+                alone,
+            )
 
         steps = {
-            knob: tuple(row(step, knob) for step in ladder(self.knobs, knob) if step in self.groups)
-            for knob in self.knobs.ladders
+            parameter: tuple(
+                row(step, parameter)
+                for step in ladder(self.refinements, parameter)
+                if step in self.groups
+            )
+            for parameter in self.refinements.ladders
         }
         rows = tuple(
-            row(setting, *({group} & steps.keys())) for setting, group in self.groups.items()
+            row(discretization, *({group} & steps.keys()))
+            for discretization, group in self.groups.items()
         )
         return Study(
             name=self.scene.name,
@@ -218,9 +235,9 @@ class _Making:
             measures=tuple(self.measures),
             rows=rows,
             steps=steps,
-            limits=truth.limits,
-            knobs=self.knobs,
-            doubts=truth.doubts,
+            limits=reference.limits,
+            knobs=self.refinements,
+            doubts=reference.doubts,
             notes=(
                 *limit_notes(rows),
                 *corner_notes(steps.get("strips_per_half_width", ())),

@@ -39,12 +39,12 @@ HEADS = {
 }
 #: Meaning of the columns.
 MEANINGS = {
-    "transmission_error": "largest at a position, of the largest transmission error",
-    "transmission_error_mean": "of its mean",
-    "transmission_error_peak_to_peak": "of its peak to peak",
-    "load_share": "largest, in parts of the load",
-    "peak_pressure": "largest off sharp corners, of the largest pressure there",
-    "stiffness": "of the mean secant or tangent stiffness, the larger",
+    "transmission_error": "largest error at a position, relative to the largest transmission error",
+    "transmission_error_mean": "error of its mean",
+    "transmission_error_peak_to_peak": "error of its peak to peak",
+    "load_share": "largest error, as part of the load",
+    "peak_pressure": "largest error off sharp corners, relative to the largest pressure there",
+    "stiffness": "error of the mean secant or tangent stiffness, the larger one",
 }
 #: Arrays over positions, and over positions and sites.
 OVER_POSITIONS = ("transmission_error",)
@@ -66,10 +66,10 @@ SAME_RAD = 1e-9
 
 #: Arrays by name: `position_rad` (P,), `sites` (S,); for T torques those over positions (T, P),
 #: over sites (T, P, S) and the scalars (T,); NaN if missing.
-Observed = dict[str, "Floats"]
+Quantities = dict[str, "Floats"]
 
 
-def observed(results: Result | Sequence[Result]) -> Observed:
+def quantities_of(results: Result | Sequence[Result]) -> Quantities:
     """Extract all quantities from results.
 
     Parameters
@@ -109,7 +109,7 @@ def observed(results: Result | Sequence[Result]) -> Observed:
     }
 
 
-def common(runs: Sequence[Observed]) -> list[Observed]:
+def common(runs: Sequence[Quantities]) -> list[Quantities]:
     """Restrict runs to common positions, on the union of sites; missing sites carry no load."""
     keys = [np.round(run["position_rad"] / SAME_RAD).astype(np.int64) for run in runs]
     shared = keys[0]
@@ -133,14 +133,14 @@ def common(runs: Sequence[Observed]) -> list[Observed]:
     return found
 
 
-def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Limit]:
+def limits_of(sizes: Sequence[float], runs: Sequence[Quantities]) -> dict[str, Limit]:
     """Limits of a sequence of refinements, the finest run first.
 
     Parameters
     ----------
     sizes : sequence of float
         Ascending.
-    runs : sequence of Observed
+    runs : sequence of Quantities
 
     Returns
     -------
@@ -154,17 +154,19 @@ def limits_of(sizes: Sequence[float], runs: Sequence[Observed]) -> dict[str, Lim
 
 
 def with_numbers(
-    limits: Mapping[str, Limit], truth: Observed, before: Observed
+    limits: Mapping[str, Limit], reference: Quantities, before: Quantities
 ) -> dict[str, Limit]:
     """Limits with scalars from a more accurate run, and their last change."""
     known = {
-        name: replace(limits[name], value=truth[name], left=truth[name] - before[name])
+        name: replace(limits[name], value=reference[name], left=reference[name] - before[name])
         for name in NUMBERS
     }
     return {**limits, **known}
 
 
-def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observed) -> Observed:
+def moved(
+    run: Quantities, ladders: Sequence[Mapping[str, Limit]], finest: Quantities
+) -> Quantities:
     """A run shifted by the difference between the finest step and the limit of each sequence."""
     parts = dict(run)
     for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
@@ -174,7 +176,7 @@ def moved(run: Observed, ladders: Sequence[Mapping[str, Limit]], finest: Observe
     return parts
 
 
-def off_by(run: Observed, ladder: Mapping[str, Limit]) -> Observed:
+def off_by(run: Quantities, ladder: Mapping[str, Limit]) -> Quantities:
     """A run shifted by the remaining error of the limits of a sequence."""
     parts = dict(run)
     for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
@@ -183,27 +185,27 @@ def off_by(run: Observed, ladder: Mapping[str, Limit]) -> Observed:
     return parts
 
 
-def errors_of(run: Observed, truth: Observed) -> dict[str, float]:
+def errors_of(run: Quantities, reference: Quantities) -> dict[str, float]:
     """Errors of a run, the largest over the torques.
 
     Parameters
     ----------
-    run, truth : Observed
+    run, reference : Quantities
 
     Returns
     -------
     dict
         By the names of `HEADS`; those without a reference are omitted.
     """
-    one, two = common([run, truth])
+    one, two = common([run, reference])
     found: dict[str, list[float]] = {}
-    for t in range(truth["transmission_error"].shape[0]):
+    for t in range(reference["transmission_error"].shape[0]):
         for name, error in _errors(one, two, t).items():
             found.setdefault(name, []).append(error)
     return {name: max(errors) for name, errors in found.items()}
 
 
-def _errors(one: Observed, two: Observed, t: int) -> dict[str, float]:
+def _errors(one: Quantities, two: Quantities, t: int) -> dict[str, float]:
     """Errors of one torque."""
 
     def change(name: str) -> float:
@@ -244,7 +246,7 @@ def _part(change: float, whole: float) -> float:
     return change / whole if whole > 0 else 0.0
 
 
-def to_tree(run: Observed) -> dict[str, Any]:
+def to_tree(run: Quantities) -> dict[str, Any]:
     """Data in the form of JSON: null for NaN."""
     return {name: _lists(values) for name, values in run.items()}
 
@@ -256,6 +258,6 @@ def _lists(values: Floats) -> list[Any]:
     return nested
 
 
-def from_tree(tree: Mapping[str, Any]) -> Observed:
+def from_tree(tree: Mapping[str, Any]) -> Quantities:
     """Inverse of `to_tree`."""
     return {name: np.array(values, dtype=float) for name, values in tree.items()}
