@@ -11,7 +11,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import Body
-from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.near_field import consistent_loads, mode_loads, mode_norms, mode_values
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
@@ -61,7 +61,7 @@ def _twist(helix_deg: float) -> float:
 
 @cache
 def _pinion(flank_element_mm: float) -> Body:
-    return build_gear(gear(), "body_1", flank_element_mm=flank_element_mm)
+    return build_involute_body(gear(), "body_1", flank_element_mm=flank_element_mm)
 
 
 @pytest.mark.parametrize("helix", [0.0, 15.0])

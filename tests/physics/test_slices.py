@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.contact.slices import Slices
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
-from tests.support.crowned_cylinders import Axial, hertz_ellipse, press
+from flankload.pairing.slices import Slices
+from tests.support.crowned_cylinders import axial, cut, hertz_ellipse, press
 from tests.support.paths import SCENES
 from tests.support.tolerances import SOLVER
 
@@ -100,8 +100,9 @@ def test_one_long_slice_is_the_plane() -> None:
     _, compliances = plane()
     wanted = run(None, compliances, width=WIDTH)
     half = 0.5 * WIDTH
-    slices = Slices(np.array([-half, half]), (Axial((-half, half)), Axial((-half, half))))
-    found = run(slices, tuple(over_width(part, WIDTH) for part in compliances))
+    ends = axial(-half, half)
+    one, two = (replace(over_width(part, WIDTH), axial=ends) for part in compliances)
+    found = run(cut(np.array([-half, half]), (ends, ends)), (one, two))
     for name in ("rotation_rad", "site_force_N", "tangent_rad_per_Nmm"):
         scale = np.abs(getattr(wanted, name)).max()
         np.testing.assert_allclose(
@@ -128,11 +129,15 @@ def short(
         ends = tuple(end[::-1] for end in ends)
         gap = None if gap is None else gap[::-1]
     teeth = pair.body_1.teeth / pair.body_2.teeth
-    axial = tuple(Axial(ranges[z], 3, twist * (1.0, -teeth)[z], ends[z]) for z in (0, 1))
-    shape = (pair.pairing.sites.size, len(edges) - 1)
-    slices = Slices(edges, axial, None if gap is None else np.broadcast_to(gap, shape))
-    soft = tuple(over_width(part, 14.0, 3) for part in compliances)
-    return run(slices, soft, **keywords), edges
+    along = [
+        replace(axial(*ranges[z], twist=twist * (1.0, -teeth)[z], end=ends[z]), degree=2)
+        for z in (0, 1)
+    ]
+    one, two = (
+        replace(over_width(part, 14.0, 3), axial=modes)
+        for part, modes in zip(compliances, along, strict=True)
+    )
+    return run(cut(edges, (along[0], along[1]), gap), (one, two), **keywords), edges
 
 
 @pytest.mark.parametrize("twist", [0.0, 7e-3])
@@ -175,11 +180,11 @@ def test_helix_slopes_of_both_signs() -> None:
     assert (sloped.rotation_rad > even.rotation_rad).all()
 
 
-def test_a_gap_of_a_site_is_a_pitch_deviation() -> None:
-    """Metal removed from all slices of a tooth, and a tooth that stands back."""
+def test_a_gap_of_all_slices_is_a_pitch_deviation() -> None:
+    """Metal removed from all slices, and teeth that stand back."""
     pair, _ = plane()
-    gap = 0.003 * np.arange(pair.pairing.sites.size)
-    found, edges = short(gap=np.repeat(gap[:, None], 10, axis=1))
+    gap = np.full(pair.pairing.sites.size, 0.003)
+    found, _ = short(gap=np.full(10, 0.003))
     back = (-gap, np.zeros_like(gap))
     wanted, _ = short(deviations=back)
     np.testing.assert_allclose(found.rotation_rad, wanted.rotation_rad, rtol=SOLVER)
@@ -199,13 +204,14 @@ def test_tangent_is_the_derivative(twist: float) -> None:
 
 def test_cells_and_friction_are_refused() -> None:
     _, compliances = plane()
-    slices = Slices(np.array([-1.0, 1.0]), (Axial((-1.0, 1.0)), Axial((-1.0, 1.0))))
+    one, two = (replace(part, axial=axial(-1.0, 1.0)) for part in compliances)
     with pytest.raises(InputError, match="slices"):
-        run(slices, compliances, level="pairs")
+        run(cut(np.array([-1.0, 1.0]), (one.axial, two.axial)), (one, two), level="pairs")
 
 
 def test_slices_beyond_a_body_are_refused() -> None:
     _, compliances = plane()
-    slices = Slices(np.array([-1.0, 1.0]), (Axial((-1.0, 1.0)), Axial((-1.0, 0.9))))
+    one = replace(compliances[0], axial=axial(-1.0, 1.0))
+    two = replace(compliances[1], axial=axial(-1.0, 0.9))
     with pytest.raises(InputError, match="argument"):
-        run(slices, compliances)
+        run(cut(np.array([-1.0, 1.0]), (one.axial, two.axial)), (one, two))

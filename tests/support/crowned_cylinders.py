@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from flankload.contact.slices import Slices
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import AxialModes, BodyCompliance
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
+from flankload.pairing.slices import Slices
 from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import arc
 
@@ -24,14 +24,21 @@ KERNEL = 2.0 * (1.0 - NU**2) / (np.pi * E)
 LEVER, DISTANCE = 1000.0, 2000.0
 
 
-@dataclass(frozen=True)
-class Axial:
-    """A body along its axis."""
+def axial(
+    low: float, high: float, *, twist: float = 0.0, end: tuple[float, float] = (0.0, 0.0)
+) -> AxialModes:
+    """A body with one mode along its axis."""
+    return AxialModes((low, high), degree=0, twist=twist, cos_base_helix=1.0, end=end)
 
-    range_mm: tuple[float, float]
-    count: int = 1
-    twist: float = 0.0
-    end: tuple[float, float] = (0.0, 0.0)
+
+def cut(
+    edges: np.ndarray, bodies: tuple[AxialModes, AxialModes], gap: np.ndarray | None = None
+) -> Slices:
+    """Slices of two bodies with a gap (J,) between them."""
+    z = 0.5 * (edges[1:] + edges[:-1])
+    none = np.zeros_like(z)
+    removed = (none if gap is None else gap, none)
+    return Slices(edges, (bodies[0].twist * z, bodies[1].twist * z), removed)
 
 
 @dataclass(frozen=True)
@@ -69,7 +76,8 @@ def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sw
     two = arc((LEVER - DISTANCE, radius), radius, -np.pi / 2 + 0.4, -np.pi / 2 - 0.4)
     bodies = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
     half_space = BodyCompliance(np.zeros((1, 1, 1)), KERNEL, (0.0, 1.0))
-    axial = Axial((float(edges[0]), float(edges[-1])))
+    ends = axial(float(edges[0]), float(edges[-1]))
+    half_space = replace(half_space, axial=ends)
     none = np.zeros(1)
     pairing = Pairing(
         center_distance_mm=DISTANCE,
@@ -92,6 +100,6 @@ def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sw
         face_width_mm=1.0,
         grid=Grid(10.0, 30.0),
         level="lumped",
-        slices=Slices(edges, (axial, axial), gap[None, :]),
+        slices=cut(edges, (ends, ends), gap),
     )
     return found

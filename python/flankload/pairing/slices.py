@@ -11,6 +11,7 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Slices over the common face width by default.
 SLICES = 28
+#: Gauss points of the mean gap of a slice: parabolas are exact.
+GAP_POINTS = 3
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class Slices:
     turns_rad : two (J,) arrays
         Angle of each body's section in each slice relative to that at z = 0.
     removed_mm : two (J,) arrays
-        Metal removed from the flanks of each body in each slice, along the base tangent.
+        Metal removed from the flanks of each body, along the base tangent, mean over each slice.
     """
 
     edges_mm: Floats
@@ -109,11 +112,16 @@ def slices_of(
     low = max(one.range_mm[0], two.range_mm[0])
     high = min(one.range_mm[1], two.range_mm[1])
     ends = np.linspace(low, high, (count or SLICES) + 1)
-    z = 0.5 * (ends[1:] + ends[:-1])
+    z, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+    places, weights = leggauss(GAP_POINTS)
+    inside = z[:, np.newaxis] + np.outer(half, places)
     return Slices(
         edges_mm=ends,
         turns_rad=(one.twist_rad_per_mm * z, two.twist_rad_per_mm * z),
-        removed_mm=(one.gap_mm(z), two.gap_mm(z) + misalignment_per_mm * z),
+        removed_mm=(
+            one.gap_mm(inside) @ weights / 2.0,
+            two.gap_mm(inside) @ weights / 2.0 + misalignment_per_mm * z,
+        ),
     )
 
 

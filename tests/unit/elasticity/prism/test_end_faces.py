@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flankload.bodies.involute.gear import build_gear
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.errors import SceneError
 from tests.support.ring_bodies import gear
 
-BODY = build_gear(gear(), "body_1", flank_element_mm=3.0)
+BODY = build_involute_body(gear(), "body_1", flank_element_mm=3.0)
 
 
 def _twist(helix_deg: float) -> float:

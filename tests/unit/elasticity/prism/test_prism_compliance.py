@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flankload.bodies.involute.gear import build_gear
-from flankload.bodies.involute.ring import build_ring
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import logarithm_strength
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
@@ -17,7 +16,7 @@ from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear, ring
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-BODY = build_gear(gear(), "body_1", flank_element_mm=2.25)
+BODY = build_involute_body(gear(), "body_1", flank_element_mm=2.25)
 COARSE = Prism((-7.0, 7.0), degree=6, load_degree=2, cut_degree=3)
 TWIST = float(np.tan(np.radians(15.0)) / 36.0)
 
@@ -105,7 +104,7 @@ def test_modes_in_z_that_the_elements_cannot_carry_are_refused() -> None:
 
 
 def test_a_rounded_tip_and_a_whole_mesh_are_refused() -> None:
-    rounded = build_gear(gear(tip_radius_mm=0.3), "body_1", flank_element_mm=2.25)
+    rounded = build_involute_body(gear(tip_radius_mm=0.3), "body_1", flank_element_mm=2.25)
     with pytest.raises(SceneError, match="expected a sharp tip in three dimensions"):
         prism_compliance(rounded, COARSE, n_modes=3)
 
@@ -116,7 +115,7 @@ def test_a_rigid_body_does_not_yield() -> None:
 
 
 def test_teeth_that_stand_inwards_yield_as_well() -> None:
-    body = build_ring(ring(), "body_2", flank_element_mm=1.5)
+    body = build_involute_body(ring(), "body_2", flank_element_mm=1.5)
     found = prism_compliance(body, Prism((0.0, 20.0), 0.002, 6, 2, 3), n_modes=3)
     assert found.asymmetry < ROUND_OFF
     other = prism_compliance(body, Prism((0.0, 20.0), -0.002, 6, 2, 3), n_modes=3)
