@@ -162,7 +162,7 @@ def reached_positions(position_rad: Floats, body_1: Body) -> Floats:
     """
     if body_1.axial is None or not body_1.axial.twist_rad_per_mm:
         return position_rad
-    ends = np.asarray(body_1.axial.range_mm) * body_1.axial.twist_rad_per_mm
+    low, high = (body_1.axial.twist_rad_per_mm * z for z in body_1.axial.range_mm)
     # less than half a pitch apart, so that no pair is passed over
-    steps = 2 + int(np.ptp(ends) * body_1.teeth / pi)
-    return np.unique(np.add.outer(position_rad, np.linspace(*ends, steps)))
+    steps = 2 + int(abs(high - low) * body_1.teeth / pi)
+    return np.unique(np.add.outer(position_rad, np.linspace(low, high, steps)))

@@ -127,6 +127,8 @@ def prism_compliance(
         If the load degree exceeds the axial degree less 4, an edge between flank and end face is
         sharper than 50 degrees, the mesh is that of a whole body, or the tip is rounded.
     """
+    from threadpoolctl import threadpool_limits
+
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
@@ -137,15 +139,17 @@ def prism_compliance(
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, twist=prism.twist)
     laps("assembly")
-    sector = condense_prism(
-        section,
-        axial,
-        mesh,
-        _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
-        cut_degree=min(prism.cut_degree, prism.degree),
-        twisted=prism.twist != 0.0,
-        account=account,
-    )
+    # most fronts are too small to share: with two threads they take longer, and more CPU seconds
+    with threadpool_limits(limits=1, user_api="blas"):
+        sector = condense_prism(
+            section,
+            axial,
+            mesh,
+            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+            cut_degree=min(prism.cut_degree, prism.degree),
+            twisted=prism.twist != 0.0,
+            account=account,
+        )
     laps("factorisation")
     response = close_ring(sector, mesh.teeth)
     laps("ring")
