@@ -251,14 +251,16 @@ contains
         call reserve_pairs(beside, size(of))
         do k = 1, size(of)
             associate (place => places(of(k)))
+                ! the normal of a smaller contact turns by rounding alone
+                if (sum(place%reach) < 2.0_wp*least_half_width(position%flank_length)) cycle
                 more = little*place%force
                 call append_place(body_1, body_2, position, of(k), &
                     & place%reach + more*place%reach_slope, beside, found)
                 if (.not. found) return
-                place%lever_slope = (beside%lever(k) - place%lever)/more
-                place%torque_lever_slope = (beside%torque_lever(k) - place%torque_lever)/more
+                place%lever_slope = (beside%lever(beside%n) - place%lever)/more
+                place%torque_lever_slope = (beside%torque_lever(beside%n) - place%torque_lever)/more
                 if (allocated(body_1%friction)) place%lever_along_slope = &
-                    & (lever_along(position, beside, k) - place%lever_along)/more
+                    & (lever_along(position, beside, beside%n) - place%lever_along)/more
             end associate
         end do
     end subroutine look_at_levers

@@ -28,9 +28,13 @@ module flankload_lumped_slices
     !> Newton's method takes 4 to 6 passes; from the first number on, the last near field divided by
     !> the last force stands for its derivative.
     integer, parameter :: newton_passes = 12, max_passes = 60
-    !> Gaps are looked at where no force changes by more than the first part of the largest, and a
-    !> state holds whose forces are no further than the second from those of the last look.
-    real(wp), parameter :: nearly = 1.0e-2_wp, beside_look = 1.0e-5_wp
+    !> Gaps are looked at where no force changes by more than the first part of the largest. Forces
+    !> that are no further than the second from those of the last look and of the last pass are
+    !> right to its square after the pass with all derivatives.
+    real(wp), parameter :: nearly = 0.1_wp, settled = 1.0e-6_wp
+    !> Gaps are looked at again where a force has grown by this factor: a power law of small forces
+    !> says little of what lies beside a corner.
+    real(wp), parameter :: many_times = 4.0_wp
 
 contains
 
@@ -77,7 +81,8 @@ contains
                 since_look = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
-            if (change <= nearly .and. since_look > beside_look) then
+            if ((change <= nearly .and. since_look > settled) .or. (since_look < huge(1.0_wp) &
+                & .and. any(forces(of) > many_times*places(of)%force))) then
                 call look_at_places(body_1, body_2, position, of, forces, full, places, &
                     & state%pairs, error)
                 if (allocated(error)) return
@@ -89,10 +94,16 @@ contains
             last = forces
             call solve_pass(position, of, places, coupling, rubbing, torque, &
                 & pass > newton_passes, forces, state, stands, error)
+            if (allocated(error) .and. pass <= newton_passes) then
+                ! on a corner a thin slice may yield less the more it carries
+                deallocate (error)
+                call solve_pass(position, of, places, coupling, rubbing, torque, .true., forces, &
+                    & state, stands, error)
+            end if
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_look = since_look + change
-            stands = stands .and. since_look <= beside_look
+            stands = since_look <= settled
             if (.not. stands) cycle
             stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
             if (stands) exit
@@ -229,7 +240,9 @@ contains
 
         do k = 1, size(of)
             associate (place => places(of(k)), zone => position%zones(of(k)))
-                power = place%reach_slope*place%force/max(place%reach, tiny(1.0_wp))
+                ! 1/2 of a parabola, 1 of a wedge
+                power = max(0.0_wp, min(1.0_wp, place%reach_slope*place%force &
+                    & /max(place%reach, tiny(1.0_wp))))
                 place%reach = place%reach*(forces(of(k))/place%force)**power
                 place%reach = min(place%reach, [zone%nearest%s_1 - zone%s_1_low, &
                     & zone%s_1_high - zone%nearest%s_1])

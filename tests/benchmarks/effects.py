@@ -40,6 +40,7 @@ ON: dict[str, dict[str, Any]] = {
         for row in EFFECTS
         if row.on and not row.is_asked(PLAIN)
     },
+    "three_dimensions": {"effects": {"dimension": 3}},
     "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
     "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
     "thermal_growth": {"effects": {"temperature_rise_K": 50.0, "support_expansion_per_K": 0.0}},

@@ -74,10 +74,8 @@ def body_records(
         If the core refuses an argument.
     """
     common = _pair_parts(pairing, friction), ()
-    own = [
-        compliance if compliance.axial is not None else _of_width(compliance, face_width_mm)
-        for compliance in compliances
-    ]
+    width = face_width_mm if slices is None else 1.0
+    own = [_of_width(compliance, width) for compliance in compliances]
     one, two = (
         _packed(
             _main_arguments(body, compliance, pairing, z, slices),

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 #: Points of a contact pattern along a flank.
 PATTERN_POINTS = 240
+#: Contacts of two positions are parts of one path if they are no further apart, in half-widths.
+CONNECTED = 4.0
 LOAD_MAP = "viridis"
 PATTERN_MAP = "inferno_r"
 
@@ -180,10 +182,20 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
     )
     grid = np.linspace((place - half).min(), (place + half).max(), PATTERN_POINTS)
     pattern = np.zeros((grid.size, result.slice_z_mm.size))
-    column = np.searchsorted(result.slice_z_mm, z - 1e-9 * np.ptp(result.slice_z_mm))
-    for s, h, peak, j in zip(place, half, pressure, column, strict=True):
-        inside = 1.0 - ((grid - s) / max(h, np.ptp(grid) / grid.size)) ** 2
-        np.maximum(pattern[:, j], peak * np.sqrt(np.maximum(inside, 0.0)), out=pattern[:, j])
+    for j, middle in enumerate(result.slice_z_mm):
+        rows = np.flatnonzero(z == middle)
+        rows = rows[np.argsort(place[rows], kind="stable")]
+        for row in rows:
+            inside = 1.0 - ((grid - place[row]) / half[row]) ** 2
+            peak = pressure[row] * np.sqrt(np.maximum(inside, 0.0))
+            np.maximum(pattern[:, j], peak, out=pattern[:, j])
+        # between two positions the contact moves on: each place has its largest pressure there
+        for one, two in zip(rows[:-1], rows[1:], strict=True):
+            if place[two] - place[one] > CONNECTED * (half[one] + half[two]):
+                continue
+            inside = (grid >= place[one]) & (grid <= place[two])
+            passed = np.interp(grid[inside], place[[one, two]], pressure[[one, two]])
+            pattern[inside, j] = np.maximum(pattern[inside, j], passed)
     order = np.argsort(place)
     return 2.0 * np.interp(grid, place[order], radius[order]), pattern
 

@@ -33,7 +33,7 @@ def stiffness_means(result: Result) -> dict[str, float | None]:
 
 def summary_of_contacts(result: Result) -> dict[str, Any]:
     """Largest line load and its place, largest sliding, least distance of the coast flanks."""
-    load = result.line_load_N_per_mm
+    load = result.slice_line_load_N_per_mm.max(axis=2)
     p, s = np.unravel_index(np.argmax(load), load.shape)
     loaded = float(load[p, s]) > 0
     sliding = np.abs(result.sliding_mm_per_rad)
