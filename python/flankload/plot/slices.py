@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -190,7 +191,7 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
             peak = pressure[row] * np.sqrt(np.maximum(inside, 0.0))
             np.maximum(pattern[:, j], peak, out=pattern[:, j])
         # between two positions the contact moves on: each place has its largest pressure there
-        for one, two in zip(rows[:-1], rows[1:], strict=True):
+        for one, two in pairwise(rows):
             if place[two] - place[one] > CONNECTED * (half[one] + half[two]):
                 continue
             inside = (grid >= place[one]) & (grid <= place[two])
