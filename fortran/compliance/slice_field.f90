@@ -184,7 +184,7 @@ contains
             other = 1
             do while (other <= first)
                 other_last = count(flanks <= flanks(other))
-                call set_block(size(values, 1), size(s), first, last, other, other_last, &
+                call set_block(size(values, 1), size(s), [first, last, other, other_last], &
                     & body%smooth(:, :, body%block(site(other), site(first))), values, carried, &
                     & matrix)
                 other = other_last + 1
@@ -199,16 +199,12 @@ contains
     end function sliced_compliance
 
     !> One block of V g Vᵀ.
-    pure subroutine set_block(m, n, first, last, other, other_last, smooth, values, carried, &
-            & matrix)
+    pure subroutine set_block(m, n, bounds, smooth, values, carried, matrix)
         !> Modes, and places
         integer, intent(in) :: m
         integer, intent(in) :: n
         !> First and last place of the flank that is displaced, and of the loaded one
-        integer, intent(in) :: first
-        integer, intent(in) :: last
-        integer, intent(in) :: other
-        integer, intent(in) :: other_last
+        integer, intent(in) :: bounds(4)
         !> Smooth part between modes, displacement of the loaded flank under loads of the other
         !> [mm/N]
         real(wp), intent(in) :: smooth(m, m)
@@ -219,9 +215,13 @@ contains
         !> V g Vᵀ [mm/N]
         real(wp), intent(inout) :: matrix(n, n)
 
-        call set_product(m, other_last - other + 1, m, smooth, values(1, other), m, carried(1, 1))
-        call set_product(last - first + 1, other_last - other + 1, m, values(1, first), &
-            & carried(1, 1), n, matrix(first, other))
+        integer :: n_rows, n_columns
+
+        n_rows = bounds(2) - bounds(1) + 1
+        n_columns = bounds(4) - bounds(3) + 1
+        call set_product(m, n_columns, m, smooth, values(1, bounds(3)), m, carried(1, 1))
+        call set_product(n_rows, n_columns, m, values(1, bounds(1)), carried(1, 1), n, &
+            & matrix(bounds(1), bounds(3)))
     end subroutine set_block
 
     !> Modes of the profile times Legendre polynomials over the width.

@@ -179,7 +179,7 @@ def test_a_gap_of_a_site_is_a_pitch_deviation() -> None:
     """Metal removed from all slices of a tooth, and a tooth that stands back."""
     pair, _ = plane()
     gap = 0.003 * np.arange(pair.pairing.sites.size)
-    found, edges = short(gap=np.repeat(gap[:, None], 10, axis=1))
+    found, _ = short(gap=np.repeat(gap[:, None], 10, axis=1))
     back = (-gap, np.zeros_like(gap))
     wanted, _ = short(deviations=back)
     np.testing.assert_allclose(found.rotation_rad, wanted.rotation_rad, rtol=SOLVER)
