@@ -1,7 +1,7 @@
 !> Flanks in slices along the face width: modes over arc length and width, and the near field of
 !> slices at each other.
 !>
-!> Displacement is near field plus V g Vᵀ (`docs/theory`), V the modes on average over a slice. The
+!> Displacement is near field plus V g Vᵀ (`docs/theory/slices.md`), V the modes on average over a slice. The
 !> near field of a body is that of its half-space, of the mirror image of the load behind each free
 !> end face, and of that behind each free corner of the profile. A load is spread evenly over the
 !> length of the contact line in its slice, and beside that line as far as the contact is wide on
@@ -157,7 +157,7 @@ contains
         end do
     end function axial_means
 
-    !> Smooth part between places, one in each slice: V g Vᵀ, symmetric to the last bit.
+    !> Smooth part between places, one in each slice: V g Vᵀ of (S1), symmetric to the last bit.
     pure function sliced_compliance(body, slices, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -348,6 +348,7 @@ contains
         ! a contact line of an involute is straight and normal to the profiles
         across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
         across = sqrt(across**2 + beside**2)
+        ! Eq. (S2), averaged by Eq. (S3)
         recession = ends(1)%strength*mean_potential(along, one%length, other%length, across)
         do k = 2, size(ends)
             recession = recession + ends(k)%strength*mean_potential((one%z + other%z &
