@@ -1,11 +1,12 @@
 !> Flanks in slices along the face width: modes over arc length and width, and the near field of
 !> slices at each other.
 !>
-!> Displacement is near field plus V g Vᵀ (`docs/theory/slices.md`), V the modes on average over a slice. The
-!> near field of a body is that of its half-space, of the mirror image of the load behind each free
-!> end face, and of that behind each free corner of the profile. A load is spread evenly over the
-!> length of the contact line in its slice, and beside that line as far as the contact is wide on
-!> average: less would let neighbours that are thinner than the contact is wide overtake each other.
+!> Displacement is near field plus V g Vᵀ (`docs/theory/slices.md`), V the modes on average over a
+!> slice. The near field of a body is that of its half-space, of the mirror image of the load behind
+!> each free end face, and of that behind each free corner of the profile. A load is spread evenly
+!> over the length of the contact line in its slice, and beside that line as far as the contact is
+!> wide on average: less would let neighbours that are thinner than the contact is wide overtake
+!> each other.
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values

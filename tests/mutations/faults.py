@@ -76,7 +76,10 @@ _FORTRAN = (
         ("zones%lever = zones%lever*zones%cosine\n", ""),
         ("zones%curvature = zones%curvature*zones%cosine\n", ""),
         ("*log(beside)", "*log(half_width)"),
-        ("zones%length = width_of(body_1%slices, zones%site)/zones%cosine", "zones%length = 1.0_wp"),
+        (
+            "zones%length = width_of(body_1%slices, zones%site)/zones%cosine",
+            "zones%length = 1.0_wp",
+        ),
     ),
     *_in(
         "lumped_slices.f90",
