@@ -22,9 +22,9 @@ from tests.support.paths import SCENES
 from tests.support.tolerances import SOLVER
 
 TORQUE = 302e3
-#: Lines in place of an ellipse: pressure and approach of one 16 (8) times as long as wide.
+#: Lines in place of an ellipse: pressure and approach of one 31 (8) times as long as wide.
 LINES = {2000.0: (1.5e-3, 1e-3), 200.0: (7e-3, 2.5e-3)}
-#: What gaps of involutes are beside parabolas: of the pressure, measured 2.03e-3 near a base circle.
+#: Gaps of involutes beside parabolas: of the pressure; measured 2.03e-3 near a base circle.
 PARABOLAS = 3e-3
 #: Of body 1, mm.
 BASE_RADIUS = 33.828937
