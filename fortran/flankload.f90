@@ -1,5 +1,5 @@
 !> Façade: what a Fortran program uses of the library. The procedures of the flat door are here too,
-!> with explicit interfaces, and the numbers of structures and methods that they take.
+!> with explicit interfaces, and the numbers of structures, methods and parts that they take.
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number
@@ -48,10 +48,12 @@ module flankload
     public :: flankload_status_text
     public :: flankload_position, flankload_normal_compliance, flankload_matrix_form
     public :: flankload_solve_contact, flankload_contact_columns, flankload_solve_sequence
-    public :: flankload_sweep, flankload_sweep_points
+    public :: flankload_pack_body, flankload_pack_part, flankload_sweep, flankload_sweep_points
     public :: fl_general, fl_symmetric, fl_definite, fl_definite_part
     public :: fl_auto, fl_single, fl_paper, fl_block
     public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal
+    public :: fl_part_tip, fl_part_wedge, fl_part_nodes, fl_part_tangential, fl_part_jump
+    public :: fl_part_along, fl_part_shift, fl_part_sides, fl_part_friction
 
     include 'flat/flankload_interfaces.inc'
 

@@ -32,6 +32,19 @@ enum {
     FLANKLOAD_PRIMAL = 7
 };
 
+/* Parts of a body that most bodies lack. */
+enum {
+    FLANKLOAD_PART_TIP = 1,
+    FLANKLOAD_PART_WEDGE = 2,
+    FLANKLOAD_PART_NODES = 3,
+    FLANKLOAD_PART_TANGENTIAL = 4,
+    FLANKLOAD_PART_JUMP = 5,
+    FLANKLOAD_PART_ALONG = 6,
+    FLANKLOAD_PART_SHIFT = 7,
+    FLANKLOAD_PART_SIDES = 8,
+    FLANKLOAD_PART_FRICTION = 9
+};
+
 /* Version of the library. */
 void flankload_version_(int *major, int *minor, int *patch, int *info);
 
@@ -91,36 +104,28 @@ void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const 
                                double *gaps, double *motion, double *tangent, int *active,
                                int *counters, double *certificate, int *info);
 
-/* All positions and torques from flank curves and compliances by pressure modes; mode_range_1 and
-   mode_range_2 have 5 numbers each, wedge_1 and wedge_2 have 2. */
-void flankload_sweep_(const int *n_positions, const int *n_torques, const double *angles_1,
-                      const double *angles_2, const double *center_distance, const double *torques,
-                      const int *n_breaks_1, const int *degree_1, const double *breaks_1,
-                      const double *coefficients_1, const int *corners_1, const int *n_breaks_2,
-                      const int *degree_2, const double *breaks_2, const double *coefficients_2,
-                      const int *corners_2, const int *n_sites, const double *site_angles_1,
-                      const double *site_angles_2, const double *deviations_1,
-                      const double *deviations_2, const int *n_sides, const int *sides,
-                      const int *n_modes_1, const int *n_blocks_1,
-                      const double *mode_range_1, const double *kernel_1, const double *wedge_1,
-                      const double *smooth_1, const int *block_1,
-                      const int *n_nodes_1, const double *nodes_1,
-                      const int *n_modes_2, const int *n_blocks_2,
-                      const double *mode_range_2, const double *kernel_2, const double *wedge_2,
-                      const double *smooth_2, const int *block_2,
-                      const int *n_nodes_2, const double *nodes_2,
-                      const double *grid, const int *level, const int *n_speeds,
-                      const double *speeds, const int *n_mu, const double *mu_places,
-                      const double *mu_values, const int *n_tangential_1,
-                      const double *tangential_1, const double *jump_1, const int *n_shift_1,
-                      const double *shift_1, const int *n_tangential_2, const double *tangential_2,
-                      const double *jump_2, const int *n_shift_2, const double *shift_2,
-                      const int *n_along_1, const double *along_1, const int *n_along_2,
-                      const double *along_2, const int *finite_steps, const int *n_columns,
-                      const int *room, int *control, int *pair_site,
-                      double *pair_table, int *status, double *rotation, double *tangent,
-                      double *certificate, int *counters, double *site_force, double *site_peak,
-                      int *site_corner, int *n_pairs, int *first_pair, int *info);
+/* Begin the record of a body: flank curve, sites, compliance. A positive info is the number of reals
+   that the record needs; n_record = 0 only asks for it. */
+void flankload_pack_body_(const int *n_breaks, const int *degree, const double *breaks,
+                          const double *coefficients, const int *corners, const int *n_sites,
+                          const double *site_angles, const double *deviations, const int *n_modes,
+                          const int *n_blocks, const double *mode_range, const double *kernel,
+                          const double *smooth, const int *block, const int *n_record,
+                          double *record, int *info);
+
+/* Add a part to a record. Each takes as many reals as it has values. */
+void flankload_pack_part_(const int *part, const int *n_values, const double *values,
+                          const int *n_record, double *record, int *info);
+
+/* All positions and torques from the records of two bodies. */
+void flankload_sweep_(const int *n_positions, const int *n_torques, const int *n_sites,
+                      const double *motion, const double *center_distance, const double *torques,
+                      const int *n_record_1, const double *record_1, const int *n_record_2,
+                      const double *record_2, const double *settings, const int *n_columns,
+                      const int *room, int *control, int *pair_site, double *pair_table,
+                      int *status, double *rotation, double *tangent, double *certificate,
+                      int *counters, double *site_force, double *site_peak, int *site_corner,
+                      int *info);
 
 /* All positions and torques from points and compliances. */
 void flankload_sweep_points_(const int *n_positions, const int *n_torques, const int *n_flanks,

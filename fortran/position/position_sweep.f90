@@ -44,10 +44,26 @@ module flankload_position_sweep
 
     !> Counters of a state.
     integer, parameter :: n_counters = 7
-    !> Columns of a pair: s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm], lever of
-    !> the torque row; with friction also sliding speed [mm per rad of the position] and friction
-    !> coefficient times its sign.
-    integer, parameter :: pair_columns = 11, pair_columns_with_friction = 13
+    !> Columns of a pair: arc lengths of both flanks, radius, place, normal [mm], force [N], width
+    !> of the cell, final gap, lever of the torque row [mm]; with friction also sliding speed [mm
+    !> per rad of the position] and friction coefficient times its sign.
+    enum, bind(c)
+        enumerator :: column_s_1 = 1
+        enumerator :: column_s_2
+        enumerator :: column_radius
+        enumerator :: column_x
+        enumerator :: column_y
+        enumerator :: column_normal_x
+        enumerator :: column_normal_y
+        enumerator :: column_force
+        enumerator :: column_cell
+        enumerator :: column_gap
+        enumerator :: column_lever
+        enumerator :: column_sliding
+        enumerator :: column_friction
+    end enum
+    integer, parameter :: pair_columns = column_lever
+    integer, parameter :: pair_columns_with_friction = column_friction
 
 contains
 
@@ -217,28 +233,46 @@ contains
         !> What is found
         type(sweep_type), intent(inout) :: found
 
-        integer :: t, i, at
+        integer :: t, first, last
 
-        at = before
+        last = before
         do t = 1, size(states)
-            associate (state => states(t), pairs => states(t)%pairs)
-                if (state%status < 0) cycle
-                found%first_pair(k, t) = at + 1
-                do i = 1, pairs%n
-                    at = at + 1
-                    pair_site(at) = pairs%site(i)
-                    pair_table(:pair_columns, at) = [pairs%s_1(i), pairs%s_2(i), pairs%radius(i), &
-                        & pairs%point(1, i), pairs%point(2, i), pairs%normal(1, i), &
-                        & pairs%normal(2, i), state%forces(i), &
-                        & 0.5_wp*(pairs%cell_1(i) + pairs%cell_2(i)), state%gaps(i), &
-                        & pairs%torque_lever(i)]
-                end do
-                if (allocated(pairs%friction)) then
-                    pair_table(pair_columns + 1, at - pairs%n + 1:at) = pairs%sliding(:pairs%n)
-                    pair_table(pair_columns + 2, at - pairs%n + 1:at) = pairs%friction(:pairs%n)
-                end if
-            end associate
+            if (states(t)%status < 0) cycle
+            first = last + 1
+            last = last + states(t)%pairs%n
+            found%first_pair(k, t) = first
+            pair_site(first:last) = states(t)%pairs%site(:states(t)%pairs%n)
+            call fill_table(states(t), pair_table(:, first:last))
         end do
     end subroutine pack_pairs
+
+    !> Columns of the pairs of a state.
+    pure subroutine fill_table(state, table)
+        !> The state
+        type(position_state), intent(in) :: state
+        !> Columns of its pairs, shape (columns, pairs)
+        real(wp), intent(inout) :: table(:, :)
+
+        integer :: n
+
+        n = state%pairs%n
+        associate (pairs => state%pairs)
+            table(column_s_1, :) = pairs%s_1(:n)
+            table(column_s_2, :) = pairs%s_2(:n)
+            table(column_radius, :) = pairs%radius(:n)
+            table(column_x, :) = pairs%point(1, :n)
+            table(column_y, :) = pairs%point(2, :n)
+            table(column_normal_x, :) = pairs%normal(1, :n)
+            table(column_normal_y, :) = pairs%normal(2, :n)
+            table(column_force, :) = state%forces(:n)
+            table(column_cell, :) = 0.5_wp*(pairs%cell_1(:n) + pairs%cell_2(:n))
+            table(column_gap, :) = state%gaps(:n)
+            table(column_lever, :) = pairs%torque_lever(:n)
+            if (allocated(pairs%friction)) then
+                table(column_sliding, :) = pairs%sliding(:n)
+                table(column_friction, :) = pairs%friction(:n)
+            end if
+        end associate
+    end subroutine fill_table
 
 end module flankload_position_sweep

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flankload as fl
-from flankload.contact.sweep import Level, Sweep, _core_arguments, sweep
+from flankload.contact.body_record import body_records
+from flankload.contact.core_call import Level
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -110,18 +112,10 @@ def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.
     """A sweep as the compiled bench reads it: real numbers alone."""
     pair = job.bodies
     knobs = (grid.strips_per_half_width, grid.corner_strips_per_half_width, grid.zone_half_widths)
-    parts: list[object] = [[count, torque_Nmm, *knobs], *pair.pairing.turns(job.positions(count))]
-    arguments = _core_arguments(
+    head = [count, torque_Nmm, *knobs, pair.pairing.center_distance_mm]
+    parts: list[object] = [head, *pair.pairing.turns(job.positions(count))]
+    for record in body_records(
         (pair.body_1, pair.body_2), job.compliances, pair.pairing, job.scene.pair.face_width_mm
-    )
-    for z, argument in enumerate(arguments):
-        # neither nodes nor shifts
-        breaks, coefficients, corners, angles, deviations, span, kernel, wedge, smooth, block = (
-            np.asarray(part) for part in argument[:10]
-        )
-        head = [
-            *(breaks.size, len(coefficients) - 1, angles.size, len(smooth), smooth.shape[2]),
-            *(z * pair.pairing.center_distance_mm, *span, kernel, *wedge),
-        ]
-        parts += [head, breaks, coefficients, corners, angles, deviations, smooth, block]
-    return np.concatenate([np.ravel(part, order="F") for part in parts]).astype(float)
+    ):
+        parts += [[record.size], record]
+    return np.concatenate([np.ravel(part) for part in parts]).astype(float)

@@ -84,7 +84,7 @@ class Case:
     @property
     def states(self) -> int:
         """Positions times torques."""
-        return int(len(self.call["angles_1"]) * len(self.call["torques"]))
+        return int(self.call["motion"].shape[1] * len(self.call["torques"]))
 
 
 def run() -> str:

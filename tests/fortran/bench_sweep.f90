@@ -6,14 +6,15 @@
 program bench_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
-        & grid_settings, method_single, new_flank, new_flank_curve, position_state, &
-        & solve_contact_problem, solve_position, symmetric_matrix
+        & grid_settings, method_single, position_state, solve_contact_problem, solve_position, &
+        & symmetric_matrix
     use flankload_contact_pairs, only: pairs_type
     use flankload_influence_number, only: influence_matrix
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position_zones, only: look_at_position, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
+    use flankload_recorded_body, only: read_body
     implicit none
 
     !> Zones; lumped level; cells and pairs; influence numbers; the loop as a position calls it; all
@@ -57,7 +58,7 @@ contains
         type(bench_case) :: case
 
         integer :: unit, length, z
-        real(wp) :: head(5)
+        real(wp) :: head(6)
         character(len=:), allocatable :: path
 
         call get_command_argument(argument, length=length)
@@ -73,45 +74,29 @@ contains
         allocate (case%angles(nint(head(1)), 2))
         read (unit) case%angles
         do z = 1, 2
-            call read_body(unit, case%bodies(z))
+            call read_one(unit, case%bodies(z))
         end do
+        case%bodies(2)%origin = [head(6), 0.0_wp]
         close (unit)
     end function read_case
 
-    !> Read one body.
-    subroutine read_body(unit, body)
+    !> Read the record of one body.
+    subroutine read_one(unit, body)
         !> The file
         integer, intent(in) :: unit
         !> The body
         type(body_type), intent(out) :: body
 
-        integer :: n_breaks, degree, n_sites, n_modes, n_blocks
-        real(wp) :: head(14)
-        real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), block(:, :)
+        real(wp) :: length
+        real(wp), allocatable :: record(:)
+        logical :: valid
 
-        read (unit) head
-        n_breaks = nint(head(1))
-        degree = nint(head(2))
-        n_sites = nint(head(3))
-        n_modes = nint(head(4))
-        n_blocks = nint(head(5))
-        body%origin = [head(6), 0.0_wp]
-        body%compliance%s_low = head(7)
-        body%compliance%s_high = head(8)
-        body%compliance%s_tip = head(9)
-        body%compliance%tip_power = nint(head(10))
-        body%compliance%tip_turn = head(11)
-        body%compliance%kernel = head(12)
-        body%compliance%wedge = head(13:14)
-        allocate (breaks(n_breaks), corners(n_breaks))
-        allocate (coefficients(degree + 1, 2, n_breaks - 1))
-        allocate (body%site_angles(n_sites), body%deviations(n_sites), block(n_sites, n_sites))
-        allocate (body%compliance%smooth(n_modes, n_modes, n_blocks))
-        read (unit) breaks, coefficients, corners, body%site_angles, body%deviations, &
-            & body%compliance%smooth, block
-        body%flank = new_flank(new_flank_curve(breaks, coefficients, nint(corners)))
-        body%compliance%block = nint(block)
-    end subroutine read_body
+        read (unit) length
+        allocate (record(nint(length)))
+        read (unit) record
+        call read_body(record, body, valid)
+        if (.not. valid) error stop 3
+    end subroutine read_one
 
     !> Print one line.
     subroutine measure(case)

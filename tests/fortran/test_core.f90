@@ -17,6 +17,9 @@ program test_core
         & mean_strip_kernel, closed_strip_kernel, strip_jump
     use flankload_near_field, only: add_near_field, image_type, new_image, image_recession
     use flankload_nodal_table, only: nodal_place, place_among
+    use flankload_contact_zones, only: zone_type
+    use flankload_contact_grid, only: grid_type
+    use flankload_node_cells, only: lay_on_nodes
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
     use flankload_tabled_influence, only: add_table, add_tangential_table
@@ -56,6 +59,7 @@ program test_core
     call test_image_of_a_contact_beside_its_place
     call test_tables_between_nodes
     call test_place_before_the_second_point
+    call test_cells_of_uneven_nodes
     call test_slope_of_the_mean_sign
     call test_lever_of_friction
     call test_flank_pushed_far
@@ -126,6 +130,28 @@ contains
         place = place_among(points(:2), 1.25_wp)
         call expect(place%point == 1, 'a place between the only two points')
     end subroutine test_place_before_the_second_point
+
+    !> A cell on nodes ends half-way to the next node, also where nodes are unevenly spaced.
+    subroutine test_cells_of_uneven_nodes
+        real(wp), parameter :: nodes(6) = [0.0_wp, 1.0_wp, 3.0_wp, 4.0_wp, 8.0_wp, 9.0_wp]
+        type(zone_type) :: zone
+        type(grid_type) :: grid
+
+        zone%s_1_high = nodes(size(nodes))
+        grid%low = 0.0_wp
+        grid%high = 9.0_wp
+        call lay_on_nodes(nodes, zone, grid)
+        call expect(grid%n == 6, 'nodes of a whole zone')
+        call expect(all(abs(grid%ends - [0.0_wp, 0.5_wp, 2.0_wp, 3.5_wp, 6.0_wp, 8.5_wp, 9.0_wp]) &
+            & <= round_off), 'ends of the cells of a whole zone')
+        grid%low = 2.0_wp
+        grid%high = 5.0_wp
+        call lay_on_nodes(nodes, zone, grid)
+        call expect(grid%n == 2, 'nodes of a part of a zone')
+        call expect(all(abs(grid%centers - nodes(3:4)) <= round_off), 'pairs on nodes')
+        call expect(all(abs(grid%ends - [2.0_wp, 3.5_wp, 6.0_wp]) <= round_off), &
+            & 'ends of the cells of a part of a zone')
+    end subroutine test_cells_of_uneven_nodes
 
     !> The slope of the mean sign of sliding is that of its differences by u = v_0/(|v'| h).
     subroutine test_slope_of_the_mean_sign

@@ -243,7 +243,7 @@ _FORTRAN = (
     ),
     *_in(
         "node_cells.f90",
-        "unit/elasticity/test_near_field.py physics/test_nodal_near_field.py",
+        "core",
         ("0.5_wp*(around(k) + around(k + 1))", "0.6_wp*around(k) + 0.4_wp*around(k + 1)"),
     ),
 )

@@ -11,7 +11,8 @@ import pytest
 
 import flankload as fl
 from flankload.analysis.estimate import lumped_error
-from flankload.contact.sweep import CORE_COUNTERS, Level, Sweep, sweep
+from flankload.contact.core_call import CORE_COUNTERS, Level
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies

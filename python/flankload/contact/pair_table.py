@@ -32,6 +32,11 @@ COLUMNS = (
 FRICTION_COLUMNS = ("sliding", "friction")
 
 
+def columns_of(*, friction: bool) -> tuple[str, ...]:
+    """Columns of a table of pairs with or without friction."""
+    return (*COLUMNS, *FRICTION_COLUMNS) if friction else COLUMNS
+
+
 @dataclass(frozen=True, eq=False)
 class PackedPairs:
     """Pairs of all positions (P) under one torque.

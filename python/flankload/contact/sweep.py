@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload import _core
-from flankload.contact.interruptible import call_and_watch
-from flankload.contact.pair_table import COLUMNS, FRICTION_COLUMNS, PackedPairs, join_pairs
-from flankload.contact.status import NO_ROOM, STOPPED
+from flankload.contact.body_record import body_records
+from flankload.contact.core_call import CoreCall, Found, Level
+from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.sweep_failure import raise_first_failure
-from flankload.cost import Account, held_bytes
-from flankload.errors import InputError
-from flankload.pairing.friction import FrictionArguments
+from flankload.cost import Account
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,23 +24,8 @@ if TYPE_CHECKING:
     from flankload.pairing.pairing import Pairing
     from flankload.scene.discretization import Grid
 
-#: Contact models in order of decreasing cost, as numbered in the core.
-Level = Literal["pairs", "lumped"]
-LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
-#: Label of a curve end that is only a cut: nothing touches there first.
-CUT_END = 2
 #: Value of the core for a site at which an omitted end would touch.
 END_WOULD_TOUCH = -3
-#: Counters of the core for every state, in its order.
-CORE_COUNTERS = (
-    "pivots",
-    "influence_columns",
-    "contact_passes",
-    "refactorisations",
-    "influence_columns_tangential",
-    "lumped_solutions",
-    "finite_solutions",
-)
 #: Allocated pairs in the first call, per position and torque: twice the number that most jobs need.
 #: Memory that is never written costs nothing.
 FIRST_ROOM = 256
@@ -81,7 +63,7 @@ class Sweep:
     certificate : (P, 3) array
         Backward error, condition, margin.
     counters : (P, 7) array
-        Cost of each state: `CORE_COUNTERS`.
+        Cost of each state: `core_call.CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; maximum of force divided by cell width; body with contact on a sharp corner (0: none;
         -1: the site that touches without torque, -2: a lumped contact that no parabola
@@ -189,72 +171,77 @@ def sweep(
     spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
-    arguments = _core_arguments(bodies, compliances, pairing, face_width_mm)
-    along_flanks = _AlongFlanks.of(
-        compliances if friction is not None or finite_steps else (), face_width_mm
+    core = CoreCall(
+        n_sites=pairing.sites.size * (1 if pairing.coast is None else 2),
+        motion=_motion(pairing, positions, friction),
+        center_distance_mm=pairing.center_distance_mm,
+        torques_Nmm=torques,
+        records=body_records(
+            bodies,
+            compliances,
+            pairing,
+            face_width_mm,
+            friction=friction,
+            tangential=friction is not None or finite_steps > 0,
+        ),
+        grid=grid,
+        level=level,
+        finite_steps=finite_steps,
+        friction=friction is not None,
+        account=spent,
+        progress=progress,
+        watched=watched,
     )
-
-    def call(
-        where: NDArray[np.float64],
-        under: NDArray[np.float64],
-        tell: Callable[[int, int], None] | None,
-    ) -> _CoreCall:
-        return _CoreCall(
-            turns=pairing.turns(where),
-            pairing=pairing,
-            torques=under,
-            arguments=arguments,
-            grid=grid,
-            level=level,
-            rubbing=FrictionArguments.of(friction, pairing, where),
-            along_flanks=along_flanks,
-            finite_steps=finite_steps,
-            account=spent,
-            progress=tell,
-            watched=watched,
-        )
 
     def holds(k: int, under: NDArray[np.float64]) -> NDArray[np.bool_]:
-        numbers = call(positions[k : k + 1], under, None).all_positions(0).numbers
-        return np.asarray(numbers[0][0] >= 0)
+        alone = replace(
+            core, motion=core.motion[:, k : k + 1], torques_Nmm=under, progress=None
+        ).all_positions(0)
+        return np.asarray(alone.status[0] >= 0)
 
-    room = _first_room(pairing, grid) if keep_pairs else 0
-    found = call(positions, torques, progress).all_positions(room)
-    (status, rotation, tangent, certificate, counters, force, peak, corner, n_pairs) = found.numbers
+    found = core.all_positions(_first_room(pairing, grid) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
-        status, positions, torques, certificate, rubs=friction is not None, holds=holds
+        found.status, positions, torques, found.certificate, rubs=friction is not None, holds=holds
     )
-    working = slice(None, pairing.sites.size)
+    return tuple(_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
 
-    def coast_of(t: int, pairs: PackedPairs) -> CoastSweep:
-        behind = slice(pairing.sites.size, None)
-        return CoastSweep(
-            force[behind, :, t].T, peak[behind, :, t].T, corner[behind, :, t].T, pairs
-        )
 
-    def sweep_of(t: int) -> Sweep:
-        pairs, coast = found.pairs_of(t), None
-        if pairing.coast is not None:
-            pairs, coast_pairs = pairs.parted_at(pairing.sites.size)
-            coast = coast_of(t, coast_pairs)
-        return Sweep(
-            torque_Nmm=float(torques[t]),
-            status=status[:, t],
-            rotation_rad=rotation[:, t],
-            tangent_rad_per_Nmm=tangent[:, t],
-            certificate=certificate[..., t].T,
-            counters=counters[..., t].T,
-            site_force_N=force[working, :, t].T,
-            site_peak_N_per_mm=peak[working, :, t].T,
-            site_corner=corner[working, :, t].T,
-            site_force_per_torque=force[working, :, t].T / (torques[t] or 1.0),
-            n_pairs=n_pairs[:, t],
-            pairs=pairs,
-            coast=coast,
-        )
+def _motion(
+    pairing: Pairing, position_rad: NDArray[np.float64], friction: Friction | None
+) -> NDArray[np.float64]:
+    """(4, P) angles of both bodies, rad, and with friction their speeds, else 0."""
+    motion = np.zeros((4, position_rad.size))
+    motion[:2] = pairing.turns(position_rad)
+    if friction is not None:
+        motion[2:] = friction.speeds(pairing, position_rad)
+    return motion
 
-    return tuple(sweep_of(t) for t in range(torques.size))
+
+def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
+    """Results for one torque; those of coast flanks separately."""
+    n = pairing.sites.size
+    pairs, coast = found.pairs_of(t), None
+    force, peak = found.site_force_N[..., t].T, found.site_peak_N_per_mm[..., t].T
+    corner = found.site_corner[..., t].T
+    if pairing.coast is not None:
+        pairs, coast_pairs = pairs.parted_at(n)
+        coast = CoastSweep(force[:, n:], peak[:, n:], corner[:, n:], coast_pairs)
+    return Sweep(
+        torque_Nmm=torque_Nmm,
+        status=found.status[:, t],
+        rotation_rad=found.rotation_rad[:, t],
+        tangent_rad_per_Nmm=found.tangent_rad_per_Nmm[:, t],
+        certificate=found.certificate[..., t].T,
+        counters=found.counters[..., t].T,
+        site_force_N=force[:, :n],
+        site_peak_N_per_mm=peak[:, :n],
+        site_corner=corner[:, :n],
+        site_force_per_torque=force[:, :n] / (torque_Nmm or 1.0),
+        n_pairs=found.n_pairs[:, t],
+        pairs=pairs,
+        coast=coast,
+    )
 
 
 def _first_room(pairing: Pairing, grid: Grid) -> int:
@@ -297,233 +284,3 @@ def _joined(
     return {name: values[order] for name, values in joined.items()} | {
         "pairs": join_pairs([part.pairs for part in parts], order)
     }
-
-
-def _core_arguments(
-    bodies: tuple[Body, Body],
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
-    face_width_mm: float,
-) -> list[tuple[NDArray[Any] | float, ...]]:
-    """Per body: curve, compliance and shift arrays, in the layout of the flat interface."""
-    arguments: list[tuple[NDArray[Any] | float, ...]] = []
-    for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True)):
-        teeth, angles = pairing.site_teeth[z], pairing.site_angles_rad[z]
-        deviations = pairing.site_deviations_mm[z]
-        if pairing.coast is not None:
-            teeth = np.concatenate([teeth, pairing.coast.site_teeth[z]])
-            angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
-            deviations = np.concatenate([deviations, np.zeros_like(deviations)])
-        block = compliance.blocks_of_sites(teeth, pairing.sites.size, body.teeth)
-        blocks, _ = compliance.all_blocks()
-        smooth = np.asfortranarray(blocks.transpose(1, 2, 0) / face_width_mm)
-        shift = compliance.shift_of(teeth)
-        curve, corners = body.curve, body.curve.corners.astype(np.intc)
-        if body.active_range_mm is not None:
-            curve = curve.cut(*body.active_range_mm)
-            corners = curve.corners.astype(np.intc)
-            corners[[0, -1]] = CUT_END
-        arguments.append(
-            (
-                curve.breaks,
-                np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
-                corners,
-                angles,
-                deviations,
-                _mode_range(compliance),
-                compliance.kernel / face_width_mm,
-                np.asarray(compliance.wedge, dtype=float),
-                smooth,
-                np.asfortranarray(block + 1, dtype=np.intc),
-                np.empty(0) if compliance.nodes is None else compliance.nodes,
-                len(shift),
-                shift.ravel(),
-            )
-        )
-    return arguments
-
-
-def _mode_range(compliance: BodyCompliance) -> NDArray[np.float64]:
-    """Ends of the modes' range and of the tip's modes, mm; their lowest power and turn, rad."""
-    low, high = compliance.mode_range_mm
-    return np.array([low, high, *(compliance.tip or (low, 0, 0))], dtype=float)
-
-
-@dataclass(frozen=True)
-class _AlongFlanks:
-    """Responses to tangential loads in the layout of the flat interface; empty without these.
-
-    Attributes
-    ----------
-    across : two tuples
-        For each body the number of tangential loads, their normal displacements (flat) and the
-        strength of the jump.
-    along : tuple
-        For body 1, then body 2, the number of tangential loads and their tangential displacements
-        (flat).
-    """
-
-    across: tuple[tuple[int, NDArray[np.float64], float], ...]
-    along: tuple[NDArray[np.float64] | int, ...]
-
-    @classmethod
-    def of(cls, compliances: Sequence[BodyCompliance], face_width_mm: float) -> _AlongFlanks:
-        """Arguments; empty for rigid bodies and if no tangential response is requested."""
-        across: list[tuple[int, NDArray[np.float64], float]] = []
-        along: list[NDArray[np.float64] | int] = []
-        for compliance in compliances or (None, None):
-            blocks = None if compliance is None else compliance.all_blocks()[1]
-            count, flat = _flat(blocks, face_width_mm)
-            jump = compliance.jump / face_width_mm if compliance is not None else 0.0
-            across.append((count, flat, jump))
-            along += _flat(None if compliance is None else compliance.along, face_width_mm)
-        return cls(tuple(across), tuple(along))
-
-
-def _flat(
-    blocks: NDArray[np.float64] | None, face_width_mm: float
-) -> tuple[int, NDArray[np.float64]]:
-    """Number of loads in the blocks of a compliance, and the concatenated blocks."""
-    if blocks is None:
-        return 0, np.empty(0)
-    return blocks.shape[2], blocks.transpose(1, 2, 0).ravel(order="F") / face_width_mm
-
-
-@dataclass
-class _Found:
-    """Outputs of the core: numbers with shape (…, P, T), and the packed pairs."""
-
-    numbers: tuple[NDArray[Any], ...]
-    first_pair: NDArray[np.int64]
-    pair_site: NDArray[np.intc]
-    pair_table: NDArray[np.float64]
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes of all outputs, and of the influence coefficients of the state with most pairs."""
-        influence = 8 * int(self.numbers[-1].max(initial=0)) ** 2
-        table = self.pair_site.nbytes + self.pair_table.nbytes
-        return influence + table + held_bytes(self.numbers)
-
-    def pairs_of(self, t: int) -> PackedPairs:
-        """Pairs of a torque."""
-        first = self.first_pair[:, t]
-        count = np.where(first >= 0, self.numbers[-1][:, t], 0)
-        return PackedPairs(self.pair_site, self.pair_table, first, count)
-
-    def take_over(self, other: _Found, positions: NDArray[np.int64]) -> None:
-        """Fill in positions from another call."""
-        for mine, theirs in zip(self.numbers, other.numbers, strict=True):
-            mine[..., positions, :] = theirs
-        self.first_pair[positions] = other.first_pair + len(self.pair_site)
-        self.pair_site = np.concatenate([self.pair_site, other.pair_site])
-        self.pair_table = np.concatenate([self.pair_table, other.pair_table])
-
-
-@dataclass
-class _CoreCall:
-    """The constant arguments of the core, and its call."""
-
-    turns: tuple[NDArray[np.float64], NDArray[np.float64]]
-    pairing: Pairing
-    torques: NDArray[np.float64]
-    arguments: list[tuple[NDArray[Any] | float, ...]]
-    grid: Grid
-    level: Level
-    rubbing: FrictionArguments
-    along_flanks: _AlongFlanks
-    finite_steps: int
-    account: Account
-    progress: Callable[[int, int], None] | None
-    watched: bool
-
-    def all_positions(self, room: int) -> _Found:
-        """Solve every position; repeat those whose pairs exceeded the allocated number."""
-        n = len(self.turns[0])
-        found = self._call(np.arange(n), room * n, done=0)
-        while True:
-            short = np.flatnonzero((found.numbers[0] == NO_ROOM).any(axis=1))
-            if short.size == 0:
-                return found
-            room = max(2 * room, 2 * len(found.pair_site) // max(1, n - short.size))
-            found.take_over(self._call(short, room * short.size, done=n - short.size), short)
-
-    def _call(self, which: NDArray[np.int64], room: int, *, done: int) -> _Found:
-
-        (curve_1, curve_2) = (argument[:3] for argument in self.arguments)
-        (site_1, site_2) = (argument[3:5] for argument in self.arguments)
-        (field_1, field_2) = (argument[5:11] for argument in self.arguments)
-        (shift_1, shift_2) = (argument[11:] for argument in self.arguments)
-        (tangential_1, tangential_2) = self.along_flanks.across
-        grid = self.grid
-        knobs = (
-            grid.strips_per_half_width,
-            grid.corner_strips_per_half_width,
-            grid.zone_half_widths,
-        )
-        sides = np.empty(0, dtype=np.intc)
-        if self.pairing.coast is not None:
-            sides = np.repeat(np.array([1, -1], dtype=np.intc), self.pairing.sites.size)
-        control = np.zeros(2, dtype=np.intc)
-        room *= len(self.torques)
-        site = np.empty(room, dtype=np.intc)
-        columns = len(COLUMNS) + (len(FRICTION_COLUMNS) if self.rubbing.present else 0)
-        table = np.empty(room * columns)
-
-        def call() -> tuple[Any, ...]:
-            found: tuple[Any, ...] = _core.flankload_sweep(
-                self.turns[0][which],
-                self.turns[1][which],
-                self.pairing.center_distance_mm,
-                self.torques,
-                *curve_1,
-                *curve_2,
-                site_1[0],
-                site_2[0],
-                site_1[1],
-                site_2[1],
-                sides.size,
-                sides,
-                *field_1,
-                *field_2,
-                np.array(knobs),
-                LEVELS[self.level],
-                *self.rubbing.at(which),
-                *tangential_1,
-                *shift_1,
-                *tangential_2,
-                *shift_2,
-                *self.along_flanks.along,
-                self.finite_steps,
-                columns,
-                control,
-                site,
-                table,
-            )
-            return found
-
-        def tell(now: int) -> None:
-            if self.progress is not None:
-                self.progress(done + now, len(self.turns[0]))
-
-        found = call_and_watch(call, control, tell=tell) if self.watched else call()
-        *numbers, first_pair, info = found
-        if info < 0:
-            raise InputError(f"argument {-info} of flankload_sweep is not valid")
-        tell(int(control[1]))
-        _count(numbers[0], numbers[4], self.account)
-        used = int(np.max(first_pair - 1 + numbers[-1], initial=0, where=first_pair > 0))
-        site[:used] -= 1
-        return _Found(
-            numbers=tuple(numbers),
-            first_pair=first_pair - 1,
-            pair_site=site[:used],
-            pair_table=table.reshape(-1, columns)[:used],
-        )
-
-
-def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
-    """Count the work of a call of the core, including states that exceeded the allocation."""
-    begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
-    sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
-    account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))

@@ -52,51 +52,6 @@ class Friction:
         return self.sense * np.array(pairing.speeds(position_rad))
 
 
-@dataclass(frozen=True)
-class FrictionArguments:
-    """Friction in the layout of the core's sweep; all arrays are empty without friction.
-
-    Attributes
-    ----------
-    speeds : (2, P) array
-        Speeds of both bodies, rad per rad of the position.
-    table : (n,) and (n * S,) arrays
-        Arc lengths on flank 1, mm, and coefficients there, site by site.
-    """
-
-    speeds: NDArray[np.float64]
-    table: tuple[NDArray[np.float64], NDArray[np.float64]]
-
-    @classmethod
-    def of(
-        cls,
-        friction: Friction | None,
-        pairing: Pairing,
-        position_rad: NDArray[np.float64],
-    ) -> FrictionArguments:
-        """Arguments of a sweep."""
-        if friction is None:
-            none = np.empty(0)
-            return cls(np.empty((2, 0)), (none, none))
-        coefficients = friction.coefficients
-        if pairing.coast is not None:  # the same coefficients as on the working flanks
-            coefficients = np.hstack([coefficients, coefficients])
-        return cls(
-            friction.speeds(pairing, position_rad),
-            (friction.places_mm, coefficients.ravel(order="F")),
-        )
-
-    @property
-    def present(self) -> bool:
-        """Whether there is friction."""
-        return self.table[0].size > 0
-
-    def at(self, which: NDArray[np.int64]) -> tuple[NDArray[np.float64] | float, ...]:
-        """Speeds and coefficients at some positions, in the order of the core's interface."""
-        speeds = self.speeds[:, which] if self.present else self.speeds
-        return speeds.shape[1], speeds.ravel(order="F"), *self.table
-
-
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:
     """Friction of a scene at the sites of its pairing.
 

@@ -28,7 +28,7 @@ sys.exit(command())
 #: … or when its sweep does.
 SWEEP = """
 import sys
-import flankload.contact.sweep as room
+import flankload.contact.core_call as room
 original = room.call_and_watch
 def told(*arguments, **options):
     print("begun", flush=True)

@@ -18,6 +18,7 @@ from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
+from tests.support.body_records import parts_of
 from tests.support.gear_pair import GEARS, ONE, TWO
 from tests.support.sweep_calls import assert_same
 from tests.support.tolerances import SOLVER
@@ -173,11 +174,13 @@ def test_each_flank_has_its_own_shift() -> None:
 def test_without_shift_nothing_is_handed_to_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
     """Empty arrays; a shift of zeros changes no bit but the path through the core."""
     pair, (one, two) = job()
-    seen = []
+    seen: list[list[int]] = []
+    shifts = []
     original = _core.flankload_sweep
 
     def spied(*arguments: np.ndarray) -> object:
         seen.append([np.size(argument) for argument in arguments])
+        shifts.append(sum(parts_of(record)["shift"].size for record in arguments[4:6]))
         return original(*arguments)
 
     monkeypatch.setattr(_core, "flankload_sweep", spied)
@@ -185,10 +188,11 @@ def test_without_shift_nothing_is_handed_to_the_core(monkeypatch: pytest.MonkeyP
     zeros = swept(pair, (shifted(one, np.zeros(MODES)), two), 302.0)
     more = [b - a for a, b in zip(*seen, strict=True) if a != b]
     assert more == [pair.pairing.sites.size * MODES]
+    assert shifts == [0, *more]
     assert_same(plain, zeros)
 
 
 def test_a_shift_that_is_no_number_is_refused() -> None:
     pair, (one, two) = job()
-    with pytest.raises(fl.errors.InputError, match="argument 53 of flankload_sweep"):
+    with pytest.raises(fl.errors.InputError, match=r"argument 3 of flankload_pack_part \(shift\)"):
         swept(pair, (shifted(one, np.full(MODES, np.nan)), two), 302.0)

@@ -22,6 +22,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.belt import BeltDrive
 from flankload.scene.effects import EFFECTS, Effect, switches_of
 from flankload.scene.effects.keys import EffectsAsked
+from tests.support.body_records import parts_of
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 
@@ -33,6 +34,16 @@ SMALL: dict[str, Any] = {
 }
 #: Arguments of the core, in their order.
 ARGUMENTS = _core.flankload_sweep.__doc__.partition("(")[2].partition(")")[0].split(",")
+
+
+def by_name(arguments: tuple[Any, ...]) -> dict[str, Any]:
+    """Arguments of a call of the core, the parts of both bodies and each setting, by name."""
+    call = dict(zip(ARGUMENTS, arguments, strict=True))
+    for z in (1, 2):
+        parts = parts_of(call[f"record_{z}"])
+        call |= {f"{name}_{z}": values for name, values in parts.items()}
+    *_, level, finite_steps = call["settings"]
+    return call | {"speeds": call["motion"][2:], "level": level, "finite_steps": finite_steps}
 
 
 @dataclass(frozen=True)
@@ -172,7 +183,7 @@ CASES = {
     ),
     "tip_contact": Case({}, {"effects__tip_contact": False}, beyond_active, plain=False),
     "coast_flanks": Case(
-        {"effects__coast_flank": True}, {"effects__coast_flank": False}, amount("sides")
+        {"effects__coast_flank": True}, {"effects__coast_flank": False}, amount("sides_1")
     ),
     "flank_modifications": Case(
         {"body_1__tip_relief_um": 10, "body_1__tip_relief_start_diameter_mm": 80}, {}, relieved
@@ -196,7 +207,7 @@ CASES = {
     "friction": Case(
         {"effects__friction_coefficient": 0.1},
         {"effects__friction_coefficient": 0},
-        amount("mu_values", "tangential_1", "speeds"),
+        amount("friction_1", "tangential_1", "speeds"),
     ),
     "power_loss": Case(
         {"effects__friction_coefficient": 0.1}, {"effects__friction_coefficient": 0}, lost
@@ -270,7 +281,7 @@ def run_of(changes: dict[str, Any]) -> Run:
     plain = _core.flankload_sweep
 
     def watched(*arguments: Any) -> Any:
-        calls.append(dict(zip(ARGUMENTS, arguments, strict=True)))
+        calls.append(by_name(arguments))
         return plain(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:

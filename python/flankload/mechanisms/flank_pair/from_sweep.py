@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
-from flankload.contact.sweep import CORE_COUNTERS
+from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen

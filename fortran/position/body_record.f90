@@ -1,0 +1,329 @@
+!> A body as one array of reals, which a program fills part by part and hands to the sweep.
+!>
+!>     record(1)      record_mark
+!>     record(2)      number of reals in use
+!>     record(3:7)    numbers of breaks, powers (degree + 1), sites, modes and blocks
+!>     record(8:)     first place and length of each part, 0 and 0 if it is absent
+!>     …              the parts, in the order in which they were packed
+!>
+!> Integers are whole reals. A new part is a name in the enumeration, its shape in shape_of, and the
+!> line in recorded_body.f90 that reads it; a rule for its values, if any, is a case in are_valid.
+module flankload_body_record
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+    use flankload_kinds, only: wp
+    use flankload_compliance_field, only: tip_modes
+    implicit none
+    private
+
+    public :: counts_type
+    public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
+    public :: part_sides, part_friction, last_optional, last_part
+    public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
+    public :: part_mode_range, part_kernel, part_smooth, part_block
+    public :: fits, are_valid, body_length, start_record, write_part
+    public :: is_record, reals_in, counts_in, shape_in, place_in
+
+    !> Parts: first the optional ones, by the numbers that programs use, then those of every body.
+    enum, bind(c)
+        enumerator :: part_tip = 1
+        enumerator :: part_wedge
+        enumerator :: part_nodes
+        enumerator :: part_tangential
+        enumerator :: part_jump
+        enumerator :: part_along
+        enumerator :: part_shift
+        enumerator :: part_sides
+        enumerator :: part_friction
+        enumerator :: part_breaks
+        enumerator :: part_coefficients
+        enumerator :: part_corners
+        enumerator :: part_site_angles
+        enumerator :: part_deviations
+        enumerator :: part_mode_range
+        enumerator :: part_kernel
+        enumerator :: part_smooth
+        enumerator :: part_block
+    end enum
+    integer, parameter :: last_optional = part_friction, last_part = part_block
+
+    !> Sizes from which the shapes of all parts follow.
+    type :: counts_type
+        integer :: breaks = 0
+        !> Degree of the flank curve + 1
+        integer :: powers = 0
+        integer :: sites = 0
+        integer :: modes = 0
+        integer :: blocks = 0
+        !> Modes of load along the flank: known as soon as part_tangential is packed
+        integer :: tangential = 0
+    end type counts_type
+
+    !> First number of every record: F, L and B in ASCII, then the version of this layout. It
+    !> changes with the list of parts; a record of another version is refused.
+    real(wp), parameter :: record_mark = 70766601.0_wp
+    integer, parameter :: first_count = 3, first_place = 8
+    integer, parameter :: header = first_place - 1 + 2*last_part
+    !> A dimension of a part that follows from the number of its values.
+    integer, parameter :: any_number = -1
+
+contains
+
+    !> Shape of a part. This is the list of all parts.
+    pure function shape_of(part, n) result(extents)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Sizes of the body
+        type(counts_type), intent(in) :: n
+        !> Shape; any_number where the caller chooses
+        integer :: extents(3)
+
+        extents = 1
+        select case (part)
+        case (part_tip)
+            extents(1) = 3
+        case (part_wedge)
+            extents(1) = 2
+        case (part_nodes)
+            extents(1) = n%modes
+        case (part_tangential)
+            extents = [n%modes, any_number, n%blocks]
+        case (part_along)
+            extents = [n%tangential, n%tangential, n%blocks]
+        case (part_shift)
+            extents(:2) = [n%modes, n%sites]
+        case (part_sides)
+            extents(1) = n%sites
+        case (part_friction)
+            extents(:2) = [any_number, n%sites + 1]
+        case (part_breaks, part_corners)
+            extents(1) = n%breaks
+        case (part_coefficients)
+            extents = [n%powers, 2, n%breaks - 1]
+        case (part_site_angles, part_deviations)
+            extents(1) = n%sites
+        case (part_mode_range)
+            extents(1) = 2
+        case (part_smooth)
+            extents = [n%modes, n%modes, n%blocks]
+        case (part_block)
+            extents(:2) = n%sites
+        case default
+            ! part_jump, part_kernel: one number
+            extents = 1
+        end select
+    end function shape_of
+
+    !> Whether a part may have so many values.
+    pure function fits(part, n, n_values)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Sizes of the body
+        type(counts_type), intent(in) :: n
+        !> Number of values
+        integer, intent(in) :: n_values
+        logical :: fits
+
+        integer :: extents(3)
+        real(wp) :: least
+
+        ! As a real: products of sizes may be beyond the integers.
+        extents = shape_of(part, n)
+        least = product(real(extents, wp), mask=extents /= any_number)
+        fits = n_values > 0 .and. least > 0.0_wp .and. least <= n_values
+        if (fits) fits = mod(n_values, nint(least)) == 0
+        if (fits .and. all(extents /= any_number)) fits = n_values == nint(least)
+    end function fits
+
+    !> Whether the values of a part are possible. All must be finite.
+    pure function are_valid(part, n, values) result(valid)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Sizes of the body
+        type(counts_type), intent(in) :: n
+        !> Values
+        real(wp), intent(in) :: values(:)
+        logical :: valid
+
+        integer :: n_places
+
+        valid = all(ieee_is_finite(values))
+        if (.not. valid) return
+        select case (part)
+        case (part_tip)
+            ! the modes of the tip are the last ones; its normal turns by an angle above 0
+            valid = n%modes > tip_modes .and. values(2) >= 0.0_wp .and. values(2) <= 1.0_wp &
+                & .and. values(3) > 0.0_wp
+        case (part_wedge, part_kernel)
+            valid = all(values >= 0.0_wp)
+        case (part_nodes)
+            valid = size(values) >= 2 .and. all(values(2:) > values(:size(values) - 1))
+        case (part_sides)
+            ! working flanks, then coast flanks
+            valid = all(abs(abs(values) - 1.0_wp) <= 0.0_wp) .and. values(1) > 0.0_wp &
+                & .and. all(values(2:) <= values(:size(values) - 1))
+        case (part_friction)
+            n_places = size(values)/(n%sites + 1)
+            valid = all(values(2:n_places) > values(:n_places - 1)) &
+                & .and. all(values(n_places + 1:) >= 0.0_wp)
+        case (part_breaks)
+            valid = all(values(2:) > values(:size(values) - 1))
+        case (part_block)
+            valid = all(values >= 1.0_wp .and. values <= n%blocks)
+        case (part_corners)
+            valid = all(values >= 0.0_wp .and. values <= 2.0_wp)
+        case default
+            valid = .true.
+        end select
+    end function are_valid
+
+    !> Reals that the parts of every body take, with the header; beyond the integers if too many.
+    pure function body_length(n) result(length)
+        !> Sizes of the body
+        type(counts_type), intent(in) :: n
+        real(wp) :: length
+
+        integer :: part
+
+        length = header
+        do part = last_optional + 1, last_part
+            length = length + product(real(shape_of(part, n), wp))
+        end do
+    end function body_length
+
+    !> Write the header of a record without parts.
+    pure subroutine start_record(n, record)
+        !> Sizes of the body
+        type(counts_type), intent(in) :: n
+        !> The record, with room for the header
+        real(wp), intent(inout) :: record(:)
+
+        record(1) = record_mark
+        record(2) = header
+        record(first_count:header) = 0.0_wp
+        record(first_count:first_place - 1) = real([n%breaks, n%powers, n%sites, n%modes, &
+            & n%blocks], wp)
+    end subroutine start_record
+
+    !> Append a part, or replace one of the same length.
+    pure subroutine write_part(part, n_values, values, record, missing)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Number of its values
+        integer, intent(in) :: n_values
+        !> Values column by column (explicit shape: the rank of the argument is free)
+        real(wp), intent(in) :: values(n_values)
+        !> The record
+        real(wp), intent(inout) :: record(:)
+        !> 0, or the number of reals for which the record has no room: it is as before
+        integer, intent(out) :: missing
+
+        integer :: place(2)
+
+        missing = 0
+        place = place_in(record, part)
+        if (place(2) - place(1) + 1 /= n_values) then
+            missing = max(0, n_values - (size(record) - reals_in(record)))
+            if (missing > 0) return
+            place = reals_in(record) + [1, n_values]
+            record(first_place + 2*part - 2:first_place + 2*part - 1) = real([place(1), n_values], &
+                & wp)
+            record(2) = place(2)
+        end if
+        record(place(1):place(2)) = values
+    end subroutine write_part
+
+    !> Whether an array begins with a record that is complete; its values are not looked at.
+    pure function is_record(record)
+        !> The array
+        real(wp), intent(in) :: record(:)
+        logical :: is_record
+
+        integer :: part, first, length, in_use
+        type(counts_type) :: n
+
+        is_record = .false.
+        if (size(record) < header) return
+        if (.not. all(are_counts(record(:header)))) return
+        if (nint(record(1)) /= nint(record_mark)) return
+        n = counts_in(record)
+        in_use = header
+        do part = 1, last_part
+            first = nint(record(first_place + 2*part - 2))
+            length = nint(record(first_place + 2*part - 1))
+            if (length == 0 .and. part <= last_optional) cycle
+            if (.not. fits(part, n, length)) return
+            if (first <= header .or. first > size(record) - length + 1) return
+            if (length > size(record) - in_use) return
+            in_use = in_use + length
+        end do
+        is_record = n%breaks >= 2 .and. in_use == reals_in(record)
+    end function is_record
+
+    !> Whether reals are integers that are not negative.
+    elemental function are_counts(value)
+        !> Any real
+        real(wp), intent(in) :: value
+        logical :: are_counts
+
+        are_counts = ieee_is_finite(value)
+        if (are_counts) are_counts = value >= 0.0_wp .and. value < huge(0)
+        if (are_counts) are_counts = .not. abs(value - aint(value)) > 0.0_wp
+    end function are_counts
+
+    !> Number of reals of a record that are in use.
+    pure function reals_in(record) result(number)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        integer :: number
+
+        number = nint(record(2))
+    end function reals_in
+
+    !> Sizes of the body in a record.
+    pure function counts_in(record) result(n)
+        !> The record, at least its header
+        real(wp), intent(in) :: record(:)
+        type(counts_type) :: n
+
+        integer :: place(2)
+
+        n%breaks = nint(record(first_count))
+        n%powers = nint(record(first_count + 1))
+        n%sites = nint(record(first_count + 2))
+        n%modes = nint(record(first_count + 3))
+        n%blocks = nint(record(first_count + 4))
+        place = place_in(record, part_tangential)
+        if (place(2) >= place(1)) then
+            n%tangential = (place(2) - place(1) + 1)/max(1, n%modes*n%blocks)
+        end if
+    end function counts_in
+
+    !> First and last place of a part; the last is before the first if the part is absent.
+    pure function place_in(record, part) result(place)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        integer :: place(2)
+
+        place = nint(record(first_place + 2*part - 2:first_place + 2*part - 1))
+        place(2) = place(1) + place(2) - 1
+    end function place_in
+
+    !> Shape of a part of a record.
+    pure function shape_in(record, part) result(extents)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        integer :: extents(3)
+
+        integer :: place(2), others
+
+        extents = shape_of(part, counts_in(record))
+        place = place_in(record, part)
+        others = product(extents, mask=extents /= any_number)
+        where (extents == any_number) extents = (place(2) - place(1) + 1)/others
+    end function shape_in
+
+end module flankload_body_record

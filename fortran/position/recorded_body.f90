@@ -1,0 +1,177 @@
+!> The body in a record: each part goes to its place in body_type.
+module flankload_recorded_body
+    use flankload_kinds, only: wp
+    use flankload_flank_curve, only: new_flank_curve
+    use flankload_circle_pair, only: new_flank
+    use flankload_friction, only: new_friction
+    use flankload_compliance_field, only: compliance_type
+    use flankload_position_zones, only: body_type
+    use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
+        & part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
+        & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
+        & part_sides, part_site_angles, part_smooth, part_tangential, part_tip, part_wedge, &
+        & place_in, shape_in
+    implicit none
+    private
+
+    public :: read_body
+
+    !> Copy a part to where it belongs; nothing if it is absent.
+    interface take
+        module procedure take_vector
+        module procedure take_matrix
+        module procedure take_blocks
+    end interface take
+
+contains
+
+    !> Read a body.
+    pure subroutine read_body(record, body, valid)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> The body, its axis at the origin
+        type(body_type), intent(out) :: body
+        !> False if the array is no record, or if a value in it is not possible
+        logical, intent(out) :: valid
+
+        real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), sides(:)
+        real(wp), allocatable :: friction(:, :)
+
+        valid = is_record(record)
+        if (valid) valid = has_valid_parts(record)
+        if (.not. valid) return
+        call take(record, part_breaks, breaks)
+        call take(record, part_coefficients, coefficients)
+        call take(record, part_corners, corners)
+        body%flank = new_flank(new_flank_curve(breaks, coefficients, nint(corners)))
+        call take(record, part_site_angles, body%site_angles)
+        call take(record, part_deviations, body%deviations)
+        call take(record, part_sides, sides)
+        if (allocated(sides)) body%sides = nint(sides)
+        call take(record, part_friction, friction)
+        if (allocated(friction)) body%friction = new_friction(friction(:, 1), friction(:, 2:))
+        call read_compliance(record, body%compliance)
+        body%compliance%closed = body%flank%curve%closed
+        ! images behind free corners are in tables between nodes already
+        valid = .not. (allocated(body%compliance%nodes) .and. any(body%compliance%wedge > 0.0_wp))
+    end subroutine read_body
+
+    !> Read the compliance of a body.
+    pure subroutine read_compliance(record, compliance)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> The compliance
+        type(compliance_type), intent(inout) :: compliance
+
+        real(wp) :: ends(2), tip(3), strength(1)
+        real(wp), allocatable :: block(:, :)
+
+        call take_few(record, part_mode_range, ends)
+        compliance%s_low = ends(1)
+        compliance%s_high = ends(2)
+        tip = [ends(1), 0.0_wp, 0.0_wp]
+        call take_few(record, part_tip, tip)
+        compliance%s_tip = tip(1)
+        compliance%tip_power = nint(tip(2))
+        compliance%tip_turn = tip(3)
+        call take_few(record, part_kernel, strength)
+        compliance%kernel = strength(1)
+        call take_few(record, part_wedge, compliance%wedge)
+        call take(record, part_smooth, compliance%smooth)
+        call take(record, part_block, block)
+        compliance%block = nint(block)
+        call take(record, part_nodes, compliance%nodes)
+        call take(record, part_tangential, compliance%tangential)
+        strength = 0.0_wp
+        call take_few(record, part_jump, strength)
+        compliance%jump = strength(1)
+        call take(record, part_along, compliance%along)
+        call take(record, part_shift, compliance%shift)
+    end subroutine read_compliance
+
+    !> Whether all values of a record are possible.
+    pure function has_valid_parts(record) result(valid)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        logical :: valid
+
+        integer :: part, place(2)
+
+        valid = .true.
+        do part = 1, last_part
+            place = place_in(record, part)
+            if (place(2) < place(1)) cycle
+            valid = valid .and. are_valid(part, counts_in(record), record(place(1):place(2)))
+        end do
+    end function has_valid_parts
+
+    !> A part of a few numbers, which keep their values if it is absent.
+    pure subroutine take_few(record, part, values)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Its values
+        real(wp), intent(inout) :: values(:)
+
+        integer :: place(2)
+
+        place = place_in(record, part)
+        if (place(2) >= place(1)) values = record(place(1):place(2))
+    end subroutine take_few
+    !> Copy a part of rank 1.
+    pure subroutine take_vector(record, part, values)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Its values; not allocated if it is absent
+        real(wp), allocatable, intent(out) :: values(:)
+
+        integer :: place(2)
+
+        place = place_in(record, part)
+        if (place(2) >= place(1)) values = record(place(1):place(2))
+    end subroutine take_vector
+
+    !> Copy a part of rank 2.
+    pure subroutine take_matrix(record, part, values)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Its values; not allocated if it is absent
+        real(wp), allocatable, intent(out) :: values(:, :)
+
+        integer :: place(2), extents(3)
+
+        place = place_in(record, part)
+        if (place(2) < place(1)) return
+        extents = shape_in(record, part)
+        values = reshape(record(place(1):place(2)), extents(:2))
+    end subroutine take_matrix
+
+    !> Copy a part of rank 3.
+    pure subroutine take_blocks(record, part, values)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Its values; not allocated if it is absent
+        real(wp), allocatable, intent(out) :: values(:, :, :)
+
+        integer :: place(2), extents(3), size_of_block, k
+
+        place = place_in(record, part)
+        if (place(2) < place(1)) return
+        extents = shape_in(record, part)
+        allocate (values(extents(1), extents(2), extents(3)))
+        size_of_block = extents(1)*extents(2)
+        ! block by block: the whole is not held a third time
+        do k = 1, extents(3)
+            values(:, :, k) = reshape(record(place(1) + (k - 1)*size_of_block: &
+                & place(1) + k*size_of_block - 1), extents(:2))
+        end do
+    end subroutine take_blocks
+
+end module flankload_recorded_body

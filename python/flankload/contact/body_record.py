@@ -1,0 +1,196 @@
+"""A body as one array for the core: flank curve, sites and compliance (`flankload_pack_body`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload import _core
+from flankload.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.pairing.friction import Friction
+    from flankload.pairing.pairing import Pairing
+
+    Part = tuple[str, NDArray[np.float64]]
+
+#: Parts of `flankload_pack_part` in the order of their numbers, from 1.
+PARTS = (
+    "tip",
+    "wedge",
+    "nodes",
+    "tangential",
+    "jump",
+    "along",
+    "shift",
+    "sides",
+    "friction",
+)
+#: Label of a curve end that is only a cut: nothing touches there first.
+CUT_END = 2
+
+
+def body_records(
+    bodies: tuple[Body, Body],
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    pairing: Pairing,
+    face_width_mm: float,
+    *,
+    friction: Friction | None = None,
+    tangential: bool = False,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Records of both bodies for the sweep of the core.
+
+    Parameters
+    ----------
+    bodies, compliances, pairing
+        From the previous stages.
+    face_width_mm : float
+        Width over which both bodies are in contact.
+    friction : Friction, optional
+        Friction of the flanks.
+    tangential : bool
+        Whether the compliances under loads along the flanks are needed.
+
+    Returns
+    -------
+    two (n,) arrays
+
+    Raises
+    ------
+    InputError
+        If the core refuses an argument.
+    """
+    common = _pair_parts(pairing, friction), ()
+    own = [_of_width(compliance, face_width_mm) for compliance in compliances]
+    one, two = (
+        _packed(
+            _main_arguments(body, compliance, pairing, z),
+            [
+                *_compliance_parts(compliance, _teeth(pairing, z)),
+                *(_tangential_parts(compliance) if tangential else ()),
+                *common[z],
+            ],
+        )
+        for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
+    )
+    return one, two
+
+
+def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
+    """Compliance of a body of a width, mm/N instead of mm²/N: the only division by the width."""
+    names = ("smooth", "tangential", "along", "crossing", "crossing_tangential")
+    blocks = {name: getattr(compliance, name) for name in names}
+    return replace(
+        compliance,
+        kernel=compliance.kernel / face_width_mm,
+        jump=compliance.jump / face_width_mm,
+        **{name: part / face_width_mm for name, part in blocks.items() if part is not None},
+    )
+
+
+def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
+    """(S,) Tooth of body z at each site, working flanks first."""
+    teeth = pairing.site_teeth[z]
+    if pairing.coast is None:
+        return teeth
+    return np.concatenate([teeth, pairing.coast.site_teeth[z]])
+
+
+def _main_arguments(
+    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
+) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
+    """Arguments of `flankload_pack_body` up to the record."""
+    angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
+    if pairing.coast is not None:
+        angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
+        deviations = np.concatenate([deviations, np.zeros_like(deviations)])
+    block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
+    curve, corners = body.curve, body.curve.corners.astype(np.intc)
+    if body.active_range_mm is not None:
+        curve = curve.cut(*body.active_range_mm)
+        corners = curve.corners.astype(np.intc)
+        corners[[0, -1]] = CUT_END
+    return (
+        curve.breaks,
+        np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
+        corners,
+        angles,
+        deviations,
+        np.array(compliance.mode_range_mm, dtype=float),
+        compliance.kernel,
+        np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
+        np.asfortranarray(block + 1, dtype=np.intc),
+    )
+
+
+def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
+    """Parts of a compliance under loads along the normal; those that it lacks are left out."""
+    parts: list[Part] = []
+    if compliance.tip is not None:
+        parts.append(("tip", np.array(compliance.tip, dtype=float)))
+    if any(compliance.wedge):
+        parts.append(("wedge", np.array(compliance.wedge, dtype=float)))
+    if compliance.nodes is not None:
+        parts.append(("nodes", compliance.nodes))
+    if compliance.shifts:
+        parts.append(("shift", compliance.shift_of(teeth).ravel()))
+    return parts
+
+
+def _tangential_parts(compliance: BodyCompliance) -> list[Part]:
+    """Parts of a compliance under loads along the flank; none of a rigid body."""
+    parts: list[Part] = []
+    blocks = {"tangential": compliance.all_blocks()[1], "along": compliance.along}
+    for name, values in blocks.items():
+        if values is not None:
+            parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))
+    if compliance.jump:
+        parts.append(("jump", np.array([compliance.jump])))
+    return parts
+
+
+def _pair_parts(pairing: Pairing, friction: Friction | None) -> list[Part]:
+    """Parts of body 1 that concern both bodies: sides of the sites, friction."""
+    parts: list[Part] = []
+    if pairing.coast is not None:
+        parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size)))
+    if friction is not None:
+        coefficients = friction.coefficients
+        if pairing.coast is not None:  # the same coefficients as on the working flanks
+            coefficients = np.hstack([coefficients, coefficients])
+        table = np.column_stack([friction.places_mm, coefficients])
+        parts.append(("friction", table.ravel(order="F")))
+    return parts
+
+
+def _packed(
+    arguments: tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...], parts: list[Part]
+) -> NDArray[np.float64]:
+    """Record of a body and its parts."""
+    needed = _checked("flankload_pack_body", _core.flankload_pack_body(*arguments, np.empty(0)))
+    record = np.empty(needed + sum(values.size for _, values in parts))
+    _checked("flankload_pack_body", _core.flankload_pack_body(*arguments, record))
+    for name, values in parts:
+        info = _core.flankload_pack_part(PARTS.index(name) + 1, values, record)
+        _checked(f"flankload_pack_part ({name})", info)
+    return record
+
+
+def _checked(procedure: str, info: int) -> int:
+    """`info` of a procedure.
+
+    Raises
+    ------
+    InputError
+        If it refuses an argument.
+    """
+    if info < 0:
+        raise InputError(f"argument {-info} of {procedure} is not valid")
+    return int(info)

@@ -1,0 +1,224 @@
+"""Calls of the sweep of the core: its arguments for some positions, its outputs joined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from flankload import _core
+from flankload.contact.interruptible import call_and_watch
+from flankload.contact.pair_table import PackedPairs, columns_of
+from flankload.contact.status import NO_ROOM, STOPPED
+from flankload.cost import Account, held_bytes
+from flankload.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.scene.discretization import Grid
+
+#: Contact models in order of decreasing cost, as numbered in the core.
+Level = Literal["pairs", "lumped"]
+LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
+#: Counters of the core for every state, in its order.
+CORE_COUNTERS = (
+    "pivots",
+    "influence_columns",
+    "contact_passes",
+    "refactorisations",
+    "influence_columns_tangential",
+    "lumped_solutions",
+    "finite_solutions",
+)
+
+
+@dataclass
+class Found:
+    """Outputs of the core for P positions and T torques; S sites.
+
+    Attributes
+    ----------
+    status, rotation_rad, tangent_rad_per_Nmm, n_pairs, first_pair : (P, T) arrays
+        `first_pair` is -1 where no pair is stored.
+    certificate, counters : (3, P, T) and (7, P, T) arrays
+    site_force_N, site_peak_N_per_mm, site_corner : (S, P, T) arrays
+    pair_site, pair_table : (N,) and (N, columns) arrays
+        Pairs of all states.
+    """
+
+    status: NDArray[np.int64]
+    rotation_rad: NDArray[np.float64]
+    tangent_rad_per_Nmm: NDArray[np.float64]
+    certificate: NDArray[np.float64]
+    counters: NDArray[np.int64]
+    site_force_N: NDArray[np.float64]
+    site_peak_N_per_mm: NDArray[np.float64]
+    site_corner: NDArray[np.int64]
+    n_pairs: NDArray[np.int64]
+    first_pair: NDArray[np.int64]
+    pair_site: NDArray[np.intc]
+    pair_table: NDArray[np.float64]
+
+    @property
+    def states(self) -> dict[str, NDArray[Any]]:
+        """Outputs with a column for each position, by name."""
+        pairs = ("first_pair", "pair_site", "pair_table")
+        return {name: values for name, values in vars(self).items() if name not in pairs}
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all outputs, and of the influence coefficients of the state with most pairs."""
+        influence = 8 * int(self.n_pairs.max(initial=0)) ** 2
+        table = self.pair_site.nbytes + self.pair_table.nbytes
+        return influence + table + held_bytes(tuple(self.states.values()))
+
+    def pairs_of(self, t: int) -> PackedPairs:
+        """Pairs of a torque."""
+        first = self.first_pair[:, t]
+        count = np.where(first >= 0, self.n_pairs[:, t], 0)
+        return PackedPairs(self.pair_site, self.pair_table, first, count)
+
+    def take_over(self, other: Found, positions: NDArray[np.int64]) -> None:
+        """Fill in positions from another call."""
+        for name, values in self.states.items():
+            values[..., positions, :] = other.states[name]
+        self.first_pair[positions] = other.first_pair + len(self.pair_site)
+        self.pair_site = np.concatenate([self.pair_site, other.pair_site])
+        self.pair_table = np.concatenate([self.pair_table, other.pair_table])
+
+
+@dataclass(frozen=True)
+class CoreCall:
+    """The constant arguments of the core, and its call.
+
+    Attributes
+    ----------
+    n_sites : int
+    motion : (4, P) array
+        Angles of both bodies, rad, and their speeds, rad per rad of the position.
+    center_distance_mm : float
+    torques_Nmm : (T,) array
+    records : two arrays
+        From `body_records`.
+    grid, level, finite_steps
+        As in `sweep`.
+    friction : bool
+        Whether the record of body 1 has friction.
+    account : Account
+    progress, watched
+        As in `sweep`.
+    """
+
+    n_sites: int
+    motion: NDArray[np.float64]
+    center_distance_mm: float
+    torques_Nmm: NDArray[np.float64]
+    records: tuple[NDArray[np.float64], NDArray[np.float64]]
+    grid: Grid
+    level: Level
+    finite_steps: int
+    friction: bool
+    account: Account
+    progress: Callable[[int, int], None] | None
+    watched: bool
+
+    def all_positions(self, room: int) -> Found:
+        """Solve every position; repeat those whose pairs exceeded the allocated number.
+
+        Parameters
+        ----------
+        room : int
+            Allocated pairs of a state in the first call; 0: no pairs are stored.
+        """
+        n = self.motion.shape[1]
+        found = self._call(np.arange(n), room * n, done=0)
+        while True:
+            short = np.flatnonzero((found.status == NO_ROOM).any(axis=1))
+            if short.size == 0:
+                return found
+            room = max(2 * room, 2 * len(found.pair_site) // max(1, n - short.size))
+            found.take_over(self._call(short, room * short.size, done=n - short.size), short)
+
+    def _call(self, which: NDArray[np.int64], room: int, *, done: int) -> Found:
+        """Solve some positions; `done` of the others are solved already."""
+        control = np.zeros(2, dtype=np.intc)
+        room *= len(self.torques_Nmm)
+        site = np.empty(room, dtype=np.intc)
+        n_columns = len(columns_of(friction=self.friction))
+        table = np.empty(room * n_columns)
+
+        def call() -> tuple[Any, ...]:
+            found: tuple[Any, ...] = _core.flankload_sweep(
+                self.n_sites,
+                np.asfortranarray(self.motion[:, which]),
+                self.center_distance_mm,
+                self.torques_Nmm,
+                *self.records,
+                self._settings(),
+                n_columns,
+                control,
+                site,
+                table,
+            )
+            return found
+
+        def tell(now: int) -> None:
+            if self.progress is not None:
+                self.progress(done + now, self.motion.shape[1])
+
+        outputs = call_and_watch(call, control, tell=tell) if self.watched else call()
+        found = self._found(outputs, site, table.reshape(-1, n_columns))
+        tell(int(control[1]))
+        return found
+
+    def _settings(self) -> NDArray[np.float64]:
+        """(5,) Cell sizes, contact model and steps of finite forces."""
+        grid = self.grid
+        return np.array(
+            [
+                grid.strips_per_half_width,
+                grid.corner_strips_per_half_width,
+                grid.zone_half_widths,
+                LEVELS[self.level],
+                self.finite_steps,
+            ],
+            dtype=float,
+        )
+
+    def _found(
+        self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
+    ) -> Found:
+        """Outputs by name; the work is counted, and pairs are numbered from 0."""
+        status, rotation, tangent, certificate, counters, force, peak, corner, info = outputs
+        if info < 0:
+            raise InputError(f"argument {-info} of flankload_sweep is not valid")
+        work = np.asfortranarray(counters[: len(CORE_COUNTERS)])
+        n_pairs, first_pair = (np.asfortranarray(part) for part in counters[len(CORE_COUNTERS) :])
+        _count(status, work, self.account)
+        used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
+        site[:used] -= 1
+        return Found(
+            status=status,
+            rotation_rad=rotation,
+            tangent_rad_per_Nmm=tangent,
+            certificate=certificate,
+            counters=work,
+            site_force_N=force,
+            site_peak_N_per_mm=peak,
+            site_corner=corner,
+            n_pairs=n_pairs,
+            first_pair=first_pair - 1,
+            pair_site=site[:used],
+            pair_table=table[:used],
+        )
+
+
+def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
+    """Count the work of a call of the core, including states that exceeded the allocation."""
+    begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
+    sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
+    account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
