@@ -27,7 +27,7 @@ SMALL: dict[str, Any] = {
     "positions__count": 4,
 }
 SPUR, HELICAL = "external_gear", "helical_gear"
-#: Spur pair by nonlinear finite elements of two whole gears (15-node wedges, up to 300 000 + 400 000
+#: Spur pair by nonlinear finite elements of two whole gears (15-node wedges, 300 000 + 400 000
 #: degrees of freedom, pressure on the nodes, no kernel and no modes; checked against CalculiX):
 #: position 0 with pair 0 in the pitch point, half a pitch later with two pairs. Uncertainties:
 #: 0.06 %, 5 N of the forces, 0.5 N/mm (5 N/mm at the end), 0.5 to 1 % of the pressures.
@@ -303,6 +303,19 @@ def test_forces_of_slices_are_those_of_flanks() -> None:
     found = solve(HELICAL, accuracy__slices=16)
     assert found.slices is not None
     np.testing.assert_allclose(found.slices.force_N.sum(axis=2), found.site_force_N, rtol=SOLVER)
+
+
+def test_pressures_of_single_pairs_are_those_of_slices() -> None:
+    """A force over the length of its contact line, which is longer than the slice is wide."""
+    found = solve(HELICAL, **OVER_A_PITCH)
+    for p in range(found.position_rad.size):
+        table = found.pairs(p)
+        assert table.z_mm is not None
+        s = np.searchsorted(found.sites, table.site)
+        j = np.searchsorted(found.slice_z_mm, table.z_mm)
+        np.testing.assert_allclose(
+            table.pressure_MPa, found.slice_peak_pressure_MPa[p, s, j], rtol=1e-4
+        )
 
 
 # --- widths ---------------------------------------------------------------------------------------
