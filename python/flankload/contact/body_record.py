@@ -159,7 +159,7 @@ def _slice_parts(compliance: BodyCompliance, slices: Slices, z: int) -> list[Par
     """Parts of a three-dimensional body: axial modes; of body 1 also the ends of the slices."""
     edges: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
     axial = compliance.axial
-    if axial is None:  # rigid
+    if axial is None:  # refused by the core
         return edges
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
     return [("axial", np.array(numbers, dtype=float)), *edges]

@@ -374,4 +374,18 @@ class BodyCompliance:
 def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
     """Of a body that does not yield, or that nothing loads: no finite elements."""
     expansion = 0.0 if growth is None else growth.strain
-    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion)
+    return BodyCompliance(
+        np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion, axial=_whole_width(body)
+    )
+
+
+def _whole_width(body: Body) -> AxialModes | None:
+    """One constant mode over the width of a three-dimensional body that does not yield."""
+    shape = body.axial
+    if shape is None:
+        return None
+    assert body.involute is not None
+    tangent = shape.twist_rad_per_mm * body.involute.base_radius_mm
+    return AxialModes(
+        shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)
+    )

@@ -99,6 +99,7 @@ def result_of(
                 width,
                 pair.effects.lumped_contact,
                 slices=pair.slices,
+                twist=0.0 if pair.body_1.axial is None else pair.body_1.axial.twist_rad_per_mm,
             ),
         ),
         corner_contact=found.site_corner[:, carries] > 0,
@@ -150,10 +151,10 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
     assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
     return SliceLoads(
-        z_mm=frozen(slices.z_mm),
-        width_mm=frozen(slices.width_mm),
-        force_N=frozen(found.slice_force_N),
-        peak_pressure_MPa=frozen(found.slice_peak_MPa),
+        z_mm=slices.z_mm,
+        width_mm=slices.width_mm,
+        force_N=found.slice_force_N,
+        peak_pressure_MPa=found.slice_peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
     )
@@ -200,14 +201,18 @@ def _pair_table(
     lumped: bool,
     p: int,
     slices: Slices | None = None,
+    twist: float = 0.0,
 ) -> PairTable:
-    """Contact pairs at position p."""
+    """Contact pairs at position p; `twist` is that of body 1, rad/mm."""
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
     z_mm, length = None, np.asarray(width)
     slice_number = pairs.slices_at(p)
     if slices is not None and slice_number is not None:
-        z_mm, length = slices.z_mm[slice_number], slices.width_mm[slice_number]
+        # the contact line of a slice leans by the base helix angle, as its normal does
+        lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
+        z_mm = slices.z_mm[slice_number]
+        length = slices.width_mm[slice_number] * np.hypot(1.0, twist * lever)
     return PairTable(
         site=pairing.sites[site],
         arc_length_1_mm=column["s_1"],
