@@ -34,6 +34,8 @@ module flankload_contact_pairs
         !> By how much the force is turned from the normal of flank 1 and of flank 2 there towards
         !> growing arc length [rad], shape (2, n): over an edge, where it follows the other flank
         real(wp), allocatable :: turn(:, :)
+        !> The same at a sharp end of flank 1 or flank 2, one for all pairs of a zone
+        real(wp), allocatable :: corner_turn(:, :)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
@@ -51,7 +53,8 @@ contains
         allocate (pairs%s_1(n), pairs%s_2(n), pairs%cell_1(n), pairs%cell_2(n), &
             & pairs%radius(n), pairs%gap_angle(n), pairs%torque_lever(n), pairs%lever(n), &
             & source=0.0_wp)
-        allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), source=0.0_wp)
+        allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), &
+            & pairs%corner_turn(2, n), source=0.0_wp)
     end subroutine reserve_pairs
 
     !> Append the pairs of one zone.
@@ -200,6 +203,7 @@ contains
         pairs%n = i
         pairs%turn(:, i) = [angle_between(normals(:, 1), own(:, 1)), &
             & angle_between(normals(:, 2), own(:, 2))]
+        pairs%corner_turn(:, i) = zone%turn
         pairs%site(i) = zone%site
         pairs%s_1(i) = pair%s_1
         pairs%s_2(i) = pair%s_2

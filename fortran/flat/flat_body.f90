@@ -104,6 +104,9 @@ end subroutine flankload_pack_body
 !> |                   | along the line of centres                                                 |
 !> | fl_part_friction  | (n_mu, 1 + n_sites), of body 1 alone: ascending arc lengths of flank 1    |
 !> |                   | [mm], then the friction coefficient of each site there, linear between    |
+!> | fl_part_turned    | (n_modes, n_blocks): displacement out of the material, as modes, under a  |
+!> |                   | unit force along the flank at its sharp tip [mm/N], towards growing arc   |
+!> |                   | length; forces over that corner turn halfway to the normal of the mate    |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record is
 !> as before. info = -i: argument i is not valid.

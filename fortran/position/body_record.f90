@@ -17,7 +17,7 @@ module flankload_body_record
 
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
-    public :: part_sides, part_friction, last_optional, last_part
+    public :: part_sides, part_friction, part_turned, last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
     public :: fits, are_valid, body_length, start_record, write_part
@@ -34,6 +34,7 @@ module flankload_body_record
         enumerator :: part_shift
         enumerator :: part_sides
         enumerator :: part_friction
+        enumerator :: part_turned
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -44,7 +45,7 @@ module flankload_body_record
         enumerator :: part_smooth
         enumerator :: part_block
     end enum
-    integer, parameter :: last_optional = part_friction, last_part = part_block
+    integer, parameter :: last_optional = part_turned, last_part = part_block
 
     !> Sizes from which the shapes of all parts follow.
     type :: counts_type
@@ -60,7 +61,7 @@ module flankload_body_record
 
     !> First number of every record: F, L and B in ASCII, then the version of this layout. It changes
     !> with the list of parts; a record of another version is refused.
-    real(wp), parameter :: record_mark = 70766601.0_wp
+    real(wp), parameter :: record_mark = 70766602.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
     !> A dimension of a part that follows from the number of its values.
@@ -97,6 +98,8 @@ contains
             extents(1) = n%sites
         case (part_friction)
             extents(:2) = [any_number, n%sites + 1]
+        case (part_turned)
+            extents(:2) = [n%modes, n%blocks]
         case (part_breaks, part_corners)
             extents(1) = n%breaks
         case (part_coefficients)

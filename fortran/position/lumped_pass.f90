@@ -14,6 +14,7 @@ module flankload_lumped_pass
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
     use flankload_tangential_influence, only: add_tangential
+    use flankload_turned_influence, only: add_turned
     implicit none
     private
 
@@ -46,6 +47,8 @@ contains
         n = size(of)
         coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
+            call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, zones%turn(1), coupling)
+            call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, zones%turn(2), coupling)
             if (.not. allocated(body_1%friction)) then
                 allocate (rubbing(n, 0))
                 return

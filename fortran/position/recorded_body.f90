@@ -9,8 +9,8 @@ module flankload_recorded_body
     use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
         & part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
         & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
-        & part_sides, part_site_angles, part_smooth, part_tangential, part_tip, part_wedge, &
-        & place_in, shape_in
+        & part_sides, part_site_angles, part_smooth, part_tangential, part_tip, part_turned, &
+        & part_wedge, place_in, shape_in
     implicit none
     private
 
@@ -87,6 +87,7 @@ contains
         compliance%jump = strength(1)
         call take(record, part_along, compliance%along)
         call take(record, part_shift, compliance%shift)
+        call take(record, part_turned, compliance%turned)
     end subroutine read_compliance
 
     !> Whether all values of a record are possible.

@@ -30,6 +30,7 @@ PARTS = (
     "shift",
     "sides",
     "friction",
+    "turned",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -71,7 +72,7 @@ def body_records(
         _packed(
             _main_arguments(body, compliance, pairing, z, face_width_mm),
             [
-                *_compliance_parts(compliance, _teeth(pairing, z)),
+                *_compliance_parts(compliance, _teeth(pairing, z), face_width_mm),
                 *(_tangential_parts(compliance, face_width_mm) if tangential else ()),
                 *common[z],
             ],
@@ -116,13 +117,18 @@ def _main_arguments(
     )
 
 
-def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
+def _compliance_parts(
+    compliance: BodyCompliance, teeth: NDArray[np.int64], face_width_mm: float
+) -> list[Part]:
     """Parts of a compliance under loads along the normal; those that it lacks are left out."""
     parts: list[Part] = []
     if compliance.tip is not None:
         parts.append(("tip", np.array(compliance.tip, dtype=float)))
     if any(compliance.wedge):
         parts.append(("wedge", np.array(compliance.wedge, dtype=float)))
+    turned = compliance.turned_blocks()
+    if turned is not None:
+        parts.append(("turned", turned.ravel() / face_width_mm))
     if compliance.nodes is not None:
         parts.append(("nodes", compliance.nodes))
     if compliance.shifts:

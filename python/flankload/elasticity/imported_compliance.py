@@ -143,6 +143,7 @@ def _of_modes(
         flanks=given.flanks,
         tangential=given.tangential if friction else None,
         jump=given.jump if friction else 0.0,
+        turned=given.turned if tip is None else None,
         asymmetry=max(given.asymmetry, asymmetry),
         tip=tip,
     )

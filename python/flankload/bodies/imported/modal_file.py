@@ -125,6 +125,7 @@ def read_modal(found: NamedArrays) -> Body:
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
         tip=_read_tip(found, float(high), curve.length_mm, smooth.shape[1]),
+        turned=_read_turned(found, smooth.shape),
     )
     errors = found.numbers("pitch_errors_um", None)
     if errors.size not in (0, teeth):
@@ -164,6 +165,13 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
     if n_modes <= TIP_MODES:
         found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
+
+
+def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
+    """Response to a force along the flank at its sharp tip; files without it have none."""
+    if "turned" not in found:
+        return None
+    return found.numbers("turned", shape[0], shape[1])
 
 
 def _read_tangential(

@@ -45,6 +45,8 @@ class Job:
     friction : bool
     stress : callable or None
         Number of a flank to columns that read stress in the roots.
+    corner : callable or None
+        Number of a flank to the column that reads its sharp tip along the flank.
     forces : array or None
         Loads of growth.
     account : Account
@@ -61,6 +63,7 @@ class Job:
     loads: ModeLoads | NodeLoads
     friction: bool
     stress: Callable[[int], Floats] | None
+    corner: Callable[[int], Floats] | None
     forces: Floats | None
     account: Account
     laps: Callable[[str], None]
@@ -70,6 +73,13 @@ class Job:
     def carried(self, columns: Floats) -> Floats:
         """Loads as the unknown nodes carry them."""
         return columns if self.onto is None else self.onto.T @ columns
+
+    def readings(self, flank: int) -> Floats | None:
+        """Columns that only read at a flank: of stress, then of its sharp tip."""
+        parts = [] if self.stress is None else [self.stress(flank)]
+        if self.corner is not None:
+            parts.append(self.carried(self.corner(flank)))
+        return np.hstack(parts) if parts else None
 
     @property
     def without_growth(self) -> Floats:
@@ -125,7 +135,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
         job.laps,
         friction=job.friction,
         closed=job.body.curve.closed,
-        readings=job.stress,
+        readings=None if job.stress is None and job.corner is None else job.readings,
         forces=None if job.forces is None else job.carried(job.forces),
         account=job.account,
         nodes=job.loads.nodes,
@@ -175,7 +185,7 @@ def of_sector(
     columns = None if coast is None else job.carried(coast.columns)
     loads = job.carried(loads)
     job.laps("assembly")
-    stress = job.stress(0) if job.stress else None
+    readings = job.readings(0)
     count_loads(job.account, loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
     if set(sectors) == {1}:
@@ -184,7 +194,7 @@ def of_sector(
             loads,
             mesh,
             job.laps,
-            readings=[part for part in (columns, stress) if part is not None],
+            readings=[part for part in (columns, readings) if part is not None],
             account=job.account,
             look=job.look,
         )
@@ -196,7 +206,8 @@ def of_sector(
             mesh,
             job.laps,
             coast=columns,
-            readings=stress,
+            readings=readings,
+            stresses=0 if job.stress is None or readings is None else readings.shape[1] - (job.corner is not None),
             forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,
