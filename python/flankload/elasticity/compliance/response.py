@@ -81,6 +81,12 @@ class Job:
             parts.append(self.carried(self.corner(flank)))
         return np.hstack(parts) if parts else None
 
+    def stresses(self, readings: Floats | None) -> int:
+        """How many of the readings are of stress."""
+        if self.stress is None or readings is None:
+            return 0
+        return readings.shape[1] - (self.corner is not None)
+
     @property
     def without_growth(self) -> Floats:
         """What the modes read under known loads, where there are none or they are not solved."""
@@ -207,7 +213,7 @@ def of_sector(
             job.laps,
             coast=columns,
             readings=readings,
-            stresses=0 if job.stress is None or readings is None else readings.shape[1] - (job.corner is not None),
+            stresses=job.stresses(readings),
             forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,
