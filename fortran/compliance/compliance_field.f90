@@ -71,9 +71,9 @@ contains
     !>
     !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a
     !> tip rounding or chamfer follows the flank, the last two modes are powers of the part of the
-    !> tip that is passed. On a rounding each place pushes and recedes along its own normal: a steady
-    !> surface that moves by u closes the gap by n.u, to the first order. At the corner of a chamfer
-    !> the force has parts along both normals.
+    !> tip that is passed. They follow the direction of the force: on a rounding they are those of
+    !> the place with this normal; at the corner of a chamfer the force has parts along both
+    !> normals.
     pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
@@ -128,8 +128,11 @@ contains
             & /(compliance%s_tip - compliance%s_high)))
         on_flank = 1.0_wp
         if (compliance%tip_power > 0) then
-            values(:, 1) = passed
-            values(:, 2) = passed**2
+            direction = passed
+            if (present(turn)) direction = max(0.0_wp, min(1.0_wp, passed &
+                & + turn/compliance%tip_turn))
+            values(:, 1) = direction
+            values(:, 2) = direction**2
         else
             direction = merge(compliance%tip_turn, 0.0_wp, s > compliance%s_high)
             if (present(turn)) direction = direction + turn

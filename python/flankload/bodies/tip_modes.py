@@ -8,10 +8,11 @@ and two powers of u, which grows from 0 to 1 over the tip, are added to them:
     u and u^2 on a rounding, which the flank meets smoothly; 1 and u on a chamfer, where it has a
     corner.
 
-On a rounding each place pushes and recedes along its own normal: a steady surface that moves by u
-closes the gap by n.u, to the first order. At the corner of a chamfer, where the normal turns by T,
-the force turns (the core's `mode_values`): one that is turned by d has the parts sin(T - d)/sin T
-along the flank's normal and sin d/sin T along that of the chamfer.
+They follow the direction of the force (the core's `mode_values`): where a contact reaches over the
+start of a tip, the force is normal to the other flank, not to each place of the profile. On a
+rounding u is that of the place with this normal. At the corner of a chamfer, where the normal turns
+by T, a force turned by d has the parts sin(T - d)/sin T along the flank's normal and sin d/sin T
+along that of the chamfer.
 
 So a mode is the same combination of a polynomial of the flank and of 1, u, u^2 on the tip,
 whatever is projected on it. The near field stays the logarithm of the distance along the profile:
