@@ -40,6 +40,8 @@ module flankload_compliance_field
         !> -kernel*wedge*ln((d + d')/mm) besides, d and d' the distances of both places from the
         !> corner; 0 where the surface goes on smoothly
         real(wp) :: wedge(2) = 0.0_wp
+        !> The same of loads along the flank towards growing arc length
+        real(wp) :: wedge_along(2) = 0.0_wp
         !> True where the modes' range is a closed curve
         logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)

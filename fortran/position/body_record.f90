@@ -17,7 +17,8 @@ module flankload_body_record
 
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
-    public :: part_sides, part_friction, part_turned, last_optional, last_part
+    public :: part_sides, part_friction, part_turned, part_wedge_along
+    public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
     public :: fits, are_valid, body_length, start_record, write_part
@@ -35,6 +36,7 @@ module flankload_body_record
         enumerator :: part_sides
         enumerator :: part_friction
         enumerator :: part_turned
+        enumerator :: part_wedge_along
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -45,7 +47,7 @@ module flankload_body_record
         enumerator :: part_smooth
         enumerator :: part_block
     end enum
-    integer, parameter :: last_optional = part_turned, last_part = part_block
+    integer, parameter :: last_optional = part_wedge_along, last_part = part_block
 
     !> Sizes from which the shapes of all parts follow.
     type :: counts_type
@@ -82,7 +84,7 @@ contains
         select case (part)
         case (part_tip)
             extents(1) = 3
-        case (part_wedge)
+        case (part_wedge, part_wedge_along)
             extents(1) = 2
         case (part_nodes)
             extents(1) = n%modes

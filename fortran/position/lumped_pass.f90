@@ -10,6 +10,7 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
+    use flankload_lumped_hertz, only: least_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -42,13 +43,16 @@ contains
         real(wp), allocatable, intent(out) :: rubbing(:, :)
 
         integer :: n
-        real(wp) :: ones(size(of)), no_width(size(of))
+        real(wp) :: ones(size(of)), no_width(size(of)), width(size(of))
 
         n = size(of)
         coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
-            call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, zones%turn(1), coupling)
-            call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, zones%turn(2), coupling)
+            width = least_half_width(position%flank_length)
+            call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
+                & zones%turn(1), coupling)
+            call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
+                & zones%turn(2), coupling)
             if (.not. allocated(body_1%friction)) then
                 allocate (rubbing(n, 0))
                 return

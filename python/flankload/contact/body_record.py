@@ -31,6 +31,7 @@ PARTS = (
     "sides",
     "friction",
     "turned",
+    "wedge_along",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -129,6 +130,7 @@ def _compliance_parts(
     turned = compliance.turned_blocks()
     if turned is not None:
         parts.append(("turned", turned.ravel() / face_width_mm))
+        parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
     if compliance.nodes is not None:
         parts.append(("nodes", compliance.nodes))
     if compliance.shifts:

@@ -61,7 +61,7 @@ def condense(
     *,
     coast: Floats | None = None,
     readings: Floats | None = None,
-    stresses: int = 0,
+    corner: Floats | None = None,
     forces: Floats | None = None,
     account: Account | None = None,
     look: Callable[[Floats], None] | None = None,
@@ -80,9 +80,9 @@ def condense(
     coast : (2N, c) array, optional
         Columns that only read the displacements, of the coast flank.
     readings : (2N, q) array, optional
-        The same, of stress and of a sharp tip.
-    stresses : int
-        How many of these are of stress.
+        The same, of stress.
+    corner : (2N, 1) array, optional
+        The same, of a sharp tip.
     forces : (2N, k) array, optional
         Known loads; they read, too, which says what they do themselves (Betti).
     account : Account, optional
@@ -113,13 +113,15 @@ def condense(
         moved[inside] = solved[0]
         tell("solution")
         look(moved)
-    for name, columns, count in (
-        ("coast_readings", coast, None),
-        ("stress_recoveries", readings, stresses),
-        ("fe_load_cases_growth", forces, None),
+    for name, columns in (
+        ("coast_readings", coast),
+        ("stress_recoveries", readings),
+        ("", corner),
+        ("fe_load_cases_growth", forces),
     ):
         if columns is not None:
-            account.count(**{name: columns.shape[1] if count is None else count})
+            if name:
+                account.count(**{name: columns.shape[1]})
             kinds.append(columns)
             solved.append(solve(columns[inside]))
     account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))

@@ -50,6 +50,7 @@ NAMES = (
     "mode_range_mm",
     *CORNER_ANGLES,
     "tip_modes",
+    "turned",
     "smooth",
     "kernel",
     "smooth_nt",

@@ -59,7 +59,9 @@ class BodyCompliance:
         range; 0 where the surface goes on smoothly, on closed flanks and where nodes are given.
     turned : (z, p) array, or (f * f, p) array; None without a sharp tip
         As smooth, displacements by a unit force along the flank at its sharp tip, towards growing
-        arc length: forces turn over the corner.
+        arc length, without its images: forces turn over the corner.
+    wedge_along : (float, float)
+        Strengths psi_nt of these images, as wedge; 0 unless forces turn.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
@@ -112,6 +114,7 @@ class BodyCompliance:
     mode_range_mm: tuple[float, float]
     wedge: tuple[float, float] = (0.0, 0.0)
     turned: NDArray[np.float64] | None = None
+    wedge_along: tuple[float, float] = (0.0, 0.0)
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0

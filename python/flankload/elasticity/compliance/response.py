@@ -74,18 +74,11 @@ class Job:
         """Loads as the unknown nodes carry them."""
         return columns if self.onto is None else self.onto.T @ columns
 
-    def readings(self, flank: int) -> Floats | None:
-        """Columns that only read at a flank: of stress, then of its sharp tip."""
-        parts = [] if self.stress is None else [self.stress(flank)]
-        if self.corner is not None:
-            parts.append(self.carried(self.corner(flank)))
-        return np.hstack(parts) if parts else None
-
-    def stresses(self, readings: Floats | None) -> int:
-        """How many of the readings are of stress."""
-        if self.stress is None or readings is None:
-            return 0
-        return readings.shape[1] - (self.corner is not None)
+    def readings(self, flank: int) -> tuple[Floats | None, Floats | None]:
+        """Columns that only read at a flank: of stress, and of its sharp tip."""
+        stress = None if self.stress is None else self.stress(flank)
+        corner = None if self.corner is None else self.carried(self.corner(flank))
+        return stress, corner
 
     @property
     def without_growth(self) -> Floats:
@@ -141,7 +134,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
         job.laps,
         friction=job.friction,
         closed=job.body.curve.closed,
-        readings=None if job.stress is None and job.corner is None else job.readings,
+        readings=job.readings,
         forces=None if job.forces is None else job.carried(job.forces),
         account=job.account,
         nodes=job.loads.nodes,
@@ -191,7 +184,7 @@ def of_sector(
     columns = None if coast is None else job.carried(coast.columns)
     loads = job.carried(loads)
     job.laps("assembly")
-    readings = job.readings(0)
+    stress, corner = job.readings(0)
     count_loads(job.account, loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
     if set(sectors) == {1}:
@@ -200,7 +193,7 @@ def of_sector(
             loads,
             mesh,
             job.laps,
-            readings=[part for part in (columns, readings) if part is not None],
+            readings=[part for part in (columns, stress, corner) if part is not None],
             account=job.account,
             look=job.look,
         )
@@ -212,8 +205,8 @@ def of_sector(
             mesh,
             job.laps,
             coast=columns,
-            readings=readings,
-            stresses=job.stresses(readings),
+            readings=stress,
+            corner=corner,
             forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,

@@ -1,8 +1,9 @@
 """Displacements of a sharp tip along its flank: what a force that turns over the corner adds.
 
 A unit force along the flank on its last edge reads the displacements under the pressure modes.
-By Betti that is also what the flank recedes under it. The jump of the half-plane is left out, -j
-sign(s - s') (`near_field`): between two turned forces it cancels.
+By Betti that is also what the flank recedes under it. The near field is left out: the jump of the
+half-plane, -j sign(s - s') (`near_field`), which cancels between two turned forces, and the mirror
+images behind free corners, -c0 psi_nt ln(d + d') (`bodies.free_corner`).
 """
 
 from __future__ import annotations
@@ -13,8 +14,15 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval
 
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.free_corner import image_strengths
-from flankload.elasticity.near_field import consistent_loads, jump_strength, to_coefficients
+from flankload.bodies.free_corner import along_strengths, image_strengths
+from flankload.bodies.tip_modes import graded
+from flankload.elasticity.near_field import (
+    consistent_loads,
+    jump_strength,
+    logarithm_strength,
+    mode_values,
+    to_coefficients,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,7 +84,7 @@ def turned_coefficients(
     Returns
     -------
     (k, p) array
-        mm²/N, without the jump.
+        mm²/N, without jump and images.
     """
     low, high = body.mode_range_mm
     start, end = last_edge(_flank_of(body, 0))
@@ -91,6 +99,12 @@ def turned_coefficients(
     sign = 0.5 * (high - low) * sides @ weights
     smooth = moments.copy()
     smooth[own] -= jump_strength(body.material, plane) * sign
+    away, parts = graded(high - low)
+    strength = logarithm_strength(body.material, plane)
+    for psi, end, inwards in zip(along_strengths(body), (low, high), (1.0, -1.0), strict=True):
+        values = mode_values(end + inwards * away, body.mode_range_mm, moments.shape[1])
+        both = np.log(inwards * (s - end)[:, None] + away)
+        smooth[own] += strength * psi * (weights @ both @ (parts[:, None] * values))
     return to_coefficients(smooth.T, body.mode_range_mm).T
 
 
