@@ -10,7 +10,6 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_lumped_hertz, only: least_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -42,13 +41,16 @@ contains
         !> The same for a unit force along flank 1; (n, 0) without friction
         real(wp), allocatable, intent(out) :: rubbing(:, :)
 
+        !> Width of a contact, about, as a part of the flank's length: images of forces along the
+        !> flank stand no nearer
+        real(wp), parameter :: usual_part = 0.01_wp
         integer :: n
-        real(wp) :: ones(size(of)), no_width(size(of)), width(size(of))
+        real(wp) :: ones(size(of)), width(size(of))
 
         n = size(of)
         coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
-            width = least_half_width(position%flank_length)
+            width = usual_part*position%flank_length
             call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
                 & zones%turn(1), coupling)
             call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
@@ -59,10 +61,9 @@ contains
             end if
             allocate (rubbing(n, n), source=0.0_wp)
             ones = 1.0_wp
-            no_width = tiny(1.0_wp)
-            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, no_width, ones, &
+            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
                 & rubbing)
-            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, no_width, ones, &
+            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
                 & rubbing)
         end associate
     end subroutine couple

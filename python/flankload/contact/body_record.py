@@ -127,10 +127,11 @@ def _compliance_parts(
         parts.append(("tip", np.array(compliance.tip, dtype=float)))
     if any(compliance.wedge):
         parts.append(("wedge", np.array(compliance.wedge, dtype=float)))
+    if any(compliance.wedge_along):
+        parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
     turned = compliance.turned_blocks()
     if turned is not None:
         parts.append(("turned", turned.ravel() / face_width_mm))
-        parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
     if compliance.nodes is not None:
         parts.append(("nodes", compliance.nodes))
     if compliance.shifts:

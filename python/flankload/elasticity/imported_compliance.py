@@ -144,7 +144,7 @@ def _of_modes(
         tangential=given.tangential if friction else None,
         jump=given.jump if friction else 0.0,
         turned=given.turned,
-        wedge_along=(0.0, 0.0) if given.turned is None else along_strengths(body),
+        wedge_along=along_strengths(body),
         asymmetry=max(given.asymmetry, asymmetry),
         tip=tip,
     )

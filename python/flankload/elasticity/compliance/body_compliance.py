@@ -61,7 +61,8 @@ class BodyCompliance:
         As smooth, displacements by a unit force along the flank at its sharp tip, towards growing
         arc length, without its images: forces turn over the corner.
     wedge_along : (float, float)
-        Strengths psi_nt of these images, as wedge; 0 unless forces turn.
+        Strengths psi_nt of the images of loads along the flank, towards growing arc length, by
+        which it moves along its normal; as wedge.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction

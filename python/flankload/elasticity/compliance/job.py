@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.free_corner import along_strengths
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import (
@@ -232,7 +231,7 @@ def _settled(
         kernel=loads.kernel,
         wedge=loads.wedge,
         turned=turned,
-        wedge_along=(0.0, 0.0) if turned is None else along_strengths(body),
+        wedge_along=loads.wedge_along,
         tip=loads.tip,
         mode_range_mm=body.mode_range_mm,
         flanks=found.flanks,
