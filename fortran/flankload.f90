@@ -1,6 +1,5 @@
 !> Façade: what a Fortran program uses of the library. The procedures of the flat door are here too,
-!> with explicit interfaces, and the numbers of structures, methods
-!> and parts that they take.
+!> with explicit interfaces, and the numbers of structures, methods and parts that they take.
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number

@@ -45,6 +45,8 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     n = counts_type(breaks=n_breaks, powers=degree + 1, sites=n_sites, modes=n_modes, &
         & blocks=n_blocks)
     info = 0
+    ! too long for the integers of this door
+    if (.not. body_length(n) < huge(info)) info = -15
     if (n_blocks < 1) info = -10
     if (n_modes < 1) info = -9
     if (n_sites < 1) info = -6
@@ -57,9 +59,11 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     if (.not. are_valid(part_mode_range, n, mode_range)) info = -11
     if (.not. are_valid(part_deviations, n, deviations)) info = -8
     if (.not. are_valid(part_site_angles, n, site_angles)) info = -7
-    if (.not. are_valid(part_coefficients, n, reshape(coefficients, [size(coefficients)]))) info = -4
+    if (.not. are_valid(part_corners, n, dble(corners))) info = -5
+    if (.not. are_valid(part_coefficients, n, reshape(coefficients, [size(coefficients)]))) then
+        info = -4
+    end if
     if (.not. are_valid(part_breaks, n, breaks)) info = -3
-    if (.not. body_length(n) < huge(info)) info = -15
     if (info < 0) return
     if (body_length(n) > n_record) info = nint(body_length(n))
     if (info > 0) return
@@ -109,8 +113,8 @@ end subroutine flankload_pack_body
 !> |                   | length; forces over that corner turn halfway to the normal of the mate    |
 !> | fl_part_wedge_along| (2): as fl_part_wedge, of what such a force moves along the normal        |
 !>
-!> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record is
-!> as before. info = -i: argument i is not valid.
+!> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
+!> is as before. info = -i: argument i is not valid.
 subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     use flankload_body_record, only: are_valid, counts_in, counts_type, fits, is_record, &
         & last_optional, place_in, reals_in, write_part
@@ -120,8 +124,8 @@ subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     !> Its values
     integer, intent(in) :: n_values
     double precision, intent(in) :: values(n_values)
-    !> Record that flankload_pack_body has begun; a part that it already has is replaced by one of the
-    !> same length
+    !> Record that flankload_pack_body has begun; a part that it already has is replaced by one of
+    !> the same length
     integer, intent(in) :: n_record
     double precision, intent(inout) :: record(n_record)
     !> See above

@@ -1,5 +1,5 @@
-!> Flat door to the sweep: two bodies and their positions in, arrays out; all positions and all torques
-!> in one call. Bodies are records made by flankload_pack_body and flankload_pack_part.
+!> Flat door to the sweep: two bodies and their positions in, arrays out; all positions and all
+!> torques in one call. Bodies are records made by flankload_pack_body and flankload_pack_part.
 !>
 !> info = 0: every state has an answer, how good is in status. info > 0: that many have none; their
 !> status is negative and their numbers are NaN. info = -i: argument i is not valid.
@@ -41,8 +41,8 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     double precision, intent(in) :: record_2(n_record_2)
     !> Cells per Hertz half-width; the same at sharp corners; half-width of the grid in half-widths;
     !> 0: contact pairs on cells, 1: lumped contact, one unknown for each place of contact and no
-    !> cells; influence numbers of finite forces by so many steps of each force (Fig. 5), 0: of small
-    !> ones
+    !> cells; influence numbers of finite forces by so many steps of each force (Fig. 5), 0: of
+    !> small ones
     double precision, intent(in) :: settings(5)
     !> Columns of the table of pairs: 11, with friction 13
     integer, intent(in) :: n_columns
@@ -100,17 +100,23 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     call read_body(record_2, body_2, valid_2)
     if (.not. valid_1) info = -8
     if (.not. valid_2) info = -10
-    if (.not. all(ieee_is_finite(torques) .and. torques >= 0.0d0)) info = -6
-    if (.not. all(abs(settings) < huge(info))) info = -11
+    if (.not. all(ieee_is_finite(torques))) info = -6
+    if (.not. all(ieee_is_finite(settings))) info = -11
+    if (info < 0) return
+    if (any(torques < 0.0d0)) info = -6
+    if (any(abs(settings(4:)) > huge(info))) info = -11
     if (info < 0) return
     if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
     ! coast flanks and friction are those of flank 1
     if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
     ! nodes of one body go with nodes of the other, unless that is rigid
-    if (allocated(body_1%compliance%nodes) .neqv. allocated(body_2%compliance%nodes)) then
-        if (.not. allocated(body_1%compliance%nodes) .and. body_1%compliance%kernel > 0.0d0) info = -8
-        if (.not. allocated(body_2%compliance%nodes) .and. body_2%compliance%kernel > 0.0d0) info = -10
-    end if
+    associate (one => body_1%compliance, two => body_2%compliance)
+        if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then
+            if (two%kernel > 0.0d0) info = -10
+        else if (allocated(two%nodes) .and. .not. allocated(one%nodes)) then
+            if (one%kernel > 0.0d0) info = -8
+        end if
+    end associate
     grid%strips_per_half_width = settings(1)
     grid%corner_strips_per_half_width = settings(2)
     grid%zone_half_widths = settings(3)
@@ -126,8 +132,8 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     if (info < 0) return
 
     body_2%origin = [center_distance, 0.0d0]
-    call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), torques, &
-        & grid, control, pair_site, pair_table, found)
+    call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), &
+        & torques, grid, control, pair_site, pair_table, found)
 
     status = found%status
     rotation = found%rotation

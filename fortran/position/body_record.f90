@@ -61,8 +61,8 @@ module flankload_body_record
         integer :: tangential = 0
     end type counts_type
 
-    !> First number of every record: F, L and B in ASCII, then the version of this layout. It changes
-    !> with the list of parts; a record of another version is refused.
+    !> First number of every record: F, L and B in ASCII, then the version of this layout. It
+    !> changes with the list of parts; a record of another version is refused.
     real(wp), parameter :: record_mark = 70766602.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
@@ -90,8 +90,6 @@ contains
             extents(1) = n%modes
         case (part_tangential)
             extents = [n%modes, any_number, n%blocks]
-        case (part_jump)
-            extents = 1
         case (part_along)
             extents = [n%tangential, n%tangential, n%blocks]
         case (part_shift)
@@ -110,12 +108,13 @@ contains
             extents(1) = n%sites
         case (part_mode_range)
             extents(1) = 2
-        case (part_kernel)
-            extents = 1
         case (part_smooth)
             extents = [n%modes, n%modes, n%blocks]
         case (part_block)
             extents(:2) = n%sites
+        case default
+            ! part_jump, part_kernel: one number
+            extents = 1
         end select
     end function shape_of
 
@@ -157,14 +156,15 @@ contains
         select case (part)
         case (part_tip)
             ! the modes of the tip are the last ones; its normal turns by an angle above 0
-            valid = n%modes > tip_modes .and. values(3) > 0.0_wp
+            valid = n%modes > tip_modes .and. values(2) >= 0.0_wp .and. values(2) <= 1.0_wp &
+                & .and. values(3) > 0.0_wp
         case (part_wedge, part_kernel)
             valid = all(values >= 0.0_wp)
         case (part_nodes)
             valid = size(values) >= 2 .and. all(values(2:) > values(:size(values) - 1))
         case (part_sides)
             ! working flanks, then coast flanks
-            valid = all(nint(abs(values)) == 1) .and. values(1) > 0.0_wp &
+            valid = all(abs(abs(values) - 1.0_wp) <= 0.0_wp) .and. values(1) > 0.0_wp &
                 & .and. all(values(2:) <= values(:size(values) - 1))
         case (part_friction)
             n_places = size(values)/(n%sites + 1)
@@ -173,7 +173,11 @@ contains
         case (part_breaks)
             valid = all(values(2:) > values(:size(values) - 1))
         case (part_block)
-            valid = all(nint(values) >= 1 .and. nint(values) <= n%blocks)
+            valid = all(values >= 1.0_wp .and. values <= n%blocks)
+        case (part_corners)
+            valid = all(values >= 0.0_wp .and. values <= 2.0_wp)
+        case default
+            valid = .true.
         end select
     end function are_valid
 

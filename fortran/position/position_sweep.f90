@@ -44,9 +44,9 @@ module flankload_position_sweep
 
     !> Counters of a state.
     integer, parameter :: n_counters = 7
-    !> Columns of a pair: arc lengths of both flanks, radius, place, normal [mm], force [N], width of
-    !> the cell, final gap, lever of the torque row [mm]; with friction also sliding speed [mm per rad
-    !> of the position] and friction coefficient times its sign.
+    !> Columns of a pair: arc lengths of both flanks, radius, place, normal [mm], force [N], width
+    !> of the cell, final gap, lever of the torque row [mm]; with friction also sliding speed [mm
+    !> per rad of the position] and friction coefficient times its sign.
     enum, bind(c)
         enumerator :: column_s_1 = 1
         enumerator :: column_s_2

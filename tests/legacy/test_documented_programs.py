@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,12 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload import _core
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition
 from tests.support.nodal_sweep import NodalSweep
+from tests.support.pressed_cylinders import arc, cylinders, one_site
 from tests.support.programs import ROOT, expect_printed, run
 
 TEXT = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
@@ -105,6 +110,31 @@ def pitch(text: str) -> None:
     expect_numbers(numbers_in(text), np.array(expected))
 
 
+def rollers(text: str) -> None:
+    """Bodies of the same shape, whose curves are fitted to arcs, through `sweep`."""
+    width, bends = 10.0, 1e-6
+    kernel = 2.0 * 0.91 / (np.pi * 2.06e5)
+    one = arc((36.0, -20.0), 20.0, 0.5 * np.pi + 0.3, 0.5 * np.pi - 0.3)
+    two = arc((-54.0, 30.0), 30.0, 0.3 - 0.5 * np.pi, -0.3 - 0.5 * np.pi)
+    compliance = BodyCompliance(np.full((1, 1, 1), bends * width), kernel, (0.0, 12.0))
+    warm = replace(compliance, mode_range_mm=(0.0, 18.0), shifts={"heat": np.full((1, 1), 5e-3)})
+    found = sweep(
+        cylinders(one, two),
+        compliances=(compliance, warm),
+        pairing=one_site(90.0),
+        position_rad=2e-3 * np.arange(3),
+        torques_Nmm=[3.6e4, 3.6e5],
+        face_width_mm=width,
+        grid=Grid(),
+    )
+    expected = [0.0]
+    for state in found:
+        for k in range(3):
+            expected += [1e3 * state.rotation_rad[k], state.site_force_N[k, 0]]
+            expected += [state.site_peak_N_per_mm[k, 0] / width, state.n_pairs[k]]
+    expect_numbers(numbers_in(text), np.array(expected))
+
+
 PROGRAMS: dict[str, Callable[[str], None]] = {
     "three.f": three_flanks,
     "three.f90": three_flanks,
@@ -112,6 +142,7 @@ PROGRAMS: dict[str, Callable[[str], None]] = {
     "torques.c": torques,
     "pitch.f": pitch,
     "columns.f90": columns_on_demand,
+    "rollers.f": rollers,
 }
 
 
@@ -136,8 +167,8 @@ def test_every_program_of_the_documentation_is_run() -> None:
 
 
 def test_every_procedure_has_a_program() -> None:
-    """But for the sweep by curves, which Python feeds, and the tests of numbers (the examples)."""
-    said = "".join(SOURCES.values()).lower() + "flankload_sweep "
+    """But for the tests of numbers (the examples)."""
+    said = "".join(SOURCES.values()).lower()
     said += "flankload_double_vector flankload_integer_vector"
     door = [name for name in dir(_core) if name.startswith("flankload_")]
     assert [name for name in door if not re.search(rf"{name}(?![a-z])", said)] == []

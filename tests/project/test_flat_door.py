@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from flankload import _core
+from flankload.contact.body_record import PARTS
 from tests.support.paths import FORTRAN
 
 FLAT = sorted((FORTRAN / "flat").glob("*.f90"))
@@ -145,18 +146,23 @@ def test_the_module_shows_the_whole_door() -> None:
     shown = [name for line in re.findall(r"public :: (.*)", text) for name in line.split(", ")]
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     numbers = re.findall(r"(fl_\w+)=", include)
-    assert len(numbers) == 12
+    assert len(numbers) == 12 + len(PARTS)
     door = [name for name in shown if name.startswith(("flankload_", "fl_"))]
     assert sorted(door) == sorted([*FOR_FORTRAN, *numbers])
 
 
-def test_numbers_of_methods_and_structures_agree() -> None:
-    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, RUNGS, SYMMETRIC
-
+def named_numbers() -> tuple[dict[str, int], dict[str, int]]:
+    """Constants for Fortran, and those for C, without their prefixes."""
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     header = (FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8")
-    of_fortran = {k: int(v) for k, v in re.findall(r"fl_(\w+)=(\d)", include)}
-    of_c = {k.lower(): int(v) for k, v in re.findall(r"FLANKLOAD_(\w+) = (\d)", header)}
+    of_c = {k.lower(): int(v) for k, v in re.findall(r"FLANKLOAD_(\w+) = (\d+)", header)}
+    return {k: int(v) for k, v in re.findall(r"fl_(\w+)=(\d+)", include)}, of_c
+
+
+def test_numbers_of_methods_structures_and_parts_agree() -> None:
+    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, RUNGS, SYMMETRIC
+
+    of_fortran, of_c = named_numbers()
     names = {name.replace("single_pivoted", "pivoted"): n for n, name in RUNGS.items()}
     names |= {
         "general": GENERAL,
@@ -164,6 +170,7 @@ def test_numbers_of_methods_and_structures_agree() -> None:
         "definite": DEFINITE,
         "definite_part": DEFINITE_PART,
     }
+    names |= {f"part_{name}": number for number, name in enumerate(PARTS, start=1)}
     assert of_fortran == of_c == names
 
 

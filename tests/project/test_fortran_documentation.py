@@ -105,7 +105,7 @@ def test_arguments_stand_in_the_order_of_the_call() -> None:
         for name, arguments in re.findall(r"^subroutine (\w+)\(([^)]*)\)", source, re.MULTILINE):
             calls[name] = [argument.strip() for argument in arguments.split(",")]
     tables = re.findall(r"^`(flankload_\w+)`[^|\n]*:\n\n(\| arguments .*?)\n\n", text, re.M | re.S)
-    assert len(tables) == 3
+    assert len(tables) == 6
     for name, table in tables:
         rows = [line.split("|")[1] for line in table.splitlines()[2:]]
         assert [word for row in rows for word in re.findall(r"`(\w+)`", row)] == calls[name]

@@ -10,7 +10,7 @@ import numpy as np
 from flankload.contact.core_call import Level
 from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.flank import CurvePiece, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
 from flankload.scene.discretization import Grid
@@ -32,18 +32,16 @@ def arc(centre: tuple[float, float], radius: float, start: float, end: float):
     return fit_flank_curve([CurvePiece("flank", place, start, end, False)])
 
 
-def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
-    """Two half-plane cylinders pressed together at (LEVER, 0) along y."""
-    # body 1 pushes up (+y) at (LEVER, 0); its centre is below. Clockwise on the top: t towards +x.
-    one = arc((LEVER, -RADIUS_1), RADIUS_1, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
-    # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
-    two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
-    kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
-    body = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
-    half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
+def cylinders(one: FlankCurve, two: FlankCurve):
+    """Bodies with one flank each."""
+    return tuple(SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two))
+
+
+def one_site(center_distance_mm: float) -> Pairing:
+    """One site on two bodies that turn at the same rate."""
     none = np.zeros(1)
-    pairing = Pairing(
-        center_distance_mm=DISTANCE,
+    return Pairing(
+        center_distance_mm=center_distance_mm,
         turns_at_zero_rad=(0.0, 0.0),
         ratio=1.0,
         period=Period(1.0),
@@ -54,10 +52,20 @@ def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
         mesh=None,
         warnings=(),
     )
+
+
+def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
+    """Two half-plane cylinders pressed together at (LEVER, 0) along y."""
+    # body 1 pushes up (+y) at (LEVER, 0); its centre is below. Clockwise on the top: t towards +x.
+    one = arc((LEVER, -RADIUS_1), RADIUS_1, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
+    # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
+    two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
+    kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
+    half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
     (found,) = sweep(
-        (body[0], body[1]),
+        cylinders(one, two),
         compliances=(half_plane, half_plane),
-        pairing=pairing,
+        pairing=one_site(DISTANCE),
         position_rad=np.zeros(1),
         torques_Nmm=[force_N_per_mm * LEVER],
         face_width_mm=1.0,

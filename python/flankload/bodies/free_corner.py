@@ -83,7 +83,7 @@ def along_strength(angle_deg: float) -> float:
     float
         -pi sin^2 w/(w^2 - sin^2 w); 0 where there is no corner.
     """
-    if angle_deg > SMOOTH - LEAST_TURN:
+    if not image_strength(angle_deg):
         return 0.0
     w = float(np.radians(angle_deg))
     return float(-np.pi * np.sin(w) ** 2 / (w**2 - np.sin(w) ** 2))

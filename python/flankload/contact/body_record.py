@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,18 +70,31 @@ def body_records(
         If the core refuses an argument.
     """
     common = _pair_parts(pairing, friction), ()
+    own = [_of_width(compliance, face_width_mm) for compliance in compliances]
     one, two = (
         _packed(
-            _main_arguments(body, compliance, pairing, z, face_width_mm),
+            _main_arguments(body, compliance, pairing, z),
             [
-                *_compliance_parts(compliance, _teeth(pairing, z), face_width_mm),
-                *(_tangential_parts(compliance, face_width_mm) if tangential else ()),
+                *_compliance_parts(compliance, _teeth(pairing, z)),
+                *(_tangential_parts(compliance) if tangential else ()),
                 *common[z],
             ],
         )
-        for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
+        for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
     )
     return one, two
+
+
+def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
+    """Compliance of a body of a width, mm/N instead of mm²/N: the only division by the width."""
+    names = ("smooth", "turned", "tangential", "along", "crossing", "crossing_tangential")
+    blocks = {name: getattr(compliance, name) for name in names}
+    return replace(
+        compliance,
+        kernel=compliance.kernel / face_width_mm,
+        jump=compliance.jump / face_width_mm,
+        **{name: part / face_width_mm for name, part in blocks.items() if part is not None},
+    )
 
 
 def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
@@ -92,7 +106,7 @@ def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
 
 
 def _main_arguments(
-    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int, face_width_mm: float
+    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
@@ -112,15 +126,13 @@ def _main_arguments(
         angles,
         deviations,
         np.array(compliance.mode_range_mm, dtype=float),
-        compliance.kernel / face_width_mm,
-        np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0) / face_width_mm),
+        compliance.kernel,
+        np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
         np.asfortranarray(block + 1, dtype=np.intc),
     )
 
 
-def _compliance_parts(
-    compliance: BodyCompliance, teeth: NDArray[np.int64], face_width_mm: float
-) -> list[Part]:
+def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
     """Parts of a compliance under loads along the normal; those that it lacks are left out."""
     parts: list[Part] = []
     if compliance.tip is not None:
@@ -131,7 +143,7 @@ def _compliance_parts(
         parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
     turned = compliance.turned_blocks()
     if turned is not None:
-        parts.append(("turned", turned.ravel() / face_width_mm))
+        parts.append(("turned", turned.ravel()))
     if compliance.nodes is not None:
         parts.append(("nodes", compliance.nodes))
     if compliance.shifts:
@@ -139,15 +151,15 @@ def _compliance_parts(
     return parts
 
 
-def _tangential_parts(compliance: BodyCompliance, face_width_mm: float) -> list[Part]:
+def _tangential_parts(compliance: BodyCompliance) -> list[Part]:
     """Parts of a compliance under loads along the flank; none of a rigid body."""
     parts: list[Part] = []
     blocks = {"tangential": compliance.all_blocks()[1], "along": compliance.along}
     for name, values in blocks.items():
         if values is not None:
-            parts.append((name, values.transpose(1, 2, 0).ravel(order="F") / face_width_mm))
+            parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))
     if compliance.jump:
-        parts.append(("jump", np.array([compliance.jump / face_width_mm])))
+        parts.append(("jump", np.array([compliance.jump])))
     return parts
 
 

@@ -193,7 +193,7 @@ class CoreCall:
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
     ) -> Found:
         """Outputs by name; the work is counted, and pairs are numbered from 0."""
-        status, rotation, tangent, certificate, counters, *by_site, info = outputs
+        status, rotation, tangent, certificate, counters, force, peak, corner, info = outputs
         if info < 0:
             raise InputError(f"argument {-info} of flankload_sweep is not valid")
         work = np.asfortranarray(counters[: len(CORE_COUNTERS)])
@@ -202,12 +202,14 @@ class CoreCall:
         used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
         site[:used] -= 1
         return Found(
-            status,
-            rotation,
-            tangent,
-            certificate,
-            work,
-            *by_site,
+            status=status,
+            rotation_rad=rotation,
+            tangent_rad_per_Nmm=tangent,
+            certificate=certificate,
+            counters=work,
+            site_force_N=force,
+            site_peak_N_per_mm=peak,
+            site_corner=corner,
             n_pairs=n_pairs,
             first_pair=first_pair - 1,
             pair_site=site[:used],

@@ -222,9 +222,8 @@ def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Swee
     """Results for one torque; those of coast flanks separately."""
     n = pairing.sites.size
     pairs, coast = found.pairs_of(t), None
-    force, peak, corner = (
-        part[..., t].T for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
-    )
+    force, peak = found.site_force_N[..., t].T, found.site_peak_N_per_mm[..., t].T
+    corner = found.site_corner[..., t].T
     if pairing.coast is not None:
         pairs, coast_pairs = pairs.parted_at(n)
         coast = CoastSweep(force[:, n:], peak[:, n:], corner[:, n:], coast_pairs)
