@@ -90,8 +90,8 @@ contains
         end do
     end function near_field_between
 
-    !> Recession at a cell under a unit force along the flank at another, towards growing arc length,
-    !> by its mirror images behind free corners [mm/N].
+    !> Recession at a cell under a unit force along the flank at another, towards growing arc
+    !> length, by its mirror images behind free corners [mm/N].
     elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(recession)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body

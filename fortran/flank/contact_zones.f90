@@ -32,9 +32,6 @@ module flankload_contact_zones
         real(wp) :: lever = 0.0_wp
         !> Weight of body 1's lever in that of the pairs: its fraction of the normal displacement
         real(wp) :: lever_share = 0.5_wp
-        !> By how much the force at a sharp end of flank 1 or 2 is turned from the normal there
-        !> towards growing arc length [rad]; 0 where the flanks' normals agree
-        real(wp) :: turn(2) = 0.0_wp
         !> Sum of both curvatures [1/mm]
         real(wp) :: curvature = 0.0_wp
         !> Arc lengths of flank 1 between which circles cut both flanks [mm]

@@ -2,7 +2,6 @@
 !> other. Nothing of it depends on the torque, but for flanks that conform.
 module flankload_position_zones
     use flankload_kinds, only: wp
-    use flankload_rounding, only: tie
     use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
@@ -16,7 +15,6 @@ module flankload_position_zones
     use flankload_near_field, only: image_recession, image_type, &
         & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
-    use flankload_polar_geometry, only: angle_between
     implicit none
     private
 
@@ -160,7 +158,6 @@ contains
             call shift_zones(body_1%flank%curve, position%frames_1, body_2%flank%curve, &
                 & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
         end if
-        call turn_forces(body_1%compliance, body_2%compliance, position%zones)
         position%gap = gaps_without_load(body_1, body_2, position%zones)
         associate (found => position%zones)
             smooth_1 = smooth_compliance(body_1%compliance, found%site, found%nearest%s_1)
@@ -201,31 +198,6 @@ contains
             end do
         end do
     end subroutine add_far_fields
-
-    !> By how much forces turn at sharp tips: halfway to the normal of the other flank. Off corners
-    !> both flanks have one normal where the gap is least.
-    elemental subroutine turn_forces(body_1, body_2, zone)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
-        !> The zone
-        type(zone_type), intent(inout) :: zone
-
-        real(wp) :: apart, closed(2)
-
-        zone%turn = 0.0_wp
-        associate (nearest => zone%nearest)
-            ! body 1 turns by the gap before both touch; tangents point to either tip
-            closed = cos(nearest%gap_angle)*nearest%tangent_1 &
-                & + sin(nearest%gap_angle)*[-nearest%tangent_1(2), nearest%tangent_1(1)]
-            apart = angle_between(closed, -nearest%tangent_2)
-            if (zone%corner == 1 .and. allocated(body_1%turned)) then
-                if (nearest%s_1 >= body_1%s_high*(1.0_wp - tie)) zone%turn(1) = -0.5_wp*apart
-            else if (zone%corner == 2 .and. allocated(body_2%turned)) then
-                if (nearest%s_2 >= body_2%s_high*(1.0_wp - tie)) zone%turn(2) = 0.5_wp*apart
-            end if
-        end associate
-    end subroutine turn_forces
 
     !> Gap angles with all deviations and shifts [rad].
     pure function gaps_without_load(body_1, body_2, zones) result(gap)

@@ -176,7 +176,7 @@ def test_lumped_contact_on_corners(default: fl.Result) -> None:
     apart = np.abs(lumped.rotation_rad - default.rotation_rad) / largest
     reaches = np.isin(np.degrees(default.position_rad).round(3), REACHES_DEG)
     assert apart[~reaches].max() < 2.2e-3
-    with mock.patch.object(job, "has_turned_forces", lambda body: False):
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
         unturned = solved(effects={"contact": "lumped"}), solved()
     apart = np.abs(unturned[0].rotation_rad - unturned[1].rotation_rad) / largest
     assert apart.max() < 2.2e-3
@@ -193,7 +193,7 @@ TURN_LEFT, BOTH_LEFT = 0.04, 0.06
 
 
 def test_forces_turn_over_a_sharp_corner_as_on_plain_elements() -> None:
-    with mock.patch.object(job, "has_turned_forces", lambda body: False):
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
         straight = solved(angles=TURNED_DEG)
     turned = solved(angles=TURNED_DEG)
     change = 100 * (turned.rotation_rad / straight.rotation_rad - 1)
@@ -202,7 +202,7 @@ def test_forces_turn_over_a_sharp_corner_as_on_plain_elements() -> None:
 
 
 def test_forces_that_do_not_turn_keep_their_bits() -> None:
-    with mock.patch.object(job, "has_turned_forces", lambda body: False):
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
         straight = solved(angles=OTHERS_DEG)
     np.testing.assert_array_equal(solved(angles=OTHERS_DEG).rotation_rad, straight.rotation_rad)
 
@@ -220,7 +220,7 @@ RUBBED_LEFT = {0.1: 0.025, 0.3: 0.05}
 
 @pytest.mark.parametrize("mu", RUBBED)
 def test_friction_at_a_corner_has_its_image(mu: float) -> None:
-    with mock.patch.object(job, "has_turned_forces", lambda body: False):
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
         plain = solved(angles=RUBBED_DEG)
         rubbed = solved(angles=RUBBED_DEG, effects={"friction_coefficient": mu})
     change = 100 * (rubbed.rotation_rad / plain.rotation_rad - 1)

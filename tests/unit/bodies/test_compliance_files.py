@@ -281,7 +281,7 @@ def with_nodal(folder: Path, one: dict[str, Any], two: dict[str, Any]) -> fl.Res
 @pytest.fixture(scope="module")
 def unturned() -> fl.Result:
     """Without forces that turn over corners: a matrix of normal displacements knows none."""
-    with mock.patch.object(job, "has_turned_forces", lambda body: False):
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
         return solved()
 
 
@@ -350,9 +350,7 @@ def test_without_couplings_single_contact_stays_and_a_note_says_so(
     assert (found.rotation_rad[~single] < 0.98 * expected.rotation_rad[~single]).all()
 
 
-def test_one_body_from_nodes_meets_a_gear(
-    nodal: tuple[dict, dict], tmp_path: Path
-) -> None:
+def test_one_body_from_nodes_meets_a_gear(nodal: tuple[dict, dict], tmp_path: Path) -> None:
     """The gear turns to the pitch point, where the file's body stands; forces turn on the gear."""
     write_npz(tmp_path / "body_1.npz", nodal[0])
     found = solved(tmp_path, body_1=FROM_FILE_1)

@@ -319,8 +319,8 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     for place, value in [
         *((0, 1.0), (0, good[0] + 1), (1, good[1] + 1), (1, good[1] - 1), (1, NAN), (1, 1e300)),
         *((2, 1.0), (3, 1e9), (4, 3.0), (5, 0.0), (5, 2.5), (6, -2.0)),
-        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (7 + 2 * 9, 1e9)),
-        *((7 + 2 * 9 + 1, 0.0), (7, NAN)),
+        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (7 + 2 * len(PARTS), 1e9)),
+        *((7 + 2 * len(PARTS) + 1, 0.0), (7, NAN)),
     ]:
         changed = good.copy()
         changed[place] = value

@@ -67,9 +67,7 @@ def turned_columns(body: Body, flank: int) -> Floats:
     )
 
 
-def turned_coefficients(
-    body: Body, moments: Floats, own: NDArray[np.int64], plane: str
-) -> Floats:
+def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], plane: str) -> Floats:
     """Displacements of the flanks by a force along the flank at the tip, as mode coefficients.
 
     Parameters
@@ -95,7 +93,7 @@ def turned_coefficients(
     modes = np.eye(moments.shape[1])
     # int P sign(x - y) dy = 2 int_-1^x P dy - int_-1^1 P dy
     primitive = legint(modes.T, lbnd=-1)
-    sides = 2.0 * legval(x, primitive) - legval(1.0, primitive)[:, None]
+    sides = 2.0 * legval(x, primitive) - legval(np.ones(1), primitive)
     sign = 0.5 * (high - low) * sides @ weights
     smooth = moments.copy()
     smooth[own] -= jump_strength(body.material, plane) * sign
