@@ -100,6 +100,8 @@ def test_a_record_holds_what_was_packed() -> None:
         "tip": TIP,
         "axial": AXIAL,
         "slices": np.array([-1.0, 0.0, 1.0]),
+        "turned": np.arange(MODES * BLOCKS, dtype=float),
+        "wedge_along": np.array([0.0, -0.5]),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())
@@ -298,6 +300,7 @@ FRICTION = ("friction", [1.0, 0.1, 0.1])
         *((z, "jump", [1e-7], [NO_TANGENTIAL], {}) for z in (1, 2)),
         *((z, "along", np.full(BLOCKS, 1e-6), [NO_TANGENTIAL], {}) for z in (1, 2)),
         *((z, "shift", np.full(MODES * SITES, 1e-3), [], {}) for z in (1, 2)),
+        *((z, "wedge_along", [0.0, -0.5], [NO_TANGENTIAL], {}) for z in (1, 2)),
         (1, "sides", [1.0, -1.0], [], {"site_angles": np.zeros(SITES)}),
         (1, "friction", [1.0, 0.2, 0.2], [], {}),
     ],
@@ -306,7 +309,7 @@ def test_each_part_reaches_the_core(
     z: int, name: str, values: Any, beside: list[Any], changes: dict[str, Any]
 ) -> None:
     """Without the part, the same sweep finds another rotation."""
-    friction = [FRICTION] if name in ("tangential", "jump", "along") else []
+    friction = [FRICTION] if name in ("tangential", "jump", "along", "wedge_along") else []
     steps = 3.0 if name == "along" else 0.0
 
     def rotation(*parts: tuple[str, Any]) -> float:
