@@ -75,9 +75,10 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
-    # the peaks of slices are pressures
-    width = face_width_mm
-    peak_width = width if pair.slices is None else 1.0
+    # slices cover the common width, and their peaks are pressures
+    width, peak_width = face_width_mm, face_width_mm
+    if pair.slices is not None:
+        width, peak_width = float(pair.slices.width_mm.sum()), 1.0
     result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -126,10 +127,15 @@ def result_of(
         else pair.pairing.turns(pair.position_rad)[0],
         unloaded_rotation_rad=found.unloaded_rad,
     )
+    return _with_parts(result, pair, found, carries)
+
+
+def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
+    """A result with the parts that only some pairs have: slices, coast flanks, friction."""
     if pair.slices is not None:
         result = replace(result, slices=_slice_loads(pair, pair.slices, found).at_sites(carries))
     if found.coast is not None:
-        result = replace(result, coast=_coast(pair, found.coast, carries, width))
+        result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
     if pair.friction is None:
         return result
