@@ -78,9 +78,9 @@ class Sweep:
         Pairs of working flanks; empty if pairs are not kept.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
-    slice_force_N, slice_peak_MPa : (P, S, J) arrays or None
-        Force and largest pressure of each slice, if flanks are cut; `site_force_N` is then the sum
-        over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
+    slice_force_N, slice_peak_MPa, slice_corner : (P, S, J) arrays or None
+        Force, largest pressure and corner of each slice, if flanks are cut; `site_force_N` is then
+        the sum over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
     """
@@ -100,6 +100,7 @@ class Sweep:
     coast: CoastSweep | None = None
     slice_force_N: NDArray[np.float64] | None = None
     slice_peak_MPa: NDArray[np.float64] | None = None
+    slice_corner: NDArray[np.int64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
 
     @property
@@ -242,6 +243,7 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
         site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
         slice_force_N=force,
         slice_peak_MPa=peak,
+        slice_corner=corner,
         pairs=found.pairs.in_slices(slices.count),
     )
 
