@@ -119,6 +119,10 @@ end subroutine flankload_pack_body
 !> |                   | order; their angles are those of their middle sections, their deviations  |
 !> |                   | those of its slice in the plane of the section. Contact must be lumped,   |
 !> |                   | without friction                                                          |
+!> | fl_part_shaft     | (37), of either body of a pair in slices: displacements and rotations of  |
+!> |                   | a section under forces and moments about the point of the axis there, in  |
+!> |                   | the frame of the pair (6 x 6, symmetric) [mm/N, rad/N, rad/(N mm)]; the   |
+!> |                   | section z [mm]. The rotation about the axis is no part of it (0)          |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
 !> is as before. info = -i: argument i is not valid.

@@ -12,6 +12,7 @@ import numpy as np
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
+from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
@@ -126,7 +127,11 @@ def result_of(
         unloaded_rotation_rad=found.unloaded_rad,
     )
     if pair.slices is not None:
-        result = replace(result, slices=_slice_loads(pair, pair.slices, found).at_sites(carries))
+        result = replace(
+            result,
+            slices=_slice_loads(pair, pair.slices, found).at_sites(carries),
+            shafts=shaft_loads(pair, pair.slices, found.pairs),
+        )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, width))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
