@@ -22,9 +22,16 @@ NAN = np.nan
 SITES, MODES, BLOCKS = 2, 3, 2
 #: The same number of modes, with which the last two are those of a tip.
 TIP = np.array([20.0, 1.0, 0.3])
+#: All modes are polynomials over the width; end faces, twist, strengths of both ends.
+AXIAL = np.array([3.0, -1.0, 1.0, 1e-3, 1.3, 0.0])
+EDGES = ("slices", [-1.0, 0.0, 1.0])
+#: Where a record has the place of the first part that every body has.
+FIRST = 7 + 2 * len(PARTS)
 #: A place is between both flanks, off each by half of the gap that closes.
 PLACE = 1e-4
 RIGID = {"kernel": 0.0}
+#: Compliance of a section, and its place.
+SHAFT = np.append(np.diag([1e-6, 2e-6, 0.0, 1e-9, 1e-9, 0.0]).ravel(), 0.5)
 
 
 def main_arguments(**changes: Any) -> list[Any]:
@@ -84,6 +91,7 @@ def sweep_info(
 
 def test_a_record_holds_what_was_packed() -> None:
     parts = {
+        "shaft": SHAFT,
         "shift": np.arange(MODES * SITES, dtype=float),
         "wedge": np.array([0.0, 0.3]),
         "tangential": np.arange(2.0 * MODES * BLOCKS),
@@ -93,6 +101,8 @@ def test_a_record_holds_what_was_packed() -> None:
         "jump": np.array([1e-7]),
         "nodes": np.array([1.0, 2.0, 3.0]),
         "tip": TIP,
+        "axial": AXIAL,
+        "slices": np.array([-1.0, 0.0, 1.0]),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())
@@ -316,8 +326,8 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     for place, value in [
         *((0, 1.0), (0, good[0] + 1), (1, good[1] + 1), (1, good[1] - 1), (1, NAN), (1, 1e300)),
         *((2, 1.0), (3, 1e9), (4, 3.0), (5, 0.0), (5, 2.5), (6, -2.0)),
-        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (7 + 2 * 9, 1e9)),
-        *((7 + 2 * 9 + 1, 0.0), (7, NAN)),
+        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (FIRST, 1e9)),
+        *((FIRST + 1, 0.0), (7, NAN)),
     ]:
         changed = good.copy()
         changed[place] = value
@@ -390,6 +400,21 @@ def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
     }
     assert sweep_info(record_of(), record_of(**changes))[0] == -3
     assert sweep_info(record_of(**changes), record_of())[0] == -3
+
+
+@pytest.mark.parametrize(
+    ("argument", "values"),
+    [
+        (2, SHAFT[:36]),
+        (3, np.append(SHAFT[:36], NAN)),
+        (3, np.append(-SHAFT[:36], 0.5)),
+        (3, np.append([0.0, 1e-9], SHAFT[2:])),
+    ],
+)
+def test_refused_shafts(argument: int, values: Any) -> None:
+    """A compliance is symmetric, and no section moves against its load."""
+    record = np.append(record_of(), np.zeros(50))
+    assert part_info("shaft", values, record) == -argument
 
 
 def test_a_rigid_body_needs_no_nodes() -> None:
