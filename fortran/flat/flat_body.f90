@@ -111,7 +111,7 @@ end subroutine flankload_pack_body
 !> | fl_part_axial     | (6), of both bodies of a pair in slices: number of Legendre polynomials   |
 !> |                   | over the width by which each mode along the profile is multiplied (mode a |
 !> |                   | and polynomial b: mode (a - 1)*number + b); both end faces z [mm]; twist, |
-!> |                   | by which sections turn with z [rad/mm]; strengths psi of the mirror images |
+!> |                   | by which sections turn with z [rad/mm]; strengths psi of the images       |
 !> |                   | behind both end faces, 0 where the body goes on. The kernel is then in    |
 !> |                   | mm²/N, and the smooth part is that of the whole body [mm/N]               |
 !> | fl_part_slices    | (n + 1), of body 1 alone: where n slices of the flanks end [mm],          |

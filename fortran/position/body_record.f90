@@ -178,7 +178,8 @@ contains
         case (part_axial)
             ! modes over the width multiply those along the profile; psi of the ends is not negative
             valid = values(1) >= 1.0_wp .and. values(1) <= n%modes
-            if (valid) valid = mod(n%modes, nint(values(1))) == 0
+            if (valid) valid = mod(n%modes, nint(values(1))) == 0 &
+                & .and. .not. abs(values(1) - anint(values(1))) > 0.0_wp
             valid = valid .and. values(2) < values(3) .and. all(values(5:6) >= 0.0_wp)
         case (part_slices)
             n_places = size(values) - 1

@@ -93,7 +93,7 @@ def run(pair: BodyPair, helix: float = 0.0, torque: float = TORQUE) -> Sweep:
 def soft(seed: int = 1, size: float = 1e-6) -> np.ndarray:
     """Any compliance: definite, without rotation about the axis."""
     random = np.random.default_rng(seed).normal(size=(6, 6))
-    scale = np.sqrt(size) * np.array([1.0, 1.0, 1.0, 0.03, 0.03, 0.0])
+    scale = np.sqrt(size) * np.array([0.5, 0.5, 0.5, 0.15, 0.15, 0.0])
     rows = scale[:, None] * (random @ random.T / 6.0) * scale
     return np.asarray(0.5 * (rows + rows.T))
 

@@ -172,10 +172,10 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
         Hertz pressure of the lumped contacts; 0 where there was no contact.
     """
     assert result.slices is not None
-    rows = [table for table in result.pair_tables if len(table)]
+    tables = [table for table in result.pair_tables if len(table)]
     place, half, pressure, z, radius = (
         np.concatenate(parts)
-        for parts in zip(*(_rows(result, table, body) for table in rows), strict=True)
+        for parts in zip(*(_rows(result, table, body) for table in tables), strict=True)
     )
     carries = pressure > 0
     place, half, pressure, z, radius = (

@@ -226,6 +226,17 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
         (3, "friction", [1.0, 0.1, NAN]),
         (3, "friction", [2.0, 1.0, 0.1, 0.1, 0.1, 0.1]),
         (2, "friction", []),
+        (2, "axial", AXIAL[:5]),
+        (3, "axial", [2.0, *AXIAL[1:]]),
+        (3, "axial", [1.5, *AXIAL[1:]]),
+        (3, "axial", [0.0, *AXIAL[1:]]),
+        (3, "axial", [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+        (3, "axial", [1.0, -1.0, 1.0, 0.0, -0.1, 0.0]),
+        (3, "axial", [1.0, -1.0, 1.0, NAN, 0.0, 0.0]),
+        (3, "slices", [1.0]),
+        (3, "slices", [0.0, 1.0, 1.0]),
+        (3, "slices", [0.0, 1.0, 2.0, 3.0]),
+        (3, "slices", [0.0, NAN]),
     ],
 )
 def test_refused_parts(argument: int, name: str, values: Any) -> None:
@@ -316,6 +327,36 @@ def test_each_part_reaches_the_core(
         return float(found[0, 0])
 
     assert rotation((name, values)) != rotation()
+
+
+def sliced_info(one: list[Any], two: list[Any], level: float = 1.0) -> int:
+    """`info` of a sweep of bodies with these parts."""
+    settings = np.array([10.0, 30.0, 2.5, level, 0.0])
+    return sweep_info(record_of(*one), record_of(*two), settings=settings)[0]
+
+
+def test_slices_need_both_bodies_over_their_width() -> None:
+    """All slices in both bodies, on body 1; modes over the width only with slices."""
+    axial, short = ("axial", AXIAL), ("axial", [*AXIAL[:2], 0.9, *AXIAL[3:]])
+    assert sliced_info([axial, EDGES], [axial]) == 0
+    assert sliced_info([EDGES], [axial]) == -8
+    assert sliced_info([axial, EDGES], []) == -10
+    assert sliced_info([short, EDGES], [axial]) == -8
+    assert sliced_info([axial, EDGES], [short]) == -10
+    assert sliced_info([axial, EDGES], [axial, EDGES]) == -10
+    assert sliced_info([axial], [axial]) == -8
+
+
+def test_cells_friction_and_shifts_have_no_slices() -> None:
+    """The state says so: it has a status of its own."""
+    axial = ("axial", AXIAL)
+    shift = ("shift", np.zeros(MODES * SITES))
+    assert sliced_info([axial, EDGES], [axial], level=0.0) == 1
+    assert sliced_info([axial, EDGES, shift], [axial]) == 1
+    assert sliced_info([axial, EDGES], [axial, shift]) == 1
+    rubbing = record_of(axial, EDGES, FRICTION), record_of(axial)
+    settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
+    assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 1
 
 
 @pytest.mark.parametrize("z", [1, 2])
