@@ -156,9 +156,7 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     return parts
 
 
-def _slice_parts(
-    body: Body, compliance: BodyCompliance, slices: Slices, z: int
-) -> list[Part]:
+def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
     """Parts of a three-dimensional body: axial modes, shaft; of body 1 the ends of the slices."""
     parts: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
     shaft = None if body.axial is None else body.axial.shaft

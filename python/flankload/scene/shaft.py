@@ -65,9 +65,9 @@ class Shaft(Table, frozen=True, kw_only=True):
         Lengths | None,
         about("mm", "outer diameters of the steps, in the order of z", usual=USUAL_SIZE),
     ] = None
-    lengths_mm: Annotated[
-        Lengths | None, about("mm", "lengths of the steps", usual=USUAL_SIZE)
-    ] = None
+    lengths_mm: Annotated[Lengths | None, about("mm", "lengths of the steps", usual=USUAL_SIZE)] = (
+        None
+    )
     bore_diameter_mm: Annotated[
         Length | None,
         about("mm", "diameter of the bore of a hollow shaft", usual=USUAL_SIZE),

@@ -158,6 +158,12 @@ def coupled() -> list[list[float]]:
     return rows.tolist()
 
 
+UNHELD = (
+    "numbers > 0 for bearings at 2 positions at least, or for one with a "
+    "KEY.tilt_stiffness_Nm_per_mrad > 0: fewer do not hold the shaft"
+)
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected", "found"),
     [
@@ -195,15 +201,13 @@ def coupled() -> list[list[float]]:
         (
             {"radial_stiffness_N_per_um": [200, 0]},
             "radial_stiffness_N_per_um",
-            "numbers > 0 for bearings at 2 positions at least, or for one with a "
-            "KEY.tilt_stiffness_Nm_per_mrad > 0: fewer do not hold the shaft",
+            UNHELD,
             "[200.0, 0.0]",
         ),
         (
             {"bearing_positions_mm": [10, 10]},
             "radial_stiffness_N_per_um",
-            "numbers > 0 for bearings at 2 positions at least, or for one with a "
-            "KEY.tilt_stiffness_Nm_per_mrad > 0: fewer do not hold the shaft",
+            UNHELD,
             "[200.0, 300.0]",
         ),
         (
@@ -226,10 +230,18 @@ def test_refused_shafts(
 @pytest.mark.parametrize(
     ("rows", "key", "expected", "found"),
     [
-        (altered(1, 1, -1e-6), "", "a matrix without negative eigenvalues: no load moves the "
-         "shaft against itself", "one of -1 relative to the diagonal"),
-        (coupled(), "", "a matrix without negative eigenvalues: no load moves the shaft against "
-         "itself", "one of -2.16 relative to the diagonal"),
+        (
+            altered(1, 1, -1e-6),
+            "",
+            "a matrix without negative eigenvalues: no load moves the shaft against itself",
+            "one of -1 relative to the diagonal",
+        ),
+        (
+            coupled(),
+            "",
+            "a matrix without negative eigenvalues: no load moves the shaft against itself",
+            "one of -2.16 relative to the diagonal",
+        ),
         (altered(0, 4, 1e-8), "[0][4]", "0, as in [4][0]: a compliance is symmetric", "1e-08"),
         (
             altered(5, 5, 1e-9),
@@ -239,9 +251,7 @@ def test_refused_shafts(
         ),
     ],
 )
-def test_refused_compliances(
-    rows: list[list[float]], key: str, expected: str, found: str
-) -> None:
+def test_refused_compliances(rows: list[list[float]], key: str, expected: str, found: str) -> None:
     one_line(
         {"body_1__shaft": {"compliance": rows}}, f"body_1.shaft.compliance{key}", expected, found
     )

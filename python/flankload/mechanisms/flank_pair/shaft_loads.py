@@ -52,9 +52,7 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
             if not forces.any():
                 continue
             force = sign * forces[:, np.newaxis] * normals
-            wrench = np.concatenate(
-                [force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)]
-            )
+            wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
             turned = (shaft.compliance @ wrench)[3:]
             across = forces @ normals[:, :2]
             across /= np.linalg.norm(across)
