@@ -157,12 +157,12 @@ class AxialKeys:
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
-            given, missing = "end_relief_um", "end_relief_length_mm"
+            there, missing = "end_relief_um", "end_relief_length_mm"
             if self.end_relief_um is None:
-                given, missing = missing, given
+                there, missing = missing, there
             refuse(
                 f"{key}.{missing}",
-                f"a list of 2 numbers, since there is a {key}.{given}",
+                f"a list of 2 numbers, since there is a {key}.{there}",
                 "nothing",
             )
 
