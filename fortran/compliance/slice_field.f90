@@ -16,7 +16,7 @@ module flankload_slice_field
     implicit none
     private
 
-    public :: segment_type, slices_type
+    public :: segment_type, shaft_type, slices_type
     public :: add_segment_field, axial_means, flank_of, holds_slices, mean_width, middle_of, &
         & slice_of, sliced_compliance, width_of
 
@@ -25,6 +25,15 @@ module flankload_slice_field
         !> Where slices end [mm], ascending, within both bodies, shape (n + 1)
         real(wp), allocatable :: edges(:)
     end type slices_type
+
+    !> A shaft on its bearings, to which a body is fixed: one of its sections moves as a whole.
+    type :: shaft_type
+        !> Displacements and rotations of the section [mm, rad] under forces and moments about its
+        !> centre [N, N mm], symmetric
+        real(wp) :: compliance(6, 6) = 0.0_wp
+        !> The section [mm]
+        real(wp) :: z = 0.0_wp
+    end type shaft_type
 
     !> The length of a contact line in a slice.
     type :: segment_type

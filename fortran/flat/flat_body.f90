@@ -123,6 +123,10 @@ end subroutine flankload_pack_body
 !> |                   | unit force along the flank at its sharp tip [mm/N], towards growing arc   |
 !> |                   | length; forces over that corner turn halfway to the normal of the mate    |
 !> | fl_part_wedge_along| (2): as fl_part_wedge, of what such a force moves along the normal       |
+!> | fl_part_shaft     | (37), of either body of a pair in slices: displacements and rotations of  |
+!> |                   | a section under forces and moments about the point of the axis there, in  |
+!> |                   | the frame of the pair (6 x 6, symmetric) [mm/N, rad/N, rad/(N mm)]; the   |
+!> |                   | section z [mm]. The rotation about the axis is no part of it (0)          |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
 !> is as before. info = -i: argument i is not valid.

@@ -18,6 +18,7 @@ module flankload_body_record
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
     public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
+    public :: part_shaft
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
@@ -39,6 +40,7 @@ module flankload_body_record
         enumerator :: part_slices
         enumerator :: part_turned
         enumerator :: part_wedge_along
+        enumerator :: part_shaft
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -49,7 +51,7 @@ module flankload_body_record
         enumerator :: part_smooth
         enumerator :: part_block
     end enum
-    integer, parameter :: last_optional = part_wedge_along, last_part = part_block
+    integer, parameter :: last_optional = part_shaft, last_part = part_block
 
     !> Sizes from which the shapes of all parts follow.
     type :: counts_type
@@ -65,7 +67,7 @@ module flankload_body_record
 
     !> First number of every record: F, L and B in ASCII, then the version of this layout. It
     !> changes with the list of parts; a record of another version is refused.
-    real(wp), parameter :: record_mark = 70766602.0_wp
+    real(wp), parameter :: record_mark = 70766603.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
     !> A dimension of a part that follows from the number of its values.
@@ -106,6 +108,8 @@ contains
             extents(1) = any_number
         case (part_turned)
             extents(:2) = [n%modes, n%blocks]
+        case (part_shaft)
+            extents(1) = 37
         case (part_breaks, part_corners)
             extents(1) = n%breaks
         case (part_coefficients)
@@ -186,6 +190,10 @@ contains
             n_places = size(values) - 1
             valid = n_places >= 1 .and. all(values(2:) > values(:n_places))
             if (valid) valid = mod(n%sites, n_places) == 0
+        case (part_shaft)
+            ! a compliance is symmetric, and nothing moves against its load
+            valid = all(abs(values(:36) - reshape(transpose(reshape(values(:36), [6, 6])), [36])) &
+                & <= 0.0_wp) .and. all(values(:36:7) >= 0.0_wp)
         case (part_breaks)
             valid = all(values(2:) > values(:size(values) - 1))
         case (part_block)

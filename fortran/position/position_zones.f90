@@ -8,7 +8,7 @@ module flankload_position_zones
     use flankload_flank_curve, only: curve_length, frame_type, new_frame
     use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
-    use flankload_slice_field, only: mean_width, slice_of, slices_type
+    use flankload_slice_field, only: mean_width, shaft_type, slice_of, slices_type
     use flankload_circle_pair, only: flank_type
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
@@ -41,6 +41,8 @@ module flankload_position_zones
         !> How the flanks are cut along the face width (body 1 alone): each site is a slice of a
         !> flank pair, at the angles at which its section stands; not allocated in the plane
         type(slices_type), allocatable :: slices
+        !> Shaft and bearings of a body in slices; not allocated if its bore does not move
+        type(shaft_type), allocatable :: shaft
     end type body_type
 
     !> Where the flanks stand and come nearest to each other.

@@ -9,8 +9,8 @@ module flankload_recorded_body
     use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
         & part_axial, part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
         & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
-        & part_sides, part_site_angles, part_slices, part_smooth, part_tangential, part_tip, &
-        & part_turned, part_wedge, part_wedge_along, place_in, shape_in
+        & part_shaft, part_sides, part_site_angles, part_slices, part_smooth, part_tangential, &
+        & part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
@@ -35,7 +35,7 @@ contains
         logical, intent(out) :: valid
 
         real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), sides(:)
-        real(wp), allocatable :: friction(:, :), edges(:)
+        real(wp), allocatable :: friction(:, :), edges(:), shaft(:)
 
         valid = is_record(record)
         if (valid) valid = has_valid_parts(record)
@@ -54,6 +54,12 @@ contains
         if (allocated(edges)) then
             allocate (body%slices)
             call move_alloc(edges, body%slices%edges)
+        end if
+        call take(record, part_shaft, shaft)
+        if (allocated(shaft)) then
+            allocate (body%shaft)
+            body%shaft%compliance = reshape(shaft(:36), [6, 6])
+            body%shaft%z = shaft(37)
         end if
         call read_compliance(record, body%compliance)
         body%compliance%closed = body%flank%curve%closed

@@ -11,7 +11,7 @@ module flankload_slice_coupling
     use flankload_near_field, only: new_image
     use flankload_position_zones, only: body_type, lever_share, position_type
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
-        & sliced_compliance, slices_type, width_of
+        & shaft_type, sliced_compliance, slices_type, width_of
     implicit none
     private
 
@@ -88,7 +88,62 @@ contains
         end associate
         position%kernel = kernel_1 + kernel_2
         position%smooth = smooth_1 + smooth_2
+        if (allocated(body_1%shaft)) call add_shaft(body_1%shaft, wrenches_on(body_1, body_1, &
+            & position%zones), position%smooth)
+        if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, body_1, &
+            & position%zones), position%smooth)
     end subroutine look_at_slices
+
+    !> Unit forces along the normals of the zones, and their moments about the section of a shaft.
+    pure function wrenches_on(body, body_1, zones) result(wrenches)
+        !> The body, with a shaft
+        type(body_type), intent(in) :: body
+        !> Body 1, whose helix and slices are those of the pair
+        type(body_type), intent(in) :: body_1
+        !> The zones; their levers are those of normals in space
+        type(zone_type), intent(in) :: zones(:)
+        !> Forces and moments [-, mm], shape (6, zones)
+        real(wp) :: wrenches(6, size(zones))
+
+        integer :: k
+        real(wp) :: tangent(2), n(3), r(3)
+
+        do k = 1, size(zones)
+            associate (place => zones(k)%nearest)
+                tangent = place%tangent_1
+                if (abs(zones(k)%corner) == 1) tangent = place%tangent_2
+                ! on all flanks with a positive lever about axis 1
+                tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent
+                n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
+                    & -body_1%compliance%twist*zones(k)%lever]
+                r = [place%point_1 - body%origin, middle_of(body_1%slices, zones(k)%site) &
+                    & - body%shaft%z]
+            end associate
+            wrenches(:3, k) = n
+            wrenches(4:, k) = [r(2)*n(3) - r(3)*n(2), r(3)*n(1) - r(1)*n(3), r(1)*n(2) - r(2)*n(1)]
+        end do
+    end function wrenches_on
+
+    !> Add the recession of a body by its shaft and bearings: wᵀ S w, on all flanks.
+    pure subroutine add_shaft(shaft, wrenches, matrix)
+        !> The shaft
+        type(shaft_type), intent(in) :: shaft
+        !> Unit forces and their moments, shape (6, zones)
+        real(wp), intent(in) :: wrenches(:, :)
+        !> Compliance between the zones [mm/N], symmetric to the last bit, shape (zones, zones)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: i, j
+        real(wp) :: moved(6)
+
+        do j = 1, size(wrenches, 2)
+            moved = matmul(shaft%compliance, wrenches(:, j))
+            do i = 1, j
+                matrix(i, j) = matrix(i, j) + dot_product(wrenches(:, i), moved)
+                matrix(j, i) = matrix(i, j)
+            end do
+        end do
+    end subroutine add_shaft
 
     !> Set what depends on the torque by the width of the contacts: as if one flank carried it all,
     !> evenly over its length.

@@ -4,6 +4,8 @@ program test_slices
     use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_line_potential, only: mean_potential, own_potential
     use flankload_near_field, only: image_recession, image_type
+    use flankload_position_zones, only: body_type, position_type
+    use flankload_slice_coupling, only: look_at_slices
     use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
         & segment_type, slice_of, sliced_compliance, width_of
     implicit none
@@ -23,6 +25,7 @@ program test_slices
     call test_field_is_symmetric_and_definite
     call test_end_faces_mirror
     call test_image_of_a_long_slice
+    call test_shafts_by_hand
     print '(a)', 'all passed'
 
 contains
@@ -246,6 +249,80 @@ contains
             & 'image of a long slice')
         call expect(all(abs(by_long - by_plane) < quadrature), 'its derivative')
     end subroutine test_image_of_a_long_slice
+
+    !> Rigid bodies on shafts of any compliance: wᵀ S w of both by hand, with the cross products of
+    !> helical normals, symmetric to the last bit.
+    subroutine test_shafts_by_hand
+        integer, parameter :: n = 5, site(n) = [1, 2, 3, 4, 6]
+        real(wp), parameter :: twist = 0.01_wp, distance = 90.0_wp
+        integer :: i, j, z
+        real(wp) :: angle, lever, cosine, n_t(2), place(3), matrix(n, n), w(6, n), random(6, 6)
+        type(body_type) :: bodies(2)
+        type(position_type) :: position
+
+        allocate (bodies(1)%slices, position%zones(n))
+        bodies(1)%slices%edges = [-2.0_wp, -0.5_wp, 1.0_wp, 3.0_wp]
+        bodies(2)%origin = [distance, 0.0_wp]
+        position%flank_length = 10.0_wp
+        do z = 1, 2
+            bodies(z)%compliance%kernel = 1.0_wp
+            bodies(z)%compliance%twist = merge(twist, -0.5_wp*twist, z == 1)
+            allocate (bodies(z)%shaft, bodies(z)%compliance%smooth(0, 0, 0))
+            call random_number(random)
+            bodies(z)%shaft%compliance = random + transpose(random)
+            bodies(z)%shaft%z = 0.3_wp*z
+        end do
+        do i = 1, n
+            angle = 1.2_wp + 0.05_wp*i
+            associate (zone => position%zones(i), pair => position%zones(i)%nearest)
+                zone%site = site(i)
+                zone%curvature = 0.1_wp
+                zone%s_1_high = 10.0_wp
+                pair%s_1 = 5.0_wp
+                pair%s_2 = 5.0_wp
+                pair%point_1 = [40.0_wp + i, -3.0_wp*i]
+                pair%point_2 = pair%point_1
+                ! flanks run from root to tip or back, a corner has the normal of the other flank
+                pair%tangent_1 = (-1)**i*[cos(angle), sin(angle)]
+                pair%tangent_2 = [cos(0.1_wp), sin(0.1_wp)]
+                if (i == 3) then
+                    zone%corner = 1
+                    pair%tangent_2 = pair%tangent_1
+                    pair%tangent_1 = [cos(0.1_wp), sin(0.1_wp)]
+                end if
+                n_t = [sin(angle), -cos(angle)]
+                lever = pair%point_1(1)*n_t(2) - pair%point_1(2)*n_t(1)
+                n_t = sign(1.0_wp, lever)*n_t
+                zone%lever = abs(lever)
+                cosine = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
+                w(:3, i) = cosine*[n_t(1), n_t(2), -twist*abs(lever)]
+            end associate
+        end do
+        call look_at_slices(bodies(1), bodies(2), position)
+        matrix = 0.0_wp
+        do z = 1, 2
+            do i = 1, n
+                place = [position%zones(i)%nearest%point_1 - bodies(z)%origin, &
+                    & middle_of(bodies(1)%slices, site(i)) - bodies(z)%shaft%z]
+                w(4, i) = place(2)*w(3, i) - place(3)*w(2, i)
+                w(5, i) = place(3)*w(1, i) - place(1)*w(3, i)
+                w(6, i) = place(1)*w(2, i) - place(2)*w(1, i)
+            end do
+            matrix = matrix + matmul(transpose(w), matmul(bodies(z)%shaft%compliance, w))
+        end do
+        call expect(all(abs(position%smooth - matrix) <= round_off*maxval(abs(matrix))), &
+            & 'shafts by hand')
+        do j = 1, n
+            do i = 1, n
+                call expect(.not. abs(position%smooth(i, j) - position%smooth(j, i)) > 0.0_wp, &
+                    & 'symmetry of shafts')
+            end do
+        end do
+        deallocate (bodies(1)%shaft, bodies(2)%shaft)
+        deallocate (position%images)
+        call look_at_slices(bodies(1), bodies(2), position)
+        call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
+    end subroutine test_shafts_by_hand
 
     !> A body without modes.
     function body_between(low, high) result(body)

@@ -72,6 +72,23 @@ _FORTRAN = (
     ),
     *_in(
         "slice_coupling.f90",
+        "physics/test_shafts.py",
+        ("& -body_1%compliance%twist*zones(k)%lever]", "& body_1%compliance%twist*zones(k)%lever]"),
+        ("[place%point_1 - body%origin, middle_of", "[place%point_1, middle_of"),
+        ("wrenches_on(body_2, body_1, &", "wrenches_on(body_1, body_1, &"),
+    ),
+    *_in(
+        "slice_coupling.f90",
+        "core",
+        ("if (abs(zones(k)%corner) == 1) tangent = place%tangent_2\n", "\n"),
+        (
+            "tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent",
+            "tangent = -tangent",
+        ),
+        ("            do i = 1, j\n", "            do i = 1, size(wrenches, 2)\n"),
+    ),
+    *_in(
+        "slice_coupling.f90",
         "physics/test_slices.py",
         ("zones%lever = zones%lever*zones%cosine\n", ""),
         (
@@ -504,6 +521,22 @@ _PYTHON = (
         "elasticity/fe_error.py",
         "unit/elasticity/test_element_error.py",
         ("np.sqrt(element.weights * area / element.part)", "np.sqrt(element.weights * area)"),
+    ),
+    *_in(
+        "bodies/shaft.py",
+        "unit/bodies/test_shaft.py",
+        ("to_y[[0, 1], [1, 3]] = 1.0, -1.0", "to_y[[0, 1], [1, 3]] = 1.0, 1.0"),
+        ("(2.0 - phi) * length**2", "(2.0 + phi) * length**2"),
+        ("(20.0 + 12.0 * nu) * ratio", "(20.0 + 12.0 * nu) * ratio**2"),
+        ("np.round(np.concatenate([places, steps]), DECIMALS)", "np.concatenate([places, steps])"),
+        ("loads[:, 2, 2] = axial * pushed[bearings]", "loads[:, 2, 2] = pushed[bearings]"),
+    ),
+    *_in(
+        "mechanisms/flank_pair/shaft_loads.py",
+        "physics/test_shafts.py",
+        ("zip(shafts, (-1.0, 1.0)", "zip(shafts, (1.0, -1.0)"),
+        ("across[0] * turned[1] - across[1] * turned[0]", "across[0] * turned[1]"),
+        ("tilt[p] += sign *", "tilt[p] += -sign *"),
     ),
     *_in(
         "base/rounding.py",

@@ -74,7 +74,9 @@ def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sw
     """A cylinder pressed on a flat by a force, with a gap over the slices."""
     one = arc((LEVER, -1e5), 1e5, np.pi / 2 + 4e-5, np.pi / 2 - 4e-5)
     two = arc((LEVER - DISTANCE, radius), radius, -np.pi / 2 + 0.4, -np.pi / 2 - 0.4)
-    bodies = [SimpleNamespace(curve=c, teeth=1, active_range_mm=None) for c in (one, two)]
+    bodies = [
+        SimpleNamespace(curve=c, teeth=1, active_range_mm=None, axial=None) for c in (one, two)
+    ]
     half_space = BodyCompliance(np.zeros((1, 1, 1)), KERNEL, (0.0, 1.0))
     ends = axial(float(edges[0]), float(edges[-1]))
     half_space = replace(half_space, axial=ends)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.shaft import Shaft, build_shaft
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -74,11 +76,14 @@ class AxialShape:
         Rotation of the transverse section per length along z, counter-clockwise: tan(beta)/r on
         the reference circle, positive for a right-hand helix.
     lead : LeadModifications
+    shaft : Shaft or None
+        Shaft and bearings; None: the bore does not move.
     """
 
     range_mm: tuple[float, float]
     twist_rad_per_mm: float = 0.0
     lead: LeadModifications = LeadModifications()
+    shaft: Shaft | None = None
 
     @property
     def width_mm(self) -> float:
@@ -116,4 +121,9 @@ def axial_shape(
         end_relief_length_mm=(lengths[0], lengths[1]),
         end_relief_power=2 if keys.end_relief_shape == "parabolic" else 1,
     )
-    return AxialShape(range_mm, keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm, lead)
+    return AxialShape(
+        range_mm,
+        keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
+        lead,
+        None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
+    )

@@ -36,6 +36,7 @@ PARTS = (
     "slices",
     "turned",
     "wedge_along",
+    "shaft",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -85,7 +86,7 @@ def body_records(
                 *_compliance_parts(compliance, _teeth(pairing, z)),
                 *(_tangential_parts(compliance) if tangential else ()),
                 *common[z],
-                *(() if slices is None else _slice_parts(compliance, slices, z)),
+                *(() if slices is None else _slice_parts(body, compliance, slices, z)),
             ],
         )
         for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
@@ -162,14 +163,17 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     return parts
 
 
-def _slice_parts(compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
-    """Parts of a three-dimensional body: axial modes; of body 1 also the ends of the slices."""
-    edges: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
+def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
+    """Parts of a three-dimensional body: axial modes, shaft; of body 1 the ends of the slices."""
+    parts: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
+    shaft = None if body.axial is None else body.axial.shaft
+    if shaft is not None:
+        parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))
     axial = compliance.axial
     if axial is None:  # refused by the core
-        return edges
+        return parts
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
-    return [("axial", np.array(numbers, dtype=float)), *edges]
+    return [("axial", np.array(numbers, dtype=float)), *parts]
 
 
 def _tangential_parts(compliance: BodyCompliance) -> list[Part]:

@@ -37,7 +37,11 @@ ALONG_POSITIONS = {
 }
 
 #: Arrays over the positions that only some pairs have.
-ALONG_SOME_POSITIONS = {"follower_angle_rad": "rad", "unloaded_transmission_error_um": "um"}
+ALONG_SOME_POSITIONS = {
+    "follower_angle_rad": "rad",
+    "unloaded_transmission_error_um": "um",
+    "tilt_um_per_mm": "um/mm",
+}
 
 #: Arrays over positions and sites, with their units.
 OVER_SITES = {
@@ -125,6 +129,8 @@ def _tree(result: Result) -> dict[str, Any]:
         tree |= {key: getattr(result, key) for key in ("slice_z_mm", *OVER_SLICES)}
         tree["axial_force_N"] = result.slices.axial_force_N
         tree["tilting_moment_Nm"] = result.slices.tilting_moment_Nm
+    if result.shafts is not None:
+        tree |= result.shafts.bearing_forces
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None
     if result.accuracy is not None:
         tree["accuracy"] = result.accuracy

@@ -20,6 +20,7 @@ from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress, root_summary
+from flankload.result.shafts import ShaftLoads, shaft_summary
 from flankload.result.slices import SliceLoads, slice_summary
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.summary import stiffness_means, summary_of_contacts
@@ -99,6 +100,8 @@ class Result(ContactQuantities):
     warnings : tuple of str
     slices : SliceLoads or None
         Loads of the slices of the face width; None in a plane scene.
+    shafts : ShaftLoads or None
+        Tilt of the teeth by shafts, forces on their bearings; None without shafts.
     outside_limits : tuple of str
         Premises of the model that the scene violates, with `effects.beyond_limits = true`; the
         error estimate, which also lists them, does not include the consequences.
@@ -148,6 +151,7 @@ class Result(ContactQuantities):
     unloaded_rotation_rad: Floats | None = None
     outside_limits: tuple[str, ...] = ()
     slices: SliceLoads | None = None
+    shafts: ShaftLoads | None = None
 
     @property
     def slice_z_mm(self) -> Floats:
@@ -167,6 +171,11 @@ class Result(ContactQuantities):
         if self.slices is None:
             return self.line_load_N_per_mm[..., np.newaxis]
         return self.slices.line_load_N_per_mm
+
+    @property
+    def tilt_um_per_mm(self) -> Floats | None:
+        """(P,) Slope of the gap along z by both shafts, um/mm; None without shafts."""
+        return None if self.shafts is None else self.shafts.tilt_um_per_mm
 
     @property
     def face_load_factor(self) -> float:
@@ -345,6 +354,7 @@ class Result(ContactQuantities):
             **coast_summary(self),
             **self._root_summary(),
             **slice_summary(self.slices),
+            **shaft_summary(self.shafts, over.mean),
         }
 
     def _root_summary(self) -> dict[str, Any]:

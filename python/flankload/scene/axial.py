@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from msgspec import Meta
 
 from flankload.scene.refusal import refuse, shown
+from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
     USUAL_MODIFICATION,
     Deviation,
@@ -97,6 +98,15 @@ EndReliefShape = Annotated[
 ]
 
 
+OnShaft = Annotated[
+    Shaft | None,
+    about(
+        "",
+        "shaft and bearings, by dimensions or by a compliance; absent = the bore does not move",
+    ),
+]
+
+
 class AxialKeys:
     """Mixin of bodies with keys along their axis; end I is the end of smaller z."""
 
@@ -112,6 +122,7 @@ class AxialKeys:
         end_relief_um: EndRelief
         end_relief_length_mm: EndReliefLength
         end_relief_shape: EndReliefShape
+        shaft: OnShaft
 
     @property
     def helix_rad(self) -> float:
@@ -128,13 +139,15 @@ class AxialKeys:
         """Transverse module divided by normal module."""
         return 1.0 / cos(self.helix_rad)
 
-    def check_axial(self, key: str) -> None:
-        """Check that a helix has a hand and an end relief has lengths.
+    def check_axial(self, given: Mapping[str, Any], key: str) -> None:
+        """Check that a helix has a hand, an end relief has lengths and a shaft is held.
 
         Raises
         ------
         SceneError
         """
+        if self.shaft is not None:
+            self.shaft.check(given["shaft"], f"{key}.shaft", helical=bool(self.helix_angle_deg))
         if self.helix_angle_deg and self.hand is None:
             refuse(
                 f"{key}.hand",
@@ -144,12 +157,12 @@ class AxialKeys:
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
-            given, missing = "end_relief_um", "end_relief_length_mm"
+            there, missing = "end_relief_um", "end_relief_length_mm"
             if self.end_relief_um is None:
-                given, missing = missing, given
+                there, missing = missing, there
             refuse(
                 f"{key}.{missing}",
-                f"a list of 2 numbers, since there is a {key}.{given}",
+                f"a list of 2 numbers, since there is a {key}.{there}",
                 "nothing",
             )
 
@@ -204,7 +217,7 @@ def three_dimensional_key(
     for number, body in enumerate(bodies, start=1):
         if not isinstance(body, AxialKeys):
             continue
-        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm"):
+        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft"):
             value = getattr(body, name)
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"

@@ -32,6 +32,7 @@ NOT_YET = {
         **dict.fromkeys(("lead_", "helix_slope_", "end_relief_"), LEAD),
         "profile_twist_": "profile twist, which varies with height and width of the flank",
         "topography_": "measured topographies",
+        "shaft": "shafts of these bodies",
     },
 }
 

@@ -17,6 +17,7 @@ from flankload.scene.axial import (
     HelixAngle,
     HelixSlope,
     LeadCrowning,
+    OnShaft,
     OwnWidth,
 )
 from flankload.scene.refusal import refuse
@@ -141,6 +142,7 @@ class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
     end_relief_um: EndRelief = None
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
+    shaft: OnShaft = None
 
     @property
     def number_of_teeth(self) -> int:
@@ -151,7 +153,7 @@ class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
-        self.check_axial(key)
+        self.check_axial(given, key)
         _check_bore(self, key)
 
 

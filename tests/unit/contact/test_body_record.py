@@ -30,6 +30,8 @@ FIRST = 7 + 2 * len(PARTS)
 #: A place is between both flanks, off each by half of the gap that closes.
 PLACE = 1e-4
 RIGID = {"kernel": 0.0}
+#: Compliance of a section, and its place.
+SHAFT = np.append(np.diag([1e-6, 2e-6, 0.0, 1e-9, 1e-9, 0.0]).ravel(), 0.5)
 
 
 def main_arguments(**changes: Any) -> list[Any]:
@@ -89,6 +91,7 @@ def sweep_info(
 
 def test_a_record_holds_what_was_packed() -> None:
     parts = {
+        "shaft": SHAFT,
         "shift": np.arange(MODES * SITES, dtype=float),
         "wedge": np.array([0.0, 0.3]),
         "tangential": np.arange(2.0 * MODES * BLOCKS),
@@ -441,6 +444,21 @@ def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
     }
     assert sweep_info(record_of(), record_of(**changes))[0] == -3
     assert sweep_info(record_of(**changes), record_of())[0] == -3
+
+
+@pytest.mark.parametrize(
+    ("argument", "values"),
+    [
+        (2, SHAFT[:36]),
+        (3, np.append(SHAFT[:36], NAN)),
+        (3, np.append(-SHAFT[:36], 0.5)),
+        (3, np.append([0.0, 1e-9], SHAFT[2:])),
+    ],
+)
+def test_refused_shafts(argument: int, values: Any) -> None:
+    """A compliance is symmetric, and no section moves against its load."""
+    record = np.append(record_of(), np.zeros(50))
+    assert part_info("shaft", values, record) == -argument
 
 
 def test_a_rigid_body_needs_no_nodes() -> None:

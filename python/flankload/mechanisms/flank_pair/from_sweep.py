@@ -12,6 +12,7 @@ import numpy as np
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
+from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
@@ -133,7 +134,11 @@ def result_of(
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the parts that only some pairs have: slices, coast flanks, friction."""
     if pair.slices is not None:
-        result = replace(result, slices=_slice_loads(pair, pair.slices, found).at_sites(carries))
+        result = replace(
+            result,
+            slices=_slice_loads(pair, pair.slices, found).at_sites(carries),
+            shafts=shaft_loads(pair, pair.slices, found.pairs),
+        )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))

@@ -70,7 +70,7 @@ class Effects:
         keys=(
             "effects.dimension",
             "body_*.helix_angle_deg",
-            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm")),
+            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm", "shaft")),
             "pair.inclination_um_per_mm",
             "pair.deviation_um_per_mm",
         ),

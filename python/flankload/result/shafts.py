@@ -1,0 +1,67 @@
+"""Tilt of the teeth by shafts and bearings, and the forces on the bearings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.read_only import KeepsReadOnly
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftLoads(KeepsReadOnly):
+    """Shafts and bearings of both bodies at P positions.
+
+    Attributes
+    ----------
+    tilt_um_per_mm : (P,) array
+        Slope of the gap between the flanks by both shafts, along the base tangent; positive if the
+        gap opens towards larger z, as a positive `helix_slope_um` over the face width does.
+    bearing_force_1_N, bearing_force_2_N : (P, B, 3) arrays
+        Force (x, y, z) of the shaft on each of its B bearings; x from axis 1 to axis 2, z along the
+        axes. B = 0 if the shaft is known by its compliance only, and without a shaft.
+    """
+
+    tilt_um_per_mm: Floats
+    bearing_force_1_N: Floats
+    bearing_force_2_N: Floats
+
+    @property
+    def bearing_forces(self) -> dict[str, Floats]:
+        """Forces on the bearings of the shafts with known bearings, by name."""
+        names = ("bearing_force_1_N", "bearing_force_2_N")
+        return {name: getattr(self, name) for name in names if getattr(self, name).size}
+
+
+def shaft_summary(
+    shafts: ShaftLoads | None, mean: Callable[[Floats], float | None]
+) -> Mapping[str, Any]:
+    """Entries of the summary; none without shafts.
+
+    Parameters
+    ----------
+    shafts : ShaftLoads or None
+    mean : callable
+        Mean over the positions.
+
+    Returns
+    -------
+    mapping
+        `tilt_mean_um_per_mm`, and the largest force on each bearing, N.
+    """
+    if shafts is None:
+        return {}
+    largest = {
+        name.replace("_N", "_max_N"): np.linalg.norm(force, axis=2).max(axis=0).tolist()
+        for name, force in shafts.bearing_forces.items()
+    }
+    return {"tilt_mean_um_per_mm": mean(shafts.tilt_um_per_mm), **largest}

@@ -1,0 +1,209 @@
+"""The table of a shaft with its bearings (`[body_1.shaft]`), and its rules."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from msgspec import Meta
+
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import (
+    USUAL_SIZE,
+    Length,
+    PoissonRatio,
+    Table,
+    YoungModulus,
+    about,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: Relative size of what rounding of a file may add to a compliance.
+ROUNDED = 1e-6
+Entry = Annotated[float, Meta(ge=-1.0, le=1.0)]
+Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
+Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
+Lengths = Annotated[tuple[Length, ...], Meta(min_length=1)]
+Place = Annotated[float, Meta(ge=0, le=1e5)]
+Stiffness = Annotated[float, Meta(ge=0, le=1e9)]
+#: Keys of a shaft that is described by its dimensions; the first ones are required.
+REQUIRED = (
+    "diameters_mm",
+    "lengths_mm",
+    "gear_position_mm",
+    "bearing_positions_mm",
+    "radial_stiffness_N_per_um",
+)
+DIMENSIONS = (
+    *REQUIRED,
+    *("bore_diameter_mm", "axial_stiffness_N_per_um", "tilt_stiffness_Nm_per_mrad"),
+    *("young_modulus_MPa", "poisson_ratio"),
+)
+#: Keys with one entry per bearing.
+PER_BEARING = (
+    "radial_stiffness_N_per_um",
+    "axial_stiffness_N_per_um",
+    "tilt_stiffness_Nm_per_mrad",
+)
+
+
+class Shaft(Table, frozen=True, kw_only=True):
+    """A round shaft on bearings, by its compliance or by its dimensions."""
+
+    compliance: Annotated[
+        Rows | None,
+        about(
+            "mm/N, rad/N, rad/(N mm)",
+            "6 rows of 6 numbers: displacements and rotations (x, y, z) of the section in the "
+            "middle of the face width under forces (N) and moments (N mm) there; x from axis 1 "
+            "to axis 2, z along the axes; zeros in row and column 6, since the rotation about "
+            "the axis is that of the drive",
+        ),
+    ] = None
+    diameters_mm: Annotated[
+        Lengths | None,
+        about("mm", "outer diameters of the steps, in the order of z", usual=USUAL_SIZE),
+    ] = None
+    lengths_mm: Annotated[Lengths | None, about("mm", "lengths of the steps", usual=USUAL_SIZE)] = (
+        None
+    )
+    bore_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "diameter of the bore of a hollow shaft", usual=USUAL_SIZE),
+    ] = None
+    gear_position_mm: Annotated[
+        Place | None,
+        about(
+            "mm",
+            "distance of the middle of the face width from the end of the shaft of smaller z",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    bearing_positions_mm: Annotated[
+        Annotated[tuple[Place, ...], Meta(min_length=1)] | None,
+        about("mm", "distances of the bearings from the same end", usual=USUAL_SIZE),
+    ] = None
+    radial_stiffness_N_per_um: Annotated[
+        tuple[Stiffness, ...] | None,
+        about("N/um", "radial stiffness of each bearing", usual=(0.1, 1e5)),
+    ] = None
+    axial_stiffness_N_per_um: Annotated[
+        tuple[Stiffness, ...] | None,
+        about("N/um", "axial stiffness of each bearing; 0 = free", usual=(0.1, 1e5)),
+    ] = None
+    tilt_stiffness_Nm_per_mrad: Annotated[
+        tuple[Stiffness, ...] | None,
+        about("N m/mrad", "tilting stiffness of each bearing; 0 = free", usual=(1e-3, 1e5)),
+    ] = None
+    young_modulus_MPa: YoungModulus = 206000.0
+    poisson_ratio: PoissonRatio = 0.3
+
+    def check(self, given: Mapping[str, Any], key: str, *, helical: bool) -> None:
+        """Check that the shaft is complete and that its bearings hold it.
+
+        Parameters
+        ----------
+        given : mapping
+            Keys that the scene sets.
+        key : str
+            "body_1.shaft" or "body_2.shaft".
+        helical : bool
+            Whether the body has axial forces.
+
+        Raises
+        ------
+        SceneError
+        """
+        if self.compliance is not None:
+            for name in DIMENSIONS:
+                if name in given:
+                    refuse(f"{key}.{name}", f"nothing beside {key}.compliance", shown(given[name]))
+            _check_compliance(np.array(self.compliance), key)
+            return
+        for name in REQUIRED:
+            if getattr(self, name) is None:
+                refuse(f"{key}.{name}", f"a value, since there is no {key}.compliance", "nothing")
+        self._check_sizes(key)
+        self._check_places(key)
+        self._check_bearings(key, helical=helical)
+
+    def _check_sizes(self, key: str) -> None:
+        """Check the numbers of entries and the bore."""
+        assert self.diameters_mm is not None
+        assert self.lengths_mm is not None
+        assert self.bearing_positions_mm is not None
+        pairs = [("lengths_mm", "diameters_mm", "step")]
+        pairs += [(name, "bearing_positions_mm", "bearing") for name in PER_BEARING]
+        for name, other, what in pairs:
+            count, values = len(getattr(self, other)), getattr(self, name)
+            if values is not None and len(values) != count:
+                refuse(
+                    f"{key}.{name}",
+                    f"one entry per {what}: {count}, as in {key}.{other}",
+                    f"{len(values)} entries",
+                )
+        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= min(self.diameters_mm):
+            refuse(
+                f"{key}.bore_diameter_mm",
+                f"less than the smallest of {key}.diameters_mm ({min(self.diameters_mm):g})",
+                self.bore_diameter_mm,
+            )
+
+    def _check_places(self, key: str) -> None:
+        """Check that the gear and the bearings are on the shaft."""
+        assert self.lengths_mm is not None
+        assert self.bearing_positions_mm is not None
+        end = sum(self.lengths_mm)
+        places = {"gear_position_mm": self.gear_position_mm}
+        for i, place in enumerate(self.bearing_positions_mm):
+            places[f"bearing_positions_mm[{i}]"] = place
+        for name, value in places.items():
+            assert value is not None
+            if value > end:
+                expected = f"at most the length of the shaft, {end:g} (sum of {key}.lengths_mm)"
+                refuse(f"{key}.{name}", expected, value)
+
+    def _check_bearings(self, key: str, *, helical: bool) -> None:
+        """Check that the bearings hold the shaft against forces and moments."""
+        assert self.bearing_positions_mm is not None
+        assert self.radial_stiffness_N_per_um is not None
+        stiff = zip(self.bearing_positions_mm, self.radial_stiffness_N_per_um, strict=True)
+        holding = {place for place, radial in stiff if radial > 0.0}
+        least = 1 if any(self.tilt_stiffness_Nm_per_mrad or ()) else 2
+        if len(holding) < least:
+            expected = "numbers > 0 for bearings at 2 positions at least, or for one with a "
+            refuse(
+                f"{key}.radial_stiffness_N_per_um",
+                f"{expected}{key}.tilt_stiffness_Nm_per_mrad > 0: fewer do not hold the shaft",
+                self.radial_stiffness_N_per_um,
+            )
+        if helical and not any(self.axial_stiffness_N_per_um or ()):
+            refuse(
+                f"{key}.axial_stiffness_N_per_um",
+                "a number > 0 for one bearing at least: the axial force of the helix moves the "
+                "shaft",
+                self.axial_stiffness_N_per_um,
+            )
+
+
+def _check_compliance(rows: "NDArray[np.float64]", key: str) -> None:
+    """Check that a compliance is symmetric, does not create energy and leaves the axis free."""
+    for i, j in np.ndindex(6, 6):
+        entry = f"{key}.compliance[{i}][{j}]"
+        if 5 in (i, j) and rows[i, j]:
+            expected = "0, since the rotation about the axis is that of the drive"
+            refuse(entry, expected, float(rows[i, j]))
+        scale = np.sqrt(abs(rows[i, i] * rows[j, j]))
+        if abs(rows[i, j] - rows[j, i]) > ROUNDED * scale:
+            expected = f"{rows[j, i]:g}, as in [{j}][{i}]: a compliance is symmetric"
+            refuse(entry, expected, float(rows[i, j]))
+    scales = np.sqrt(np.abs(np.diag(rows)))
+    unit = rows / np.outer(np.where(scales > 0, scales, 1.0), np.where(scales > 0, scales, 1.0))
+    least = float(np.linalg.eigvalsh(0.5 * (unit + unit.T))[0])
+    if least < -ROUNDED:
+        refuse(
+            f"{key}.compliance",
+            "a matrix without negative eigenvalues: no load moves the shaft against itself",
+            f"one of {least:.3g} relative to the diagonal",
+        )
