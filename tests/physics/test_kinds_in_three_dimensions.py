@@ -43,9 +43,7 @@ def test_tips_yield_as_much_more_than_in_the_plane_as_flanks_do(tip: dict[str, f
     softer = tip | {"young_modulus_MPa": 206000.0 / SOFTER}
     plane, found = solved((softer, softer), 2), solved((tip, tip))
     assert touches_tip(plane).any()
-    np.testing.assert_allclose(
-        found.transmission_error_um, plane.transmission_error_um, rtol=PLANE
-    )
+    np.testing.assert_allclose(found.transmission_error_um, plane.transmission_error_um, rtol=PLANE)
     np.testing.assert_allclose(found.load_share, plane.load_share, atol=0.01)
 
 
@@ -91,9 +89,7 @@ ON_BASE = float(np.degrees(np.arctan(np.tan(np.radians(15.0)) * np.cos(np.radian
 
 def test_sectors_from_meshes_yield_as_gears_do() -> None:
     found, gears = from_meshes({}, {}), solved(({}, {}), positions={"count": 4})
-    np.testing.assert_allclose(
-        found.transmission_error_um, gears.transmission_error_um, rtol=NODES
-    )
+    np.testing.assert_allclose(found.transmission_error_um, gears.transmission_error_um, rtol=NODES)
     np.testing.assert_allclose(found.load_share, gears.load_share, atol=NODES)
     assert found.face_load_factor == pytest.approx(gears.face_load_factor, rel=NODES)
 
@@ -113,9 +109,7 @@ def test_helical_sectors_hold_the_torque_and_know_their_circles() -> None:
         "pressure_angle_deg": 20,
     }
     other = from_meshes(crowned | {"helix_angle_deg": 15.0, "profile": profile}, left)
-    np.testing.assert_allclose(
-        other.transmission_error_um, found.transmission_error_um, rtol=NODES
-    )
+    np.testing.assert_allclose(other.transmission_error_um, found.transmission_error_um, rtol=NODES)
 
 
 def test_a_section_whose_mirror_image_is_used_has_no_hand(tmp_path: Path) -> None:

@@ -174,15 +174,19 @@ CROWNED = {"body_1__lead_crowning_um": 5}
         (
             {"effects__dimension": 3, "body_2": WHOLE},
             "body_2.flank_sets",
-            "nothing, since effects.dimension = 3 requires three dimensions: this version has "
-            "sectors there, with flank_set and cut_sets",
+            (
+                "nothing, since effects.dimension = 3 requires three dimensions: this version has "
+                "sectors there, with flank_set and cut_sets"
+            ),
             "['A', 'B', 'C']",
         ),
         (
             {**HELICAL, "body_2": SECTOR | {"hand": "left", "helix_angle_deg": 15}},
             "body_2.helix_angle_deg",
-            "14.132983, which on its reference circle has the lead per tooth of body_1 (parallel "
-            "axes)",
+            (
+                "13.669423, which on its reference circle has the lead per tooth of body_1 "
+                "(parallel axes)"
+            ),
             "15.0",
         ),
         (
