@@ -92,7 +92,7 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
     """Picture, cheapest settings, ladders of a pair."""
     yield f"### {PAIRS[name]}: `{name}.toml`"
     yield ""
-    yield f"![Error over CPU seconds]({'pictures'}/accuracy_{name}.png)"
+    yield f"![Error over CPU seconds]({'../pictures'}/accuracy_{name}.png)"
     yield ""
     names = _named(study)
     rows = []

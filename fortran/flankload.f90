@@ -56,6 +56,7 @@ module flankload
     public :: fl_part_tip, fl_part_wedge, fl_part_nodes, fl_part_tangential, fl_part_jump
     public :: fl_part_along, fl_part_shift, fl_part_sides, fl_part_friction
     public :: fl_part_axial, fl_part_slices
+    public :: fl_part_turned, fl_part_wedge_along
 
     include 'flat/flankload_interfaces.inc'
 

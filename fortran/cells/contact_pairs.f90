@@ -34,6 +34,8 @@ module flankload_contact_pairs
         !> By how much the force is turned from the normal of flank 1 and of flank 2 there towards
         !> growing arc length [rad], shape (2, n): over an edge, where it follows the other flank
         real(wp), allocatable :: turn(:, :)
+        !> The same where the contact reaches over the tip of that flank, else 0
+        real(wp), allocatable :: corner_turn(:, :)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
@@ -51,7 +53,8 @@ contains
         allocate (pairs%s_1(n), pairs%s_2(n), pairs%cell_1(n), pairs%cell_2(n), &
             & pairs%radius(n), pairs%gap_angle(n), pairs%torque_lever(n), pairs%lever(n), &
             & source=0.0_wp)
-        allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), source=0.0_wp)
+        allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), &
+            & pairs%corner_turn(2, n), source=0.0_wp)
     end subroutine reserve_pairs
 
     !> Append the pairs of one zone.
@@ -107,7 +110,7 @@ contains
                 normals(:, 1) = normal_at(normal, s_1, 1)
                 normals(:, 2) = normal_at(normal, s_1, 2)
             end if
-            call append_pair(zone, pair, cell, normals, deviation, pairs)
+            call append_pair(zone, pair, cell, normals, normal%over, deviation, pairs)
             if (flank_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(flank_2))
             pairs%zone(pairs%n) = number
         end do
@@ -176,7 +179,7 @@ contains
     end function turned
 
     !> Append a pair with its levers.
-    pure subroutine append_pair(zone, pair, cell, normals, deviation, pairs)
+    pure subroutine append_pair(zone, pair, cell, normals, over, deviation, pairs)
         !> The zone
         type(zone_type), intent(in) :: zone
         !> The pair
@@ -185,6 +188,8 @@ contains
         real(wp), intent(in) :: cell
         !> Directions of its force by each flank, out of body 1, shape (2, bodies)
         real(wp), intent(in) :: normals(2, 2)
+        !> Whether the contact reaches over the tip of either flank
+        logical, intent(in) :: over(2)
         !> Metal that touches early [mm]
         real(wp), intent(in) :: deviation
         !> The pairs
@@ -200,6 +205,7 @@ contains
         pairs%n = i
         pairs%turn(:, i) = [angle_between(normals(:, 1), own(:, 1)), &
             & angle_between(normals(:, 2), own(:, 2))]
+        if (.not. is_level(zone)) pairs%corner_turn(:, i) = merge(pairs%turn(:, i), 0.0_wp, over)
         pairs%site(i) = zone%site
         pairs%s_1(i) = pair%s_1
         pairs%s_2(i) = pair%s_2

@@ -41,10 +41,16 @@ module flankload_compliance_field
         !> -kernel*wedge*ln((d + d')/mm) besides, d and d' the distances of both places from the
         !> corner; 0 where the surface goes on smoothly
         real(wp) :: wedge(2) = 0.0_wp
+        !> The same of loads along the flank towards growing arc length
+        real(wp) :: wedge_along(2) = 0.0_wp
         !> True where the modes' range is a closed curve
         logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
         real(wp), allocatable :: smooth(:, :, :)
+        !> Displacement as modes under a unit force along the flank at its sharp end s_high, towards
+        !> growing arc length [mm/N], shape (n_modes, n_blocks); not allocated unless forces turn
+        !> there
+        real(wp), allocatable :: turned(:, :)
         !> Smooth part for modes of load along the flank [mm/N], shape (n_modes, n_tangential,
         !> n_blocks); not allocated without friction
         real(wp), allocatable :: tangential(:, :, :)

@@ -11,6 +11,7 @@ module flankload_influence_number
     use flankload_lapack, only: set_product
     use flankload_tabled_influence, only: add_table, table_remainder
     use flankload_tangential_influence, only: add_tangential
+    use flankload_turned_influence, only: add_turned
     implicit none
     private
 
@@ -73,6 +74,10 @@ contains
                 & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
             load_first = load_last + 1
         end do
+        call add_turned(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
+            & pairs%corner_turn(1, :n), matrix)
+        call add_turned(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
+            & pairs%corner_turn(2, :n), matrix)
     end subroutine set_by_modes
 
     !> What one body alone recedes under normal forces; symmetric.

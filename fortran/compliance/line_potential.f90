@@ -1,5 +1,5 @@
 !> Displacement of a half-space under forces spread evenly over segments of a line: what a slice of
-!> a flank does to itself and to other slices (`docs/theory`: near field of slices).
+!> a flank does to itself and to other slices (`docs/theory/slices.md`).
 !>
 !> A unit point force displaces the surface at distance r by k/r, k = (1 - nu²)/(pi E). Potentials
 !> here are for k = 1, and means over the segment that is displaced: symmetric in both segments,
@@ -37,6 +37,7 @@ contains
         end if
         half_sum = 0.5_wp*(length + other)
         half_difference = 0.5_wp*(length - other)
+        ! Eq. (S3)
         mean = (twice_integrated(distance + half_sum, across) &
             & - (twice_integrated(distance + half_difference, across) &
             & + twice_integrated(distance - half_difference, across)) &

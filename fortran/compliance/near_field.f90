@@ -14,7 +14,7 @@ module flankload_near_field
     private
 
     public :: image_type
-    public :: add_near_field, image_recession, near_field_between, new_image
+    public :: add_near_field, image_recession, image_along, near_field_between, new_image
 
     !> The mirror images of a place of contact behind both ends of its flank.
     type :: image_type
@@ -92,6 +92,29 @@ contains
                 & + from_end(body, end, s_j, 0.5_wp*width), width, body%kernel*body%wedge(end))
         end do
     end function near_field_between
+
+    !> Recession at a cell under a unit force along the flank at another, towards growing arc
+    !> length, by its mirror images behind free corners [mm/N].
+    elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(recession)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Arc lengths and widths of both cells [mm]
+        real(wp), intent(in) :: s_i
+        real(wp), intent(in) :: cell_i
+        real(wp), intent(in) :: s_j
+        real(wp), intent(in) :: cell_j
+        real(wp) :: recession
+
+        integer :: end
+
+        recession = 0.0_wp
+        do end = 1, 2   ! Eq. (W3)
+            if (abs(body%wedge_along(end)) > 0.0_wp) recession = recession &
+                & + strip_kernel(from_end(body, end, s_i, 0.5_wp*cell_i) &
+                & + from_end(body, end, s_j, 0.5_wp*cell_j), sqrt(cell_i*cell_j), &
+                & body%kernel*body%wedge_along(end))
+        end do
+    end function image_along
 
     !> The mirror images of a place of contact behind the ends of one body's flank.
     elemental function new_image(body, s, flank) result(image)

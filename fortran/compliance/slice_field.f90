@@ -1,11 +1,12 @@
 !> Flanks in slices along the face width: modes over arc length and width, and the near field of
 !> slices at each other.
 !>
-!> Displacement is near field plus V g Vᵀ (`docs/theory`), V the modes on average over a slice. The
-!> near field of a body is that of its half-space, of the mirror image of the load behind each free
-!> end face, and of that behind each free corner of the profile. A load is spread evenly over the
-!> length of the contact line in its slice, and beside that line as far as the contact is wide on
-!> average: less would let neighbours that are thinner than the contact is wide overtake each other.
+!> Displacement is near field plus V g Vᵀ (`docs/theory/slices.md`), V the modes on average over a
+!> slice. The near field of a body is that of its half-space, of the mirror image of the load behind
+!> each free end face, and of that behind each free corner of the profile. A load is spread evenly
+!> over the length of the contact line in its slice, and beside that line as far as the contact is
+!> wide on average: less would let neighbours that are thinner than the contact is wide overtake
+!> each other.
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -157,7 +158,7 @@ contains
         end do
     end function axial_means
 
-    !> Smooth part between places, one in each slice: V g Vᵀ, symmetric to the last bit.
+    !> Smooth part between places, one in each slice: V g Vᵀ of (S1), symmetric to the last bit.
     pure function sliced_compliance(body, slices, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -184,7 +185,7 @@ contains
             other = 1
             do while (other <= first)
                 other_last = count(flanks <= flanks(other))
-                call set_block(size(values, 1), size(s), first, last, other, other_last, &
+                call set_block(size(values, 1), size(s), [first, last, other, other_last], &
                     & body%smooth(:, :, body%block(site(other), site(first))), values, carried, &
                     & matrix)
                 other = other_last + 1
@@ -199,16 +200,12 @@ contains
     end function sliced_compliance
 
     !> One block of V g Vᵀ.
-    pure subroutine set_block(m, n, first, last, other, other_last, smooth, values, carried, &
-            & matrix)
+    pure subroutine set_block(m, n, bounds, smooth, values, carried, matrix)
         !> Modes, and places
         integer, intent(in) :: m
         integer, intent(in) :: n
         !> First and last place of the flank that is displaced, and of the loaded one
-        integer, intent(in) :: first
-        integer, intent(in) :: last
-        integer, intent(in) :: other
-        integer, intent(in) :: other_last
+        integer, intent(in) :: bounds(4)
         !> Smooth part between modes, displacement of the loaded flank under loads of the other
         !> [mm/N]
         real(wp), intent(in) :: smooth(m, m)
@@ -219,9 +216,13 @@ contains
         !> V g Vᵀ [mm/N]
         real(wp), intent(inout) :: matrix(n, n)
 
-        call set_product(m, other_last - other + 1, m, smooth, values(1, other), m, carried(1, 1))
-        call set_product(last - first + 1, other_last - other + 1, m, values(1, first), &
-            & carried(1, 1), n, matrix(first, other))
+        integer :: n_rows, n_columns
+
+        n_rows = bounds(2) - bounds(1) + 1
+        n_columns = bounds(4) - bounds(3) + 1
+        call set_product(m, n_columns, m, smooth, values(1, bounds(3)), m, carried(1, 1))
+        call set_product(n_rows, n_columns, m, values(1, bounds(1)), carried(1, 1), n, &
+            & matrix(bounds(1), bounds(3)))
     end subroutine set_block
 
     !> Modes of the profile times Legendre polynomials over the width.
@@ -348,6 +349,7 @@ contains
         ! a contact line of an involute is straight and normal to the profiles
         across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
         across = sqrt(across**2 + beside**2)
+        ! Eq. (S2), averaged by Eq. (S3)
         recession = ends(1)%strength*mean_potential(along, one%length, other%length, across)
         do k = 2, size(ends)
             recession = recession + ends(k)%strength*mean_potential((one%z + other%z &

@@ -3,6 +3,7 @@
 module flankload_tangential_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values, strip_jump
+    use flankload_near_field, only: image_along
     use flankload_tabled_influence, only: add_tangential_table
     implicit none
     private
@@ -56,7 +57,8 @@ contains
             do j = load_first, load_last
                 do i = load_first, load_last
                     matrix(i, j) = matrix(i, j) &
-                        & - friction(j)*strip_jump(s(i) - s(j), cell(j), body%jump)
+                        & - friction(j)*(strip_jump(s(i) - s(j), cell(j), body%jump) &
+                        & + image_along(body, s(i), cell(i), s(j), cell(j)))   ! Eq. (W3)
                 end do
             end do
             load_first = load_last + 1

@@ -9,7 +9,8 @@
 !> everywhere.
 module flankload_contact_normal
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type
+    use flankload_rounding, only: tie
+    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
     use flankload_polar_geometry, only: angle_between
     use flankload_circle_pair, only: pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
@@ -26,6 +27,8 @@ module flankload_contact_normal
         real(wp) :: origin = 0.0_wp
         !> Rate of its rotation along flank 1 with the normal of either body [rad/mm]
         real(wp) :: turning(2) = 0.0_wp
+        !> Whether the end of flank 1 or flank 2 at its tip is within the contact
+        logical :: over(2) = .false.
     end type normal_type
 
 contains
@@ -45,7 +48,7 @@ contains
         real(wp), intent(in) :: reach(2)
         type(normal_type) :: normal
 
-        real(wp) :: low, high, room(2), weight(2), turn(2), along(2)
+        real(wp) :: low, high, room(2), weight(2), turn(2), along(2), length(2)
         type(pair_type) :: first, middle, last
 
         associate (nearest => zone%nearest)
@@ -64,6 +67,9 @@ contains
             normal%direction = [-along(2), along(1)]
             normal%origin = nearest%s_1 + 0.5_wp*(weight(2)*room(2) - weight(1)*room(1))
         end associate
+        length = [curve_length(flank_1), curve_length(flank_2)]
+        normal%over = [high >= zone%s_1_high - tie*length(1), low <= zone%s_1_low + tie*length(1)] &
+            & .and. [zone%s_1_high, zone%s_2_low] >= (1.0_wp - tie)*length
         turn = [angle_between(middle%point_1 - first%point_1, last%point_1 - middle%point_1), &
             & angle_between(middle%point_2 - first%point_2, last%point_2 - middle%point_2)]
         turn = turn/(0.5_wp*(high - low))

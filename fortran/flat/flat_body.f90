@@ -111,7 +111,7 @@ end subroutine flankload_pack_body
 !> | fl_part_axial     | (6), of both bodies of a pair in slices: number of Legendre polynomials   |
 !> |                   | over the width by which each mode along the profile is multiplied (mode a |
 !> |                   | and polynomial b: mode (a - 1)*number + b); both end faces z [mm]; twist, |
-!> |                   | by which sections turn with z [rad/mm]; strengths psi of the mirror images |
+!> |                   | by which sections turn with z [rad/mm]; strengths psi of the images       |
 !> |                   | behind both end faces, 0 where the body goes on. The kernel is then in    |
 !> |                   | mm²/N, and the smooth part is that of the whole body [mm/N]               |
 !> | fl_part_slices    | (n + 1), of body 1 alone: where n slices of the flanks end [mm],          |
@@ -119,6 +119,10 @@ end subroutine flankload_pack_body
 !> |                   | order; their angles are those of their middle sections, their deviations  |
 !> |                   | those of its slice in the plane of the section. Contact must be lumped,   |
 !> |                   | without friction                                                          |
+!> | fl_part_turned    | (n_modes, n_blocks): displacement out of the material, as modes, under a  |
+!> |                   | unit force along the flank at its sharp tip [mm/N], towards growing arc   |
+!> |                   | length; forces over that corner turn halfway to the normal of the mate    |
+!> | fl_part_wedge_along| (2): as fl_part_wedge, of what such a force moves along the normal       |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
 !> is as before. info = -i: argument i is not valid.

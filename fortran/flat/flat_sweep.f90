@@ -71,9 +71,9 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> influence numbers of finite forces; also where there is no answer. (8): number of pairs; (9):
     !> which of the packed pairs is the first one (from 1; 0: none is packed)
     integer, intent(out) :: counters(9, n_positions, n_torques)
-    !> Force [N], peak of force over cell width [N/mm] (in slices: largest pressure [MPa]), body whose sharp corner works (0: none; -1:
-    !> the site that touches without torque, -2: no parabola's contact at the lumped level, both off
-    !> corners; -3: an end that is left out would touch)
+    !> Force [N], peak of force over cell width [N/mm] (slices: largest pressure [MPa]), body whose
+    !> sharp corner works (0: none; -1: the site that touches without torque, -2: no parabola's
+    !> contact at the lumped level, both off corners; -3: an end that is left out would touch)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)

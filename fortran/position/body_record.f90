@@ -17,7 +17,8 @@ module flankload_body_record
 
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
-    public :: part_sides, part_friction, part_axial, part_slices, last_optional, last_part
+    public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
+    public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
     public :: fits, are_valid, body_length, start_record, write_part
@@ -36,6 +37,8 @@ module flankload_body_record
         enumerator :: part_friction
         enumerator :: part_axial
         enumerator :: part_slices
+        enumerator :: part_turned
+        enumerator :: part_wedge_along
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -46,7 +49,7 @@ module flankload_body_record
         enumerator :: part_smooth
         enumerator :: part_block
     end enum
-    integer, parameter :: last_optional = part_slices, last_part = part_block
+    integer, parameter :: last_optional = part_wedge_along, last_part = part_block
 
     !> Sizes from which the shapes of all parts follow.
     type :: counts_type
@@ -83,7 +86,7 @@ contains
         select case (part)
         case (part_tip)
             extents(1) = 3
-        case (part_wedge)
+        case (part_wedge, part_wedge_along)
             extents(1) = 2
         case (part_nodes)
             extents(1) = n%modes
@@ -101,6 +104,8 @@ contains
             extents(1) = 6
         case (part_slices)
             extents(1) = any_number
+        case (part_turned)
+            extents(:2) = [n%modes, n%blocks]
         case (part_breaks, part_corners)
             extents(1) = n%breaks
         case (part_coefficients)
@@ -174,7 +179,8 @@ contains
         case (part_axial)
             ! modes over the width multiply those along the profile; psi of the ends is not negative
             valid = values(1) >= 1.0_wp .and. values(1) <= n%modes
-            if (valid) valid = mod(n%modes, nint(values(1))) == 0
+            if (valid) valid = mod(n%modes, nint(values(1))) == 0 &
+                & .and. .not. abs(values(1) - anint(values(1))) > 0.0_wp
             valid = valid .and. values(2) < values(3) .and. all(values(5:6) >= 0.0_wp)
         case (part_slices)
             n_places = size(values) - 1

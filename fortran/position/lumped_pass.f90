@@ -6,6 +6,9 @@
 !> linearised at the last forces, and the contact loop solves the rest.
 module flankload_lumped_pass
     use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
+    use flankload_polar_geometry, only: angle_between
+    use flankload_contact_zones, only: zone_type
     use flankload_status, only: invalid_scale, no_contact_state
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
@@ -14,6 +17,7 @@ module flankload_lumped_pass
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
     use flankload_tangential_influence, only: add_tangential
+    use flankload_turned_influence, only: add_turned
     implicit none
     private
 
@@ -40,25 +44,63 @@ contains
         !> The same for a unit force along flank 1; (n, 0) without friction
         real(wp), allocatable, intent(out) :: rubbing(:, :)
 
+        !> Width of a contact, about, as a part of the flank's length: images of forces along the
+        !> flank stand no nearer
+        real(wp), parameter :: usual_part = 0.01_wp
         integer :: n
-        real(wp) :: ones(size(of)), no_width(size(of))
+        real(wp) :: ones(size(of)), width(size(of))
 
         n = size(of)
         coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
+            width = usual_part*position%flank_length
+            call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
+                & corner_turn(body_1, body_2, zones, 1), coupling)
+            call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
+                & corner_turn(body_1, body_2, zones, 2), coupling)
             if (.not. allocated(body_1%friction)) then
                 allocate (rubbing(n, 0))
                 return
             end if
             allocate (rubbing(n, n), source=0.0_wp)
             ones = 1.0_wp
-            no_width = tiny(1.0_wp)
-            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, no_width, ones, &
+            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
                 & rubbing)
-            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, no_width, ones, &
+            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
                 & rubbing)
         end associate
     end subroutine couple
+
+    !> By how much the force is turned at a body's sharp tip from the normal of its flank towards
+    !> growing arc length [rad]: halfway to the normal of the other flank. Off corners both flanks
+    !> have one normal where the gap is least.
+    elemental function corner_turn(body_1, body_2, zone, body) result(turn)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Which body
+        integer, intent(in) :: body
+        real(wp) :: turn
+
+        real(wp) :: closed(2)
+
+        turn = 0.0_wp
+        if (zone%corner /= body) return
+        associate (nearest => zone%nearest)
+            if (body == 1) then
+                if (nearest%s_1 < body_1%compliance%s_high*(1.0_wp - tie)) return
+            else
+                if (nearest%s_2 < body_2%compliance%s_high*(1.0_wp - tie)) return
+            end if
+            ! body 1 turns by the gap before both touch; tangents point to either tip
+            closed = cos(nearest%gap_angle)*nearest%tangent_1 &
+                & + sin(nearest%gap_angle)*[-nearest%tangent_1(2), nearest%tangent_1(1)]
+            turn = 0.5_wp*angle_between(closed, -nearest%tangent_2)
+            if (body == 1) turn = -turn
+        end associate
+    end function corner_turn
 
     !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
     pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &

@@ -157,8 +157,8 @@ contains
                             & position%kernel(z), position%flank_length)
                     end if
                     call reach_of(curve_1, position%frames_1(site), curve_2, &
-                        & position%frames_2(site), zone, position%kernel(z)*place%force, place%reach, &
-                        & place%reach_slope)
+                        & position%frames_2(site), zone, position%kernel(z)*place%force, &
+                        & place%reach, place%reach_slope)
                     place%reach_slope = position%kernel(z)*place%reach_slope
                     call near_field_of(position%kernel(z), &
                         & least_half_width(position%flank_length), position%images(:, z), place)

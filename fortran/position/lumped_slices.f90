@@ -60,16 +60,9 @@ contains
         real(wp), allocatable :: coupling(:, :), rubbing(:, :)
         type(place_type) :: places(size(position%zones))
 
-        if (any(position%zones%level_high > position%zones%level_low)) then
-            call fatal_error(error, code_conforms, &
-                & 'flanks conform: their contact has no place of its own')
-            return
-        end if
-        call load_slices(body_1, body_2, torque, position)
-        full = position%part*torque/position%zones%lever
-        call estimate_forces(body_1%slices, position, torque, full, forces, joins, state, error)
+        call begin(body_1, body_2, torque, position, forces, joins, state, error)
         if (allocated(error)) return
-        call widen_slices(body_1, body_2, forces, position)
+        full = position%part*torque/position%zones%lever
         allocate (of(0))
         do pass = 1, max_passes
             if (size(of) /= count(joins)) then
@@ -94,12 +87,6 @@ contains
             last = forces
             call solve_pass(position, of, places, coupling, rubbing, torque, &
                 & pass > newton_passes, forces, state, stands, error)
-            if (allocated(error) .and. pass <= newton_passes) then
-                ! on a corner a thin slice may yield less the more it carries
-                deallocate (error)
-                call solve_pass(position, of, places, coupling, rubbing, torque, .true., forces, &
-                    & state, stands, error)
-            end if
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_look = since_look + change
@@ -115,50 +102,47 @@ contains
         end if
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
-        call drop_jumps(position, of, coupling, state%rotation, places)
         call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
             & stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
 
-    !> Drop the derivatives of levers that jump: where a contact grows over a kink, its normal turns
-    !> at once.
-    pure subroutine drop_jumps(position, of, coupling, rotation, places)
+    !> Near fields, and forces that are nearly right.
+    pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
         !> The position
-        type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
-        integer, intent(in) :: of(:)
-        !> Compliance between them without their own near fields [mm/N], shape (n, n)
-        real(wp), intent(in) :: coupling(:, :)
-        !> Rotation of body 1 [rad]
-        real(wp), intent(in) :: rotation
-        !> The places, shape (zones)
-        type(place_type), intent(inout) :: places(:)
+        type(position_type), intent(inout) :: position
+        !> Forces [N], shape (zones)
+        real(wp), intent(out) :: forces(:)
+        !> Which places may touch, shape (zones)
+        logical, intent(out) :: joins(:)
+        !> Where the work is counted
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
 
-        !> Of the compliance of a place itself: a larger part is none of a smooth flank
-        real(wp), parameter :: largest_part = 0.5_wp
-        integer :: k
-
-        do k = 1, size(of)
-            associate (place => places(of(k)))
-                if (abs(place%lever_slope*(position%gap(of(k)) - rotation)) &
-                    & <= largest_part*(coupling(k, k) + place%approach_slope)) cycle
-                place%lever_slope = 0.0_wp
-                place%torque_lever_slope = 0.0_wp
-            end associate
-        end do
-    end subroutine drop_jumps
+        if (any(position%zones%level_high > position%zones%level_low)) then
+            call fatal_error(error, code_conforms, &
+                & 'flanks conform: their contact has no place of its own')
+            return
+        end if
+        call load_slices(body_1, body_2, torque, position)
+        call estimate_forces(body_1%slices, position, torque, forces, joins, state, error)
+        if (.not. allocated(error)) call widen_slices(body_1, body_2, forces, position)
+    end subroutine begin
 
     !> Forces of contacts that are all as wide as the widest, and the places that they need.
-    pure subroutine estimate_forces(slices, position, torque, full, forces, joins, state, error)
+    pure subroutine estimate_forces(slices, position, torque, forces, joins, state, error)
         !> The slices
         type(slices_type), intent(in) :: slices
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Forces if a flank held it alone, evenly over its length [N], shape (zones)
-        real(wp), intent(in) :: full(:)
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
         !> Which places may touch, shape (zones)
@@ -184,7 +168,7 @@ contains
         levers(:, 1) = position%zones%lever
         ! a flank alone would turn body 1 further: no place touches beyond
         first = minloc(position%gap, dim=1)
-        forces = merge(full, 0.0_wp, flanks == flanks(first))
+        forces = merge(position%part*torque/levers(:, 1), 0.0_wp, flanks == flanks(first))
         joins = position%gap <= position%gap(first) &
             & + dot_product(forces, matmul(matrix, forces))/torque
         call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, [torque], &

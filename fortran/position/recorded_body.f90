@@ -10,7 +10,7 @@ module flankload_recorded_body
         & part_axial, part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
         & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
         & part_sides, part_site_angles, part_slices, part_smooth, part_tangential, part_tip, &
-        & part_wedge, place_in, shape_in
+        & part_turned, part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
@@ -82,6 +82,7 @@ contains
         call take_few(record, part_kernel, strength)
         compliance%kernel = strength(1)
         call take_few(record, part_wedge, compliance%wedge)
+        call take_few(record, part_wedge_along, compliance%wedge_along)
         call take(record, part_smooth, compliance%smooth)
         call take(record, part_block, block)
         compliance%block = nint(block)
@@ -92,6 +93,7 @@ contains
         compliance%jump = strength(1)
         call take(record, part_along, compliance%along)
         call take(record, part_shift, compliance%shift)
+        call take(record, part_turned, compliance%turned)
         axial = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
         call take_few(record, part_axial, axial)
         compliance%n_axial = nint(axial(1))

@@ -18,7 +18,7 @@ import flankload as fl
 from flankload.errors import FlankloadError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import DEFAULT
-from tests.benchmarks._scenes import scenes
+from tests.support.random_scenes import scenes
 
 POSITIONS = 32
 #: The finer solution: modes, and elements over those of the default.

@@ -45,7 +45,6 @@ LARGER: dict[str, tuple[int, int]] = {
     "position/lumped_position.f90: solve_lumped": (67, 6),
     "position/lumped_position.f90: look_at_places": (55, 9),
     "position/position_cells.f90: lay_pairs": (66, 7),
-    "position/position_zones.f90: look_at_position": (89, 7),
 }
 
 

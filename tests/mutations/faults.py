@@ -55,6 +55,42 @@ _ESTIMATE = "physics/test_error_estimate.py::test_"
 
 _FORTRAN = (
     *_in(
+        "line_potential.f90",
+        "core",
+        ("(2.0_wp*distance**2 - across**2)", "(2.0_wp*distance**2 + across**2)"),
+        ("half_difference = 0.5_wp*(length - other)", "half_difference = 0.5_wp*(length + other)"),
+        ("slope = -2.0_wp/", "slope = -1.0_wp/"),
+    ),
+    *_in(
+        "slice_field.f90",
+        "core",
+        ("at(:n, b + 1) + at(:n, b - 1)", "at(:n, b + 1) - at(:n, b - 1)"),
+        ("values((a - 1)*body%n_axial + b, i)", "values((b - 1)*size(along, 2) + a, i)"),
+        ("body%block(site(other), site(first))", "body%block(site(first), site(other))"),
+        ("- 2.0_wp*ends(k)%place)/cosine", "- 2.0_wp*ends(k)%place)"),
+        ("all(1)%strength = 0.5_wp*", "all(1)%strength = "),
+    ),
+    *_in(
+        "slice_coupling.f90",
+        "physics/test_slices.py",
+        ("zones%lever = zones%lever*zones%cosine\n", ""),
+        (
+            "zones%curvature = zones%curvature*zones%cosine\n",
+            "",
+            "only the first half-widths, which are then measured",
+        ),
+        ("*log(beside)", "*log(half_width)"),
+        (
+            "zones%length = width_of(body_1%slices, zones%site)/zones%cosine",
+            "zones%length = 1.0_wp",
+        ),
+    ),
+    *_in(
+        "lumped_slices.f90",
+        "physics/test_slices.py",
+        ("settled = 1.0e-6_wp", "settled = 1.0e-1_wp"),
+    ),
+    *_in(
         "nodal_table.f90",
         "core",
         ("low = 1\n", "low = 2\n"),
@@ -145,7 +181,7 @@ _FORTRAN = (
         "lumped_hertz.f90",
         "core",
         ("sqrt(2.0_wp*max(force, 0.0_wp)*kernel", "sqrt(4.0_wp*max(force, 0.0_wp)*kernel"),
-        ("kernel*(0.5_wp + log(2.0_wp/near))", "kernel*log(2.0_wp/near)"),
+        ("kernel(i)*(0.5_wp + log(2.0_wp/near))", "kernel(i)*log(2.0_wp/near)"),
     ),
     *_in(
         "lumped_place.f90",

@@ -22,8 +22,12 @@ from tests.support.paths import SCENES
 from tests.support.tolerances import SOLVER
 
 TORQUE = 302e3
-#: Lines in place of an ellipse: pressure and approach of one 16 (8) times as long as wide.
+#: Lines in place of an ellipse: pressure and approach of one 31 (8) times as long as wide.
 LINES = {2000.0: (1.5e-3, 1e-3), 200.0: (7e-3, 2.5e-3)}
+#: Gaps of involutes beside parabolas: of the pressure; measured 2.03e-3 near a base circle.
+PARABOLAS = 3e-3
+#: Of body 1, mm.
+BASE_RADIUS = 33.828937
 #: So long that the width of a contact over it is 3e-7, mm.
 WIDTH = 1e6
 #: Central differences of a sweep: second order in the step, and the width to which loads are
@@ -168,6 +172,34 @@ def test_forces_hold_the_torque(twist: float) -> None:
         np.testing.assert_allclose(held, TORQUE, rtol=1e-3 if twist else SOLVER)
         np.testing.assert_allclose(columns[:, 7] @ columns[:, 10], TORQUE, rtol=SOLVER)
         np.testing.assert_allclose(found.site_force_N[k].sum(), columns[:, 7].sum(), rtol=SOLVER)
+
+
+@pytest.mark.parametrize("twist", [0.0, 7e-3])
+def test_pressures_are_those_of_hertz_in_the_normal_plane(twist: float) -> None:
+    """p² = 2 F/(pi² l rho c) on involutes: l = dz/cos(b), rho = rho_t/cos(b)."""
+    pair, compliances = plane()
+    found, edges = short(twist=twist)
+    cosine = 1.0 / np.hypot(1.0, twist * BASE_RADIUS)
+    line = pair.pairing.center_distance_mm**2 - (BASE_RADIUS * (1.0 + 24 / 16)) ** 2
+    kernel = sum(part.kernel for part in compliances)
+    compared = 0
+    for k in range(len(found.status)):
+        sites, columns = found.pairs.at(k)
+        radius, force, cell = columns[:, 2], columns[:, 7], columns[:, 8]
+        lever = np.abs(columns[:, 3] * columns[:, 6] - columns[:, 4] * columns[:, 5])
+        smooth = (force > 20.0) & (np.abs(lever / BASE_RADIUS - 1.0) < 2e-4)
+        rho_1 = np.sqrt(radius**2 - BASE_RADIUS**2)
+        rho = rho_1 * (np.sqrt(line) - rho_1) / np.sqrt(line)
+        slices = found.pairs.slices_at(k)
+        length = np.diff(edges)[slices] / cosine
+        wanted = np.sqrt(2.0 * force / (np.pi**2 * length * (rho / cosine) * kernel))
+        np.testing.assert_allclose(
+            (force / (cell * length))[smooth], wanted[smooth], rtol=PARABOLAS
+        )
+        peak = found.slice_peak_MPa[k][sites, slices]
+        np.testing.assert_allclose(peak[smooth], wanted[smooth], rtol=PARABOLAS)
+        compared += smooth.sum()
+    assert compared > 50
 
 
 def test_helix_slopes_of_both_signs() -> None:

@@ -1,19 +1,16 @@
-"""Error of pressure modes in contact on a sharp corner, where the direction of the force changes.
+"""What is left where a contact works on a sharp corner: the force turns for both bodies.
 
-Pressure modes act along the normal of the flank; the modes of a tip rounding or chamfer describe
-forces of other directions. A sharp corner has no such modes, but the force there is also normal to
-the other flank: it is inclined towards the axis of the tooth, in which the tooth is stiff. A tip
-moves along its circle, by bending of the tooth and rotation of the rim. With n the normal of the
-flank at the contact, n' the direction of the force and u the direction of the circle, the
-compliance between places i and j is multiplied by k_i k_j, k = (n'·u)/(n·u); k = 1 for contact on
-the flank itself. The near field at the place of the force has no preferred direction; it extends as
-far as the contact.
+Over a sharp corner the force has the mean of both flanks' normals. The body with the corner knows
+what a force along its flank at the tip moves (`BodyCompliance.turned`); its mate, whose flank goes
+on, pushes and recedes along its own normal, and so does a body from a file without that response.
+By how much they yield too much follows in closed form: what moves a place, bending of the tooth and
+turning of the rim, moves it along its circle; with n the normal of the flank at the contact, n'
+that of the force and u the direction of the circle, places i and j yield to each other k_i k_j
+times as much, k = (n'·u)/(n·u), 1 where the flank itself touches. Of the place's own yielding the
+near field has no preferred direction; it reaches as far as the contact.
 
-Measured with forces on a gear (corner of 125 degrees) and a ring (105 degrees), elements of
-0.0125 mm, inclined by 2 to 15 degrees within 0.15 to 0.5 mm of the corner: the loss of compliance
-is 0.89 to 0.96 times this on the gear, 1.25 to 1.66 times on the ring. The doubt is therefore 1.66
-times the change. Its sign is known, but a cancellation of other errors is specific to one torque
-and position and is not assumed.
+All of it is in doubt: its sign is known, but what it may cancel of other sources holds for one
+torque and position, and is not counted on.
 """
 
 from __future__ import annotations
@@ -36,9 +33,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Largest ratio of the loss of compliance by inclined forces to its closed form.
-DOUBT = 1.66
-#: Sites with a marginal force below this part of the largest are omitted.
+#: A site takes part where it takes up more than this part of what the stiffest does.
 LEAST_PART = 1e-3
 #: The compliance of a site under its own force is at least this part of its whole compliance.
 LEAST_OWN = 0.1
@@ -76,7 +71,7 @@ def tip_error(
                 whole += part / face_width_mm
     if not turned.any():
         return {}
-    changes = _changes(found, DOUBT * turned, between)
+    changes = _changes(found, turned, between)
     return {name: Left(np.zeros_like(one), np.abs(one)) for name, one in changes.items()}
 
 
@@ -153,8 +148,10 @@ def _yields(
     at = pairs.position[loaded], pairs.sites[loaded]
     force, s = (pairs.column(name)[loaded] for name in ("force", f"s_{z + 1}"))
     low, high = body.mode_range_mm
-    turned = found.site_corner[at] == z + 1
-    if body.involute is None or compliance.tip is not None:
+    turned = found.site_corner[at] == 2 - z  # the mate's corner
+    if compliance.turned is None and compliance.tip is None:
+        turned |= found.site_corner[at] == z + 1
+    if body.involute is None:
         turned[:] = False
 
     def mean(values: Floats) -> Floats:

@@ -68,6 +68,33 @@ def image_strengths(body: Body) -> tuple[float, float]:
     return image_strength(low), image_strength(high)
 
 
+def along_strength(angle_deg: float) -> float:
+    """Strength psi_nt of the image of a force along the flank, towards the corner, Eq. (W3).
+
+    By that force the flank moves along its normal by -c0 psi_nt ln(d + d') beside the jump.
+
+    Parameters
+    ----------
+    angle_deg : float
+        Interior angle of the metal, above 0.
+
+    Returns
+    -------
+    float
+        -pi sin^2 w/(w^2 - sin^2 w); 0 where there is no corner.
+    """
+    if not image_strength(angle_deg):
+        return 0.0
+    w = float(np.radians(angle_deg))
+    return float(-np.pi * np.sin(w) ** 2 / (w**2 - np.sin(w) ** 2))
+
+
+def along_strengths(body: Body) -> tuple[float, float]:
+    """Psi_nt at the low and the high end of a body's modes, of a force towards the high end."""
+    low, high = corner_angles(body)
+    return -along_strength(low), along_strength(high)
+
+
 def corner_angles(body: Body) -> tuple[float, float]:
     """Interior angles of the metal where the modes of a body end, degrees; 180 without a corner.
 

@@ -34,6 +34,8 @@ PARTS = (
     "friction",
     "axial",
     "slices",
+    "turned",
+    "wedge_along",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -93,7 +95,7 @@ def body_records(
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
     """Compliance of a body of a width, mm/N instead of mm²/N: the only division by the width."""
-    names = ("smooth", "tangential", "along", "crossing", "crossing_tangential")
+    names = ("smooth", "turned", "tangential", "along", "crossing", "crossing_tangential")
     blocks = {name: getattr(compliance, name) for name in names}
     return replace(
         compliance,
@@ -148,6 +150,11 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
         parts.append(("tip", np.array(compliance.tip, dtype=float)))
     if any(compliance.wedge):
         parts.append(("wedge", np.array(compliance.wedge, dtype=float)))
+    if any(compliance.wedge_along):
+        parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
+    turned = compliance.turned_blocks()
+    if turned is not None:
+        parts.append(("turned", turned.ravel()))
     if compliance.nodes is not None:
         parts.append(("nodes", compliance.nodes))
     if compliance.shifts:
@@ -159,7 +166,7 @@ def _slice_parts(compliance: BodyCompliance, slices: Slices, z: int) -> list[Par
     """Parts of a three-dimensional body: axial modes; of body 1 also the ends of the slices."""
     edges: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
     axial = compliance.axial
-    if axial is None:  # rigid
+    if axial is None:  # refused by the core
         return edges
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
     return [("axial", np.array(numbers, dtype=float)), *edges]

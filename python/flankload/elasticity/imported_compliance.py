@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.flank_elements import gauss_places
-from flankload.bodies.free_corner import image_strengths
+from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.compliance import BodyCompliance
@@ -143,6 +143,8 @@ def _of_modes(
         flanks=given.flanks,
         tangential=given.tangential if friction else None,
         jump=given.jump if friction else 0.0,
+        turned=given.turned,
+        wedge_along=along_strengths(body),
         asymmetry=max(given.asymmetry, asymmetry),
         tip=tip,
     )

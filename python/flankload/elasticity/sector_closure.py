@@ -65,6 +65,7 @@ def condense(
     *,
     coast: Floats | None = None,
     readings: Floats | None = None,
+    corner: Floats | None = None,
     forces: Floats | None = None,
     account: Account | None = None,
     look: Callable[[Floats], None] | None = None,
@@ -84,6 +85,8 @@ def condense(
         Columns that only read the displacements, of the coast flank.
     readings : (2N, q) array, optional
         The same, of stress.
+    corner : (2N, 1) array, optional
+        The same, of a sharp tip.
     forces : (2N, k) array, optional
         Known loads; they read, too, which says what they do themselves (Betti).
     account : Account, optional
@@ -117,10 +120,12 @@ def condense(
     for name, columns in (
         ("coast_readings", coast),
         ("stress_recoveries", readings),
+        ("", corner),
         ("fe_load_cases_growth", forces),
     ):
         if columns is not None:
-            account.count(**{name: columns.shape[1]})
+            if name:
+                account.count(**{name: columns.shape[1]})
             kinds.append(columns)
             solved.append(solve(columns[inside]))
     account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))

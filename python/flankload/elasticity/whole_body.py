@@ -12,7 +12,7 @@ from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.nodal_loads import hat_loads
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
@@ -81,7 +81,7 @@ def whole_response(
     tell: Callable[[str], None],
     *,
     friction: bool = False,
-    readings: Callable[[int], NDArray[np.float64]] | None = None,
+    readings: Callable[[int], Sequence[NDArray[np.float64] | None]] | None = None,
     forces: NDArray[np.float64] | None = None,
     closed: bool = False,
     account: Account | None = None,
@@ -104,7 +104,7 @@ def whole_response(
     friction : bool
         Modes of load along the flanks follow those along the normals.
     readings : callable, optional
-        Number of a flank to columns (2N, q) that only read the displacements.
+        Number of a flank to kinds of columns (2N, q) that only read the displacements.
     forces : (2N, k) array, optional
         Known loads.
     closed : bool
@@ -143,7 +143,7 @@ def whole_response(
     seen = [[load] for load in loads]
     if readings is not None:
         for i, kinds in enumerate(seen):
-            kinds.append(_nonzero(readings(i)[free]))
+            kinds += [_nonzero(part[free]) for part in readings(i) if part is not None]
     f, p, r = len(loads), loads[0][1].shape[1], sum(part[1].shape[1] for part in seen[0])
     response = np.empty((f, f, r, p))
     for j, (rows, column) in enumerate(loads):

@@ -100,8 +100,8 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     tuple of Path
         transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; stiffness.png
         if there is a torque; flank_forces.png if coast flanks can carry load;
-        profile_deviation.png if a body has an involute; for three-dimensional bodies line_load.png,
-        line_load_map.png and contact_pattern.png. For a follower on its cam
+        profile_deviation.png if a body has an involute; for loaded three-dimensional bodies
+        line_load.png, line_load_map.png and contact_pattern.png. For a follower on its cam
         follower_motion.png replaces load_sharing.png. For bodies with contact all around:
         load_per_tooth.png, flank_pressure.png, loaded_pair.png, and for several positions
         transmission_error.png. For all of these root_stress.png if stress is requested. For a
@@ -134,6 +134,7 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         names = ("load_per_tooth", "flank_pressure", "loaded_pair")
         return (*names, *["transmission_error"] * several)
     profiles = any(profile is not None for profile in result.drawing.profiles)
+    carries_in_slices = result.slices is not None and result.torque_Nm > 0
     return (
         "transmission_error",
         "follower_motion" if result.has_cam else "load_sharing",
@@ -142,5 +143,5 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * (result.torque_Nm > 0),
         *["profile_deviation"] * profiles,
-        *(["line_load", "line_load_map", "contact_pattern"] if result.slices is not None else ()),
+        *["line_load", "line_load_map", "contact_pattern"] * carries_in_slices,
     )

@@ -62,19 +62,32 @@ def plot_line_load(result: Result) -> Figure:
         for s, site in loaded_sites(result):
             if not load[p, s].any():
                 continue
-            colour = colour_of(result, site)
-            factor = slices.flank_face_load_factor[p, s]
-            label = f"{pair_name(site)}, largest over mean {factor:.3f}"
-            axes.stairs(load[p, s], ends, color=colour, linewidth=1.8, label=label)
-            axes.axhline(load[p, s].mean(), color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+            force = result.site_force_N[p, s] / 1000.0
+            label = f"{pair_name(site)}: {force:.2f} kN, largest {load[p, s].max():.0f} N/mm"
+            axes.stairs(
+                np.where(load[p, s] > 0, load[p, s], np.nan),
+                ends,
+                color=colour_of(result, site),
+                linewidth=1.8,
+                label=label,
+            )
+        summed = load[p].sum(axis=0)
+        if np.count_nonzero(load[p].any(axis=1)) > 1:
+            axes.stairs(summed, ends, color=GREY, linewidth=1.0, label="all pairs")
+        mean = float(summed @ slices.width_mm / slices.width_mm.sum())
+        dashes = (0, (4, 2))
+        axes.axhline(
+            mean, color=GREY, linewidth=1.0, linestyle=dashes, label=f"mean {mean:.0f} N/mm"
+        )
+        axes.set_xlim(ends[0], ends[-1])
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("axial position z in mm")
-        axes.set_ylabel("line load in N/mm")
+        axes.set_ylabel("line load in N per mm face width")
         axes.legend(
             loc="upper center",
             bbox_to_anchor=(0.5, -0.16),
             ncols=2,
-            title=f"dashed: mean; face load factor of all positions {slices.face_load_factor:.3f}",
+            title=f"face load factor of all positions: {slices.face_load_factor:.3f}",
         )
         return figure
 
@@ -106,14 +119,18 @@ def plot_line_load_map(result: Result) -> Figure:
         axes.grid(visible=False)
         _title(axes, result, "Line load of a tooth")
         shown = axes.pcolormesh(
-            edges, _edges(slices.z_mm, slices.width_mm), load.T, cmap=LOAD_MAP, vmin=0.0
+            edges,
+            _edges(slices.z_mm, slices.width_mm),
+            np.where(load > 0, load, np.nan).T,
+            cmap=LOAD_MAP,
+            vmin=0.0,
         )
         loaded = along[load.any(axis=1)]
         if loaded.size:
             axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
         axes.set_xlabel("place of the pair in pitches from the pitch point")
         axes.set_ylabel("axial position z in mm")
-        figure.colorbar(shown, ax=axes, label="line load in N/mm")
+        figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
         return figure
 
 
@@ -146,12 +163,38 @@ def plot_contact_pattern(result: Result) -> Figure:
                 vmin=0.0,
                 vmax=largest,
             )
-            axes.set_title(f"Flank of body {body}")
+            _mark_profile(axes, result, body)
+            axes.set_title(f"Contact pattern, body {body}")
             axes.set_xlabel("axial position z in mm")
             axes.set_ylabel("diameter in mm")
         figure.colorbar(shown, ax=panels, label="largest pressure in MPa")
         figure.suptitle(subtitle(result), fontsize=9, color=GREY, x=0.98, ha="right")
         return figure
+
+
+def _mark_profile(axes: Axes, result: Result, body: int) -> None:
+    """Diameters at which the profile changes, and the whole height of the flank."""
+    profile = result.drawing.profiles[body - 1]
+    if profile is None:
+        return
+    diameters = []
+    for name, roll in profile.marks:
+        diameter = 2.0 * np.hypot(profile.base_radius_mm, roll)
+        diameters.append(diameter)
+        axes.axhline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.annotate(
+            f"{name} ⌀ {diameter:.2f}",
+            (0.02, diameter),
+            xycoords=("axes fraction", "data"),
+            xytext=(0, 2),
+            textcoords="offset points",
+            fontsize=8,
+            color=GREY,
+            va="bottom",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8},
+        )
+    low, high = min(diameters), max(diameters)
+    axes.set_ylim(low - 0.03 * (high - low), high + 0.06 * (high - low))
 
 
 def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
@@ -172,10 +215,10 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
         Hertz pressure of the lumped contacts; 0 where there was no contact.
     """
     assert result.slices is not None
-    rows = [table for table in result.pair_tables if len(table)]
+    tables = [table for table in result.pair_tables if len(table)]
     place, half, pressure, z, radius = (
         np.concatenate(parts)
-        for parts in zip(*(_rows(result, table, body) for table in rows), strict=True)
+        for parts in zip(*(_rows(result, table, body) for table in tables), strict=True)
     )
     carries = pressure > 0
     place, half, pressure, z, radius = (

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.read_only import KeepsReadOnly
+from flankload.result.contact_quantities import frozen
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -42,10 +43,14 @@ class SliceLoads(KeepsReadOnly):
     tangent_helix_base: float
     cosine_helix_base: float
 
+    def __post_init__(self) -> None:
+        for array in (self.z_mm, self.width_mm, self.force_N, self.peak_pressure_MPa):
+            frozen(array)
+
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Force per mm of face width."""
-        return self.force_N / self.width_mm
+        return frozen(self.force_N / self.width_mm)
 
     @cached_property
     def face_load_factor(self) -> float:
@@ -64,14 +69,14 @@ class SliceLoads(KeepsReadOnly):
         mean = self.force_N.sum(axis=2) / self.width_mm.sum()
         factors = np.ones_like(mean)
         np.divide(self.line_load_N_per_mm.max(axis=2), mean, out=factors, where=mean > 0)
-        return factors
+        return frozen(factors)
 
     @cached_property
     def axial_force_N(self) -> Floats:
         """(P,) Axial component of the forces on body 1, positive along z."""
         # the normal out of body 1 leans by the base helix angle
         sine = self.tangent_helix_base * self.cosine_helix_base
-        return sine * self.force_N.sum(axis=(1, 2))
+        return frozen(sine * self.force_N.sum(axis=(1, 2)))
 
     @cached_property
     def tilting_moment_Nm(self) -> Floats:
@@ -81,7 +86,7 @@ class SliceLoads(KeepsReadOnly):
         """
         middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
         transverse = self.cosine_helix_base * self.force_N.sum(axis=1)
-        return transverse @ (self.z_mm - middle) / 1000.0
+        return frozen(transverse @ (self.z_mm - middle) / 1000.0)
 
     def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
         """The same for some of the sites."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest import mock
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
@@ -20,6 +21,7 @@ from flankload.bodies.flank_elements import gauss_places, mass_matrix
 from flankload.bodies.imported.given import NodalCompliance
 from flankload.bodies.sketch import sketched_tooth
 from flankload.cli import main
+from flankload.elasticity.compliance import job
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.near_field import mode_norms, mode_values, projected_logarithm
 from flankload.errors import ComplianceFileError, SceneError
@@ -276,19 +278,26 @@ def with_nodal(folder: Path, one: dict[str, Any], two: dict[str, Any]) -> fl.Res
     return solved(folder, body_1=FROM_FILE_1, body_2=FROM_FILE_2)
 
 
+@pytest.fixture(scope="module")
+def unturned() -> fl.Result:
+    """Without forces that turn over corners: a matrix of normal displacements knows none."""
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
+        return solved()
+
+
 @pytest.mark.parametrize("form", [dict, to_pressures], ids=["nodal forces", "nodal pressures"])
 def test_matrix_between_nodes_gives_the_rotation_of_the_direct_way(
-    form: Callable[[dict], dict], nodal: tuple[dict, dict], plain: fl.Result, tmp_path: Path
+    form: Callable[[dict], dict], nodal: tuple[dict, dict], unturned: fl.Result, tmp_path: Path
 ) -> None:
     found = with_nodal(tmp_path, *(form(arrays) for arrays in nodal))
     assert_no_elements(found)
-    np.testing.assert_allclose(found.rotation_rad, plain.rotation_rad, rtol=NODAL, atol=0)
-    smooth = ~plain.corner_contact
+    np.testing.assert_allclose(found.rotation_rad, unturned.rotation_rad, rtol=NODAL, atol=0)
+    smooth = ~unturned.corner_contact
     np.testing.assert_allclose(
         found.peak_pressure_MPa[smooth],
-        plain.peak_pressure_MPa[smooth],
+        unturned.peak_pressure_MPa[smooth],
         rtol=0,
-        atol=PRESSURE * plain.peak_pressure_MPa[smooth].max(),
+        atol=PRESSURE * unturned.peak_pressure_MPa[smooth].max(),
     )
 
 
@@ -341,14 +350,14 @@ def test_without_couplings_single_contact_stays_and_a_note_says_so(
     assert (found.rotation_rad[~single] < 0.98 * expected.rotation_rad[~single]).all()
 
 
-def test_one_body_from_nodes_meets_a_gear(
-    nodal: tuple[dict, dict], plain: fl.Result, tmp_path: Path
-) -> None:
-    """The gear turns to the pitch point, where the file's body stands."""
+def test_one_body_from_nodes_meets_a_gear(nodal: tuple[dict, dict], tmp_path: Path) -> None:
+    """The gear turns to the pitch point, where the file's body stands; forces turn on the gear."""
     write_npz(tmp_path / "body_1.npz", nodal[0])
     found = solved(tmp_path, body_1=FROM_FILE_1)
     assert found.cost["fe_factorisations"] == 1
-    np.testing.assert_allclose(found.rotation_rad, plain.rotation_rad, rtol=NODAL, atol=0)
+    with mock.patch.object(job, "has_turned_forces", lambda body: body.teeth == TWO["teeth"]):
+        expected = solved()
+    np.testing.assert_allclose(found.rotation_rad, expected.rotation_rad, rtol=NODAL, atol=0)
 
 
 def test_asymmetry_is_reported_and_averaged(nodal: tuple[dict, dict], tmp_path: Path) -> None:

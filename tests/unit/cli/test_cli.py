@@ -583,3 +583,28 @@ def test_manual_page_is_that_of_the_parser() -> None:
     assert page == runpy.run_path(str(docs / "make_manual.py"))["manual"]()
     for command in ("run", "plan", "check"):
         assert f".SS flankload {command} " in page
+
+
+def test_manual_page_has_single_percent_signs() -> None:
+    """Regression: the page had the doubled signs that argparse needs."""
+    page = (DOCS / "flankload.1").read_text(encoding="ascii")
+    assert "errors of 1 %, 0.1 % and 0.01 %" in page
+    assert "%%" not in page
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("run", "Solve a scene and print"),
+        ("check", "Validate a scene or a mesh file"),
+        ("schema", "Print the JSON schema"),
+        ("accuracy", "Print error and CPU time"),
+    ],
+)
+def test_help_of_a_command_describes_it(
+    command: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Regression: the help of a command listed its options without a word on its purpose."""
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert words in " ".join(capsys.readouterr().out.split())

@@ -22,6 +22,11 @@ NAN = np.nan
 SITES, MODES, BLOCKS = 2, 3, 2
 #: The same number of modes, with which the last two are those of a tip.
 TIP = np.array([20.0, 1.0, 0.3])
+#: All modes are polynomials over the width; end faces, twist, strengths of both ends.
+AXIAL = np.array([3.0, -1.0, 1.0, 1e-3, 1.3, 0.0])
+EDGES = ("slices", [-1.0, 0.0, 1.0])
+#: Where a record has the place of the first part that every body has.
+FIRST = 7 + 2 * len(PARTS)
 #: A place is between both flanks, off each by half of the gap that closes.
 PLACE = 1e-4
 RIGID = {"kernel": 0.0}
@@ -93,6 +98,10 @@ def test_a_record_holds_what_was_packed() -> None:
         "jump": np.array([1e-7]),
         "nodes": np.array([1.0, 2.0, 3.0]),
         "tip": TIP,
+        "axial": AXIAL,
+        "slices": np.array([-1.0, 0.0, 1.0]),
+        "turned": np.arange(MODES * BLOCKS, dtype=float),
+        "wedge_along": np.array([0.0, -0.5]),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())
@@ -216,6 +225,17 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
         (3, "friction", [1.0, 0.1, NAN]),
         (3, "friction", [2.0, 1.0, 0.1, 0.1, 0.1, 0.1]),
         (2, "friction", []),
+        (2, "axial", AXIAL[:5]),
+        (3, "axial", [2.0, *AXIAL[1:]]),
+        (3, "axial", [1.5, *AXIAL[1:]]),
+        (3, "axial", [0.0, *AXIAL[1:]]),
+        (3, "axial", [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
+        (3, "axial", [1.0, -1.0, 1.0, 0.0, -0.1, 0.0]),
+        (3, "axial", [1.0, -1.0, 1.0, NAN, 0.0, 0.0]),
+        (3, "slices", [1.0]),
+        (3, "slices", [0.0, 1.0, 1.0]),
+        (3, "slices", [0.0, 1.0, 2.0, 3.0]),
+        (3, "slices", [0.0, NAN]),
     ],
 )
 def test_refused_parts(argument: int, name: str, values: Any) -> None:
@@ -280,6 +300,7 @@ FRICTION = ("friction", [1.0, 0.1, 0.1])
         *((z, "jump", [1e-7], [NO_TANGENTIAL], {}) for z in (1, 2)),
         *((z, "along", np.full(BLOCKS, 1e-6), [NO_TANGENTIAL], {}) for z in (1, 2)),
         *((z, "shift", np.full(MODES * SITES, 1e-3), [], {}) for z in (1, 2)),
+        *((z, "wedge_along", [0.0, -0.5], [NO_TANGENTIAL], {}) for z in (1, 2)),
         (1, "sides", [1.0, -1.0], [], {"site_angles": np.zeros(SITES)}),
         (1, "friction", [1.0, 0.2, 0.2], [], {}),
     ],
@@ -288,7 +309,7 @@ def test_each_part_reaches_the_core(
     z: int, name: str, values: Any, beside: list[Any], changes: dict[str, Any]
 ) -> None:
     """Without the part, the same sweep finds another rotation."""
-    friction = [FRICTION] if name in ("tangential", "jump", "along") else []
+    friction = [FRICTION] if name in ("tangential", "jump", "along", "wedge_along") else []
     steps = 3.0 if name == "along" else 0.0
 
     def rotation(*parts: tuple[str, Any]) -> float:
@@ -308,6 +329,36 @@ def test_each_part_reaches_the_core(
     assert rotation((name, values)) != rotation()
 
 
+def sliced_info(one: list[Any], two: list[Any], level: float = 1.0) -> int:
+    """`info` of a sweep of bodies with these parts."""
+    settings = np.array([10.0, 30.0, 2.5, level, 0.0])
+    return sweep_info(record_of(*one), record_of(*two), settings=settings)[0]
+
+
+def test_slices_need_both_bodies_over_their_width() -> None:
+    """All slices in both bodies, on body 1; modes over the width only with slices."""
+    axial, short = ("axial", AXIAL), ("axial", [*AXIAL[:2], 0.9, *AXIAL[3:]])
+    assert sliced_info([axial, EDGES], [axial]) == 0
+    assert sliced_info([EDGES], [axial]) == -8
+    assert sliced_info([axial, EDGES], []) == -10
+    assert sliced_info([short, EDGES], [axial]) == -8
+    assert sliced_info([axial, EDGES], [short]) == -10
+    assert sliced_info([axial, EDGES], [axial, EDGES]) == -10
+    assert sliced_info([axial], [axial]) == -8
+
+
+def test_cells_friction_and_shifts_have_no_slices() -> None:
+    """The state says so: it has a status of its own."""
+    axial = ("axial", AXIAL)
+    shift = ("shift", np.zeros(MODES * SITES))
+    assert sliced_info([axial, EDGES], [axial], level=0.0) == 1
+    assert sliced_info([axial, EDGES, shift], [axial]) == 1
+    assert sliced_info([axial, EDGES], [axial, shift]) == 1
+    rubbing = record_of(axial, EDGES, FRICTION), record_of(axial)
+    settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
+    assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 1
+
+
 @pytest.mark.parametrize("z", [1, 2])
 def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     """Foreign, cut short, or changed so that its parts would lie elsewhere."""
@@ -316,8 +367,8 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     for place, value in [
         *((0, 1.0), (0, good[0] + 1), (1, good[1] + 1), (1, good[1] - 1), (1, NAN), (1, 1e300)),
         *((2, 1.0), (3, 1e9), (4, 3.0), (5, 0.0), (5, 2.5), (6, -2.0)),
-        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (7 + 2 * 9, 1e9)),
-        *((7 + 2 * 9 + 1, 0.0), (7, NAN)),
+        *((7 + 2, 0.0), (7 + 2, good.size), (7 + 3, 3.0), (7 + 3, -1.0), (FIRST, 1e9)),
+        *((FIRST + 1, 0.0), (7, NAN)),
     ]:
         changed = good.copy()
         changed[place] = value

@@ -163,12 +163,16 @@ def test_pitch_error_shifts_the_load_to_the_early_tooth(plain: fl.Result) -> Non
 
 
 def test_equal_pitch_error_on_all_teeth_is_a_turn() -> None:
-    """The bodies touch 7 um earlier; only mean normals at corners (2e-4 rad apart) see more."""
+    """The bodies touch 7 um earlier; only mean normals at corners (2e-4 rad apart) see more.
+
+    By half of that forces turn further: 5e-4 um at the corner, by 0.2 um for 0.034 rad.
+    """
     errors = {"pitch_errors_um": [7.0] * 16}
     shifted, straight = (solved(one=keys, positions={"count": 4}) for keys in (errors, {}))
-    np.testing.assert_allclose(
-        straight.transmission_error_um - shifted.transmission_error_um, 7.0, rtol=0, atol=2e-3
-    )
+    turned = np.asarray(straight.corner_contact).any(axis=1)
+    apart = np.abs(straight.transmission_error_um - shifted.transmission_error_um - 7.0)
+    assert apart[~turned].max() < 2e-3
+    assert apart[turned].max() < 2.5e-3
 
 
 def test_mirrored_driver_and_driven_agree_along_the_line_of_action(plain: fl.Result) -> None:

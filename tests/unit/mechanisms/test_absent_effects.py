@@ -163,6 +163,12 @@ def coupled(run: Run) -> float:
 CASES = {
     "elastic_body_1": Case({}, {"body_1__rigid": True}, amount("kernel_1"), plain=False),
     "elastic_body_2": Case({}, {"body_2__rigid": True}, amount("kernel_2"), plain=False),
+    "three_dimensions": Case(
+        {"effects__dimension": 3},
+        {"effects__dimension": 2, "effects__contact": "lumped"},
+        amount("axial_1", "slices_1", "axial_2"),
+        more={"effects__contact": "lumped"},
+    ),
     "segment": Case(
         {"effects__body": "segment", "effects__segment_teeth": 3},
         {"effects__body": "whole"},

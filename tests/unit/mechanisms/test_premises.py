@@ -78,7 +78,7 @@ def test_a_modulus_in_GPa_is_blamed() -> None:
     found = refused(gears(**soft, positions__count=4))
     assert found.key == "body_1.young_modulus_MPa"
     assert "did you mean 206000?" in found.found
-    assert "a part of 302 N m" in found.found
+    assert "under 302 N m" in found.found
 
 
 def test_a_follower_that_turns_by_a_tenth_of_a_radian_is_refused() -> None:

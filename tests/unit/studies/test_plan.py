@@ -275,7 +275,8 @@ def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
     assert warm.startswith("thermal expansion is off (effects.temperature_rise_K absent): with ")
     off = "friction is off (effects.friction_coefficient absent)"
     assert rubs.startswith(
-        f"{off}: with effects.friction_coefficient = 0.1 it would change the rotation "
+        f"{off}: with effects.friction_coefficient = 0.1 it would change the rotation at a "
+        "position by 2 %"
     )
     assert rubs in str(plan)
 

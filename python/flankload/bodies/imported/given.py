@@ -50,6 +50,8 @@ class ModalCompliance:
         corner.
     tip : Tip or None
         Where modes of a tip rounding or chamfer end; the last two are theirs.
+    turned : (z, p) array, or (f * f, p) array; or None
+        Response to a unit force along the flank at its sharp tip, mm²/N.
     """
 
     file: Path
@@ -62,6 +64,7 @@ class ModalCompliance:
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
     tip: Tip | None = None
+    turned: NDArray[np.float64] | None = None
 
     @property
     def description(self) -> str:

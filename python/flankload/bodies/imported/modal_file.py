@@ -50,6 +50,7 @@ NAMES = (
     "mode_range_mm",
     *CORNER_ANGLES,
     "tip_modes",
+    "turned",
     "smooth",
     "kernel",
     "smooth_nt",
@@ -158,6 +159,7 @@ def _read_compliance(
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
         tip=_read_tip(found, *ends_mm, smooth.shape[1]),
+        turned=_read_turned(found, smooth.shape),
     )
 
 
@@ -175,6 +177,13 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
     if n_modes <= TIP_MODES:
         found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
+
+
+def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
+    """Response to a force along the flank at its sharp tip; files without it have none."""
+    if "turned" not in found:
+        return None
+    return found.numbers("turned", shape[0], shape[1])
 
 
 def _read_tangential(

@@ -87,6 +87,12 @@ class BodyCompliance:
     wedge : (float, float)
         Strengths psi of the mirror images of the logarithm behind free corners at both ends of that
         range; 0 where the surface goes on smoothly, on closed flanks and where nodes are given.
+    turned : (z, p) array, or (f * f, p) array; None without a sharp tip
+        As smooth, displacements by a unit force along the flank at its sharp tip, towards growing
+        arc length, without its images: forces turn over the corner.
+    wedge_along : (float, float)
+        Strengths psi_nt of the images of loads along the flank, towards growing arc length, by
+        which it moves along its normal; as wedge.
     flanks : tuple of int
         Empty where smooth depends on the distance of teeth alone; else the teeth that have a flank.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
@@ -141,6 +147,8 @@ class BodyCompliance:
     kernel: float
     mode_range_mm: tuple[float, float]
     wedge: tuple[float, float] = (0.0, 0.0)
+    turned: NDArray[np.float64] | None = None
+    wedge_along: tuple[float, float] = (0.0, 0.0)
     flanks: tuple[int, ...] = ()
     tangential: NDArray[np.float64] | None = None
     jump: float = 0.0
@@ -251,6 +259,12 @@ class BodyCompliance:
             tangential = np.concatenate([tangential, self.crossing_tangential])
         return np.concatenate([self.smooth, self.crossing]), tangential
 
+    def turned_blocks(self) -> NDArray[np.float64] | None:
+        """`turned`, a row for each of `all_blocks`: coast flanks do not turn with it."""
+        if self.turned is None or self.crossing is None:
+            return self.turned
+        return np.concatenate([self.turned, np.zeros_like(self.crossing[:, :, 0])])
+
     def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
         """The same without the highest modes of the flank.
 
@@ -288,6 +302,7 @@ class BodyCompliance:
         return replace(
             self,
             smooth=smooth,
+            turned=None if self.turned is None else self.turned[:, :kept],
             tangential=projected(self.tangential),
             along=projected(self.along),
             crossing=projected(self.crossing),
@@ -329,6 +344,7 @@ class BodyCompliance:
             self,
             smooth=np.zeros((1, modes, modes)),
             kernel=0.0,
+            turned=None,
             tangential=None,
             crossing=None,
             crossing_tangential=None,
@@ -364,6 +380,7 @@ class BodyCompliance:
         return replace(
             self,
             smooth=alone(self.smooth),
+            turned=None if self.turned is None else alone(self.turned),
             tangential=None if self.tangential is None else alone(self.tangential),
             along=None if self.along is None else alone(self.along),
             crossing=crossing,
@@ -375,4 +392,18 @@ class BodyCompliance:
 def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
     """Of a body that does not yield, or that nothing loads: no finite elements."""
     expansion = 0.0 if growth is None else growth.strain
-    return BodyCompliance(np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion)
+    return BodyCompliance(
+        np.zeros((1, 1, 1)), 0.0, body.mode_range_mm, expansion=expansion, axial=_whole_width(body)
+    )
+
+
+def _whole_width(body: Body) -> AxialModes | None:
+    """One constant mode over the width of a three-dimensional body that does not yield."""
+    shape = body.axial
+    if shape is None:
+        return None
+    assert body.involute is not None
+    tangent = shape.twist_rad_per_mm * body.involute.base_radius_mm
+    return AxialModes(
+        shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)
+    )

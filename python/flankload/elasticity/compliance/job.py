@@ -8,6 +8,7 @@ once; on the right stand the pressure modes of the flank and the columns of the 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,11 @@ from flankload.elasticity.compliance.laps import Laps
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
+from flankload.elasticity.compliance.turned import (
+    has_turned_forces,
+    turned_coefficients,
+    turned_columns,
+)
 from flankload.elasticity.expansion_loads import growth_loads, growth_of_flanks
 from flankload.elasticity.fe_error import missed_compliance
 from flankload.elasticity.finite_elements import linear_cells, linear_edges, stiffness
@@ -169,6 +175,7 @@ def flank_compliances(
         loads=loads,
         friction=friction,
         stress=_stress_columns(fillets, body, plane, matrix.shape[0]),
+        corner=None if nodal or not has_turned_forces(body) else partial(turned_columns, body),
         forces=np.stack(forces, axis=1) if forces else None,
         account=account,
         laps=laps,
@@ -179,7 +186,9 @@ def flank_compliances(
         responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
     else:
         responses = of_sector(job, mesh, [n for n, _ in variants], coast_flanks=coast_flanks)
-    settled = {n: _settled(job, found, fillets, along=along) for n, found in responses.items()}
+    settled = {
+        n: _settled(job, found, fillets, plane, along=along) for n, found in responses.items()
+    }
     known = [(growth, name) for growth, named in growing.items() for name in named]
     compliances = []
     for sectors, growth in variants:
@@ -198,14 +207,18 @@ def flank_compliances(
 
 
 def _settled(
-    job: Job, found: Response, fillets: RootFillets | None, *, along: bool
+    job: Job, found: Response, fillets: RootFillets | None, plane: str, *, along: bool
 ) -> BodyCompliance:
     """What is left of a response without the near field, as mode coefficients."""
     body, loads, friction = job.body, job.loads, job.friction
     response, root, n_modes = found.response, None, loads.count
+    turned, below = None, response.shape[2]
     if fillets is not None:
-        count, places = response.shape[2], fillets.points.arc_length_mm.size
-        root = RootResponse(fillets.points, response[:, count : count + places])
+        places = fillets.points.arc_length_mm.size
+        root = RootResponse(fillets.points, response[:, below : below + places])
+        below += places
+    if job.corner is not None:
+        turned = turned_coefficients(body, response[:, below, :n_modes], found.own, plane)
     response = response[:, : response.shape[2]]
     loads.settle(response, found.own, job.account)
     # the response the other way is the transposed one (Betti); the halves of rounding are shared
@@ -217,6 +230,8 @@ def _settled(
         smooth=response[:, :n_modes, :n_modes],
         kernel=loads.kernel,
         wedge=loads.wedge,
+        turned=turned,
+        wedge_along=loads.wedge_along,
         tip=loads.tip,
         mode_range_mm=body.mode_range_mm,
         flanks=found.flanks,

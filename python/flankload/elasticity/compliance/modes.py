@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.free_corner import image_strengths
+from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import Tip
 from flankload.elasticity.near_field import (
     jump_strength,
@@ -58,6 +58,11 @@ class ModeLoads:
         return image_strengths(self.body)
 
     @property
+    def wedge_along(self) -> tuple[float, float]:
+        """Those of loads along the flank, by what they move along its normal."""
+        return along_strengths(self.body)
+
+    @property
     def jump(self) -> float:
         """Strength of the jump, mm²/N; 0 without friction."""
         return jump_strength(self.body.material, self.plane) if self.friction else 0.0
@@ -101,9 +106,12 @@ class ModeLoads:
         response[own, :n, :n] += self.kernel * near
         if response.shape[1] > n:
             sign = self.jump * projected_sign(n, high - low, tip=behind)
+            near = projected_near_field(n, high - low, closed=closed, tip=behind)
+            if any(self.wedge_along):
+                image = projected_near_field(n, high - low, wedge=self.wedge_along, tip=behind)
+                sign = sign + self.kernel * (image - near)
             response[own, :n, n:] += sign
             response[own, n:, :n] += sign.T
-            near = projected_near_field(n, high - low, closed=closed, tip=behind)
             response[own, n:, n:] += self.kernel * near
         response[:] = self.between(response)
 

@@ -38,6 +38,7 @@ class NodeLoads:
     #: Nothing of the near field stands beside the tables.
     jump = 0.0
     wedge = (0.0, 0.0)
+    wedge_along = (0.0, 0.0)
     tip = None
 
     @property

@@ -45,6 +45,8 @@ class Job:
     friction : bool
     stress : callable or None
         Number of a flank to columns that read stress in the roots.
+    corner : callable or None
+        Number of a flank to the column that reads its sharp tip along the flank.
     forces : array or None
         Loads of growth.
     account : Account
@@ -61,6 +63,7 @@ class Job:
     loads: ModeLoads | NodeLoads
     friction: bool
     stress: Callable[[int], Floats] | None
+    corner: Callable[[int], Floats] | None
     forces: Floats | None
     account: Account
     laps: Callable[[str], None]
@@ -70,6 +73,12 @@ class Job:
     def carried(self, columns: Floats) -> Floats:
         """Loads as the unknown nodes carry them."""
         return columns if self.onto is None else self.onto.T @ columns
+
+    def readings(self, flank: int) -> tuple[Floats | None, Floats | None]:
+        """Columns that only read at a flank: of stress, and of its sharp tip."""
+        stress = None if self.stress is None else self.stress(flank)
+        corner = None if self.corner is None else self.carried(self.corner(flank))
+        return stress, corner
 
     @property
     def without_growth(self) -> Floats:
@@ -125,7 +134,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
         job.laps,
         friction=job.friction,
         closed=job.body.curve.closed,
-        readings=job.stress,
+        readings=job.readings,
         forces=None if job.forces is None else job.carried(job.forces),
         account=job.account,
         nodes=job.loads.nodes,
@@ -175,7 +184,7 @@ def of_sector(
     columns = None if coast is None else job.carried(coast.columns)
     loads = job.carried(loads)
     job.laps("assembly")
-    stress = job.stress(0) if job.stress else None
+    stress, corner = job.readings(0)
     count_loads(job.account, loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
     if set(sectors) == {1}:
@@ -184,7 +193,7 @@ def of_sector(
             loads,
             mesh,
             job.laps,
-            readings=[part for part in (columns, stress) if part is not None],
+            readings=[part for part in (columns, stress, corner) if part is not None],
             account=job.account,
             look=job.look,
         )
@@ -197,6 +206,7 @@ def of_sector(
             job.laps,
             coast=columns,
             readings=stress,
+            corner=corner,
             forces=None if job.forces is None else job.carried(job.forces),
             account=job.account,
             look=job.look,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -129,70 +129,112 @@ def build_bodies(
             check_coast_kinds(body_1.kind, body_2.kind)
         if not effects.tip_contact:
             body_1, body_2 = without_ends(body_1), without_ends(body_2)
-        by_tooth = coefficients_by_tooth(scene, body_1)
-        period = period_of(body_1, body_2, by_tooth=by_tooth)
-        whole = period.with_compliance(groups)
-        pitches = _pitches(scene.positions, _reached(period, groups, (body_1, body_2)))
-        geometric = period
-        if not _stands_for_all(scene.positions, pitches, period):
-            period = whole
-        closed = pitches is not None and pitches % period.pitches == 0
-        position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
-        position_rad, alike = _without_copies(scene, position_rad)
+        window = _window(scene, (body_1, body_2), groups)
         pairing = pair_bodies(
             body_1,
             body_2,
             center_distance_mm=scene.pair.axes_apart_mm,
-            position_rad=reached_positions(position_rad, body_1),
+            position_rad=reached_positions(window.position_rad, body_1),
             coast_flanks=effects.coast_flanks,
         )
-        pairing = replace(pairing, period=period)  # coefficients may differ from tooth to tooth
+        # coefficients may differ from tooth to tooth
+        pairing = replace(pairing, period=window.period)
         friction = friction_of(scene, body_1, pairing)
         fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
     except SceneError as error:
         raise _with_file(error, scene) from None
-    # in concentric splines the same teeth meet at every position: a window omits none
-    window = None if scene.is_concentric else pitches
-    # a compliance file can contain pitch errors and modified flanks
-    errors = (*body_1.pitch_errors_um, *body_2.pitch_errors_um)
-    effects = replace(
-        effects,
-        pitch_errors=any(errors),
-        flank_modifications=effects.flank_modifications
-        or any(_is_modified_file(body) for body in (body_1, body_2)),
-    )
-    notes = (
-        *question_notes(scene),
-        *(f"body_1: {note}" for note in body_1.notes),
-        *(f"body_2: {note}" for note in body_2.notes),
-        *spacing_notes((body_1, body_2), scene.torques_Nm, scene.pair.face_width_mm),
-        *pairing.warnings,
-        *alike,
-        *_beyond_window(window, geometric),
-        *_beyond_teeth(window, whole, groups, (body_1, body_2)),
-        *friction_notes(friction, pairing),
-        *growth_notes(scene),
-        *(
-            f"{key}: rigid, so there is no stress in its roots"
-            for key, body in (("body_1", body_1), ("body_2", body_2))
-            if effects.root_stress and body.rigid
-        ),
-    )
-    return BodyPair(
+    several = window.position_rad.size > 1
+    pair = BodyPair(
         body_1=body_1,
         body_2=body_2,
         pairing=pairing,
         discretization=discretization,
-        effects=effects,
-        position_rad=position_rad,
-        pitches=pitches,
-        closed=closed and position_rad.size > 1,
-        adaptive=scene.positions.adaptive and position_rad.size > 1,
-        notes=notes,
+        effects=_with_effects_of_files(effects, (body_1, body_2)),
+        position_rad=window.position_rad,
+        pitches=window.pitches,
+        closed=window.closed and several,
+        adaptive=scene.positions.adaptive and several,
+        notes=(),
         friction=friction,
         fillets=fillets,
         growth=growth_of(scene, pairing),
         slices=_slices(scene, (body_1, body_2), pairing),
+    )
+    return replace(pair, notes=_notes(scene, pair, window, groups))
+
+
+def _with_effects_of_files(effects: Effects, bodies: tuple[Body, Body]) -> Effects:
+    """Effects including those of compliance files: pitch errors and modified flanks."""
+    return replace(
+        effects,
+        pitch_errors=any(bodies[0].pitch_errors_um) or any(bodies[1].pitch_errors_um),
+        flank_modifications=effects.flank_modifications
+        or any(_is_modified_file(body) for body in bodies),
+    )
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Positions of a scene and the periods that they cover.
+
+    Attributes
+    ----------
+    position_rad : (P,) array
+    pitches : int or None
+        Tooth pitches that they cover; None for single angles.
+    period : Period
+        Period of the curves.
+    geometric, whole : Period
+        Period of the geometry, and of geometry and compliance.
+    closed : bool
+        The positions cover whole periods.
+    notes : tuple of str
+    """
+
+    position_rad: NDArray[np.float64]
+    pitches: int | None
+    period: Period
+    geometric: Period
+    whole: Period
+    closed: bool
+    notes: tuple[str, ...]
+
+
+def _window(scene: Scene, bodies: tuple[Body, Body], groups: tuple[int, int]) -> _Window:
+    """Positions of a scene."""
+    geometric = period_of(*bodies, by_tooth=coefficients_by_tooth(scene, bodies[0]))
+    whole = geometric.with_compliance(groups)
+    pitches = _pitches(scene.positions, _reached(geometric, groups, bodies))
+    period = geometric if _stands_for_all(scene.positions, pitches, geometric) else whole
+    closed = pitches is not None and pitches % period.pitches == 0
+    position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
+    position_rad, notes = _without_copies(scene, position_rad)
+    return _Window(position_rad, pitches, period, geometric, whole, closed, notes)
+
+
+def _notes(
+    scene: Scene, pair: BodyPair, window: _Window, groups: tuple[int, int]
+) -> tuple[str, ...]:
+    """Remarks on the bodies and the pair for the user."""
+    bodies = (pair.body_1, pair.body_2)
+    # in concentric splines the same teeth meet at every position: a window omits none
+    pitches = None if scene.is_concentric else window.pitches
+    return (
+        *question_notes(scene),
+        *(f"body_1: {note}" for note in pair.body_1.notes),
+        *(f"body_2: {note}" for note in pair.body_2.notes),
+        *spacing_notes(bodies, scene.torques_Nm, scene.pair.face_width_mm),
+        *pair.pairing.warnings,
+        *window.notes,
+        *_beyond_window(pitches, window.geometric),
+        *_beyond_teeth(pitches, window.whole, groups, bodies),
+        *friction_notes(pair.friction, pair.pairing),
+        *growth_notes(scene),
+        *(
+            f"body_{z}: rigid, so there is no stress in its roots"
+            for z, body in enumerate(bodies, start=1)
+            if pair.effects.root_stress and body.rigid
+        ),
     )
 
 

@@ -76,9 +76,10 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
-    # the peaks of slices are pressures
-    width = face_width_mm
-    peak_width = width if pair.slices is None else 1.0
+    # slices cover the common width, and their peaks are pressures
+    width, peak_width = face_width_mm, face_width_mm
+    if pair.slices is not None:
+        width, peak_width = float(pair.slices.width_mm.sum()), 1.0
     result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -99,6 +100,7 @@ def result_of(
                 width,
                 pair.effects.lumped_contact,
                 slices=pair.slices,
+                twist=0.0 if pair.body_1.axial is None else pair.body_1.axial.twist_rad_per_mm,
             ),
         ),
         corner_contact=found.site_corner[:, carries] > 0,
@@ -126,10 +128,15 @@ def result_of(
         else pair.pairing.turns(pair.position_rad)[0],
         unloaded_rotation_rad=found.unloaded_rad,
     )
+    return _with_parts(result, pair, found, carries)
+
+
+def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
+    """A result with the parts that only some pairs have: slices, coast flanks, friction."""
     if pair.slices is not None:
         result = replace(result, slices=_slice_loads(pair, pair.slices, found).at_sites(carries))
     if found.coast is not None:
-        result = replace(result, coast=_coast(pair, found.coast, carries, width))
+        result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
     if pair.friction is None:
         return result
@@ -145,10 +152,10 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
     assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
     return SliceLoads(
-        z_mm=frozen(slices.z_mm),
-        width_mm=frozen(slices.width_mm),
-        force_N=frozen(found.slice_force_N),
-        peak_pressure_MPa=frozen(found.slice_peak_MPa),
+        z_mm=slices.z_mm,
+        width_mm=slices.width_mm,
+        force_N=found.slice_force_N,
+        peak_pressure_MPa=found.slice_peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
     )
@@ -195,14 +202,18 @@ def _pair_table(
     lumped: bool,
     p: int,
     slices: Slices | None = None,
+    twist: float = 0.0,
 ) -> PairTable:
-    """Contact pairs at position p."""
+    """Contact pairs at position p; `twist` is that of body 1, rad/mm."""
     site, table = pairs.at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
     z_mm, length = None, np.asarray(width)
     slice_number = pairs.slices_at(p)
     if slices is not None and slice_number is not None:
-        z_mm, length = slices.z_mm[slice_number], slices.width_mm[slice_number]
+        # the contact line of a slice leans by the base helix angle, as its normal does
+        lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
+        z_mm = slices.z_mm[slice_number]
+        length = slices.width_mm[slice_number] * np.hypot(1.0, twist * lever)
     return PairTable(
         site=pairing.sites[site],
         arc_length_1_mm=column["s_1"],

@@ -69,7 +69,8 @@ def notes_of_sweep(
         yield (
             f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
             "beside a lumped contact: its peak pressure is that of a Hertz contact of its width "
-            'and may be half of the true one (effects.contact = "pairs" follows it)'
+            "and may be half of the true one"
+            + (' (effects.contact = "pairs" follows it)' if pair.slices is None else "")
         )
     left_out = np.flatnonzero((found.site_corner == END_WOULD_TOUCH).any(axis=1))
     if left_out.size:

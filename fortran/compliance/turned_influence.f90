@@ -1,0 +1,52 @@
+!> What a force that turns over a sharp corner adds to the influence numbers.
+!>
+!> The force between a corner and the flank of its mate has the mean of both normals. It is turned
+!> by d from that of the corner's own flank, and so is the direction in which its place recedes:
+!> with C_nt = n.u for a unit force along t, n' = n cos d + t sin d, and
+!> K_ij = C_nn + sin d_i C_tn + sin d_j C_nt, to the first order in d. Modes and the mirror image
+!> behind the corner, -c0 psi_nt ln(d + d'), carry C_nt; the jump of the half-plane cancels.
+module flankload_turned_influence
+    use flankload_kinds, only: wp
+    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_near_field, only: image_along
+    implicit none
+    private
+
+    public :: add_turned
+
+contains
+
+    !> Add what one body recedes because forces on its sharp corner are turned.
+    pure subroutine add_turned(body, site, s, cell, turn, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Site of each pair, its arc length on the flank and width of its cell [mm], and by how
+        !> much its force is turned from the flank's normal towards growing arc length [rad], shape
+        !> (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        real(wp), intent(in) :: cell(:)
+        real(wp), intent(in) :: turn(:)
+        !> K [mm/N], shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: i, j
+        real(wp) :: along, values(size(s), size(body%smooth, 1))
+
+        if (.not. allocated(body%turned)) return
+        if (.not. any(abs(turn) > 0.0_wp)) return
+        values = mode_values(body, s)
+        do i = 1, size(s)
+            if (.not. abs(turn(i)) > 0.0_wp) cycle
+            do j = 1, size(s)
+                along = dot_product(values(j, :), body%turned(:, body%block(site(i), site(j))))
+                if (site(i) == site(j)) along = along &
+                    & + image_along(body, s(i), cell(i), s(j), cell(j))   ! Eq. (W3)
+                along = sin(turn(i))*along
+                matrix(i, j) = matrix(i, j) + along
+                matrix(j, i) = matrix(j, i) + along   ! Betti
+            end do
+        end do
+    end subroutine add_turned
+
+end module flankload_turned_influence

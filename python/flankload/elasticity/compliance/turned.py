@@ -1,0 +1,118 @@
+"""Displacements of a sharp tip along its flank: what a force that turns over the corner adds.
+
+A unit force along the flank on its last edge reads the displacements under the pressure modes.
+By Betti that is also what the flank recedes under it. The near field is left out: the jump of the
+half-plane, -j sign(s - s') (`near_field`), which cancels between two turned forces, and the mirror
+images behind free corners, -c0 psi_nt ln(d + d') (`bodies.free_corner`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legint, legval
+
+from flankload.bodies.body import WholeMesh
+from flankload.bodies.free_corner import along_strengths, image_strengths
+from flankload.bodies.tip_modes import graded
+from flankload.elasticity.near_field import (
+    consistent_loads,
+    jump_strength,
+    logarithm_strength,
+    mode_values,
+    to_coefficients,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body, MeshedFlank, SectorMesh
+
+    Floats = NDArray[np.float64]
+
+#: Exact for a quadratic edge times a straight line and modes of up to 20.
+POINTS = 12
+
+
+def has_turned_forces(body: Body) -> bool:
+    """Whether the flank ends in a sharp tip, over which forces turn."""
+    return body.given is None and image_strengths(body)[1] > 0.0
+
+
+def turned_columns(body: Body, flank: int) -> Floats:
+    """Loads of a unit force along a flank at its sharp tip.
+
+    Parameters
+    ----------
+    body : Body
+        With a mesh.
+    flank : int
+        Number of the flank in the mesh.
+
+    Returns
+    -------
+    (2 N, 1) array
+        Per mm of width, on the last edge, growing from 0 to the tip by a straight line.
+    """
+    mesh = _flank_of(body, flank)
+    start, end = last_edge(mesh)
+    edges = mesh.flank_edges[-1:]
+    return consistent_loads(
+        mesh,
+        lambda s: (2.0 * (s - start) / (end - start) ** 2)[:, None],
+        count=1,
+        along="tangent",
+        edges=(edges, mesh.flank_arc_length[edges]),
+    )
+
+
+def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], plane: str) -> Floats:
+    """Displacements of the flanks by a force along the flank at the tip, as mode coefficients.
+
+    Parameters
+    ----------
+    body : Body
+    moments : (k, p) array
+        What the force reads of the displacements under p modes; of k teeth or pairs of flanks.
+    own : array
+        Which of the k are of flanks to loads on themselves.
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    (k, p) array
+        mm²/N, without jump and images.
+    """
+    low, high = body.mode_range_mm
+    start, end = last_edge(_flank_of(body, 0))
+    points, weights = leggauss(POINTS)
+    s = 0.5 * (start + end) + 0.5 * (end - start) * points
+    x = (2.0 * s - low - high) / (high - low)
+    weights = weights * (s - start) / (end - start)
+    modes = np.eye(moments.shape[1])
+    # int P sign(x - y) dy = 2 int_-1^x P dy - int_-1^1 P dy
+    primitive = legint(modes.T, lbnd=-1)
+    sides = 2.0 * legval(x, primitive) - legval(np.ones(1), primitive)
+    sign = 0.5 * (high - low) * sides @ weights
+    smooth = moments.copy()
+    smooth[own] -= jump_strength(body.material, plane) * sign
+    away, parts = graded(high - low)
+    strength = logarithm_strength(body.material, plane)
+    for psi, end, inwards in zip(along_strengths(body), (low, high), (1.0, -1.0), strict=True):
+        values = mode_values(end + inwards * away, body.mode_range_mm, moments.shape[1])
+        both = np.log(inwards * (s - end)[:, None] + away)
+        smooth[own] += strength * psi * (weights @ both @ (parts[:, None] * values))
+    return to_coefficients(smooth.T, body.mode_range_mm).T
+
+
+def last_edge(mesh: SectorMesh | MeshedFlank) -> tuple[float, float]:
+    """Arc lengths of the ends of the last edge of a flank, mm."""
+    start, end = mesh.flank_arc_length[mesh.flank_edges[-1, :2]].tolist()
+    return start, end
+
+
+def _flank_of(body: Body, flank: int) -> SectorMesh | MeshedFlank:
+    mesh = body.mesh
+    assert mesh is not None
+    return mesh.flanks[flank] if isinstance(mesh, WholeMesh) else mesh
