@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
+from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody
@@ -74,7 +75,12 @@ def build_body(
 
     assert not isinstance(spec, Sprocket | Chain | Pulley | Belt)  # built by their drives
     if isinstance(spec, ComplianceBody | MeshBody):
-        return _build_imported(spec, key, folder)
+        body = _build_imported(spec, key, folder)
+        if pair_width_mm is None or isinstance(spec, ComplianceBody):
+            return body
+        _check_hand(body, spec, key)
+        ends = axial_range(spec, pair_width_mm, key)
+        return replace(body, axial=axial_shape(spec, ends, spec.helix_radius_mm))
     if isinstance(spec, Cam | Follower):
         fineness = DEFAULT_PARTS / flank_element_parts
         return _build_cam_or_follower(spec, key, folder, flank_element_mm, fineness)
@@ -102,6 +108,17 @@ def _build_imported(spec: ComplianceBody | MeshBody, key: str, folder: Path) -> 
     from flankload.bodies.imported.compliance_body import build_compliance_body
 
     return build_compliance_body(spec, key, folder=folder)
+
+
+def _check_hand(body: Body, spec: MeshBody, key: str) -> None:
+    """Refuse the mirror image of a helical section: its hand would be the other one."""
+    if body.mirrored and spec.helix_angle_deg:
+        raise SceneError(
+            key=f"{key}.flank_set",
+            expected=f"a flank that faces counter-clockwise, since there is a {key}."
+            "helix_angle_deg",
+            found=f"one that faces clockwise in {spec.file}",
+        )
 
 
 def _build_cam_or_follower(

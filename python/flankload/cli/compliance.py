@@ -36,6 +36,9 @@ def compliance(arguments: Namespace) -> None:
             expected="'analytic': the files hold pressure modes",
             found="'nodes'",
         )
+    from flankload.scene.effects import require_plane
+
+    require_plane(scene, "the files hold the compliance of plane bodies")
     from flankload.base.array_archive import archive_of
     from flankload.base.files import write_atomically
     from flankload.elasticity.modal_arrays import modal_arrays

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 #: Larger helix angles have end-face edges below 50 degrees.
 LARGEST_HELIX = 40.0
-#: Bodies of one mesh have the same helix angle; files round it.
-HELIX_TOLERANCE = 1e-6
+#: Helices of a pair of bodies have the same lead per tooth; files round helix angles, and more so
+#: the reference radii of meshes, deg.
+HELIX_TOLERANCE, HELIX_TOLERANCE_OF_RADII = 1e-6, 1e-4
 #: Degrees of the displacements and of the pressure modes along the axis by default.
 AXIAL_DEGREE, LOAD_DEGREE = 8, 4
 #: By so much the degree of the displacements exceeds that of the pressure modes at least.
@@ -51,6 +52,14 @@ BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 HelixAngle = Annotated[
     Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
     about("deg", "helix angle on the reference cylinder; module_mm is then the normal module"),
+]
+MeshHelixAngle = Annotated[
+    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
+    about(
+        "deg",
+        "helix angle on the reference circle of the profile, without a profile on the circle of "
+        "reference_radius_mm; mesh and profile are the transverse section",
+    ),
 ]
 Hand = Annotated[
     Literal["right", "left"] | None, about("", "hand of the helix; required with a helix angle")
@@ -133,6 +142,23 @@ class AxialKeys:
     def hand_sign(self) -> int:
         """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
         return {"right": 1, "left": -1, None: 0}[self.hand]
+
+    @property
+    def turn_per_mm(self) -> float:
+        """Rotation of the section along the axis times half the number of teeth, rad/mm."""
+        raise NotImplementedError
+
+    def helix_deg_of(self, turn_per_mm: float) -> float:
+        """The helix angle with which sections turn so fast, deg."""
+        raise NotImplementedError
+
+    @property
+    def helix_tolerance_deg(self) -> float:
+        """How far the helix angle may be from that of the other body."""
+        return HELIX_TOLERANCE
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse what this version has in plane scenes only."""
 
     @property
     def transverse_factor(self) -> float:
@@ -257,13 +283,13 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     one, two = bodies
     for number, body in enumerate(bodies, start=1):
         if not isinstance(body, AxialKeys):
-            kinds = "'gear'"
             refuse(
                 f"body_{number}.kind",
-                f"{kinds}, since {why} requires three dimensions, which this version has for "
-                "these bodies",
+                f"'gear' or 'mesh', since {why} requires three dimensions, which this version has "
+                "for these bodies",
                 f"'{body.kind}'",
             )
+        body.check_solid(f"body_{number}", why)
     assert isinstance(one, AxialKeys)
     assert isinstance(two, AxialKeys)
     assert asked.pair is not None
@@ -304,11 +330,17 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
 
 
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
-    """Check that the helices of two external gears mesh and that their widths overlap."""
-    if abs(one.helix_angle_deg - two.helix_angle_deg) > HELIX_TOLERANCE:
+    """Check that the helices of two external bodies mesh and that their widths overlap."""
+    # sections turn along the axis in the ratio of the teeth
+    expected = two.helix_deg_of(one.turn_per_mm)
+    if abs(expected - two.helix_angle_deg) > max(one.helix_tolerance_deg, two.helix_tolerance_deg):
+        same = abs(expected - one.helix_angle_deg) <= HELIX_TOLERANCE
         refuse(
             "body_2.helix_angle_deg",
-            f"{one.helix_angle_deg:g}, as in body_1.helix_angle_deg (parallel axes)",
+            f"{one.helix_angle_deg:g}, as in body_1.helix_angle_deg (parallel axes)"
+            if same
+            else f"{expected:.8g}, which on its reference circle has the lead per tooth of body_1 "
+            "(parallel axes)",
             two.helix_angle_deg,
         )
     if two.hand_sign != -one.hand_sign:

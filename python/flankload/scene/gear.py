@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import atan, cos, pi, radians, tan
+from math import asin, atan, cos, degrees, pi, radians, sin, tan
 from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
@@ -148,6 +148,15 @@ class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
     def number_of_teeth(self) -> int:
         """Number of teeth."""
         return self.teeth
+
+    @property
+    def turn_per_mm(self) -> float:
+        """Tangent of the helix angle over the transverse module."""
+        return sin(self.helix_rad) / self.module_mm
+
+    def helix_deg_of(self, turn_per_mm: float) -> float:
+        """The helix angle with which sections turn so fast, deg; 90 where there is none."""
+        return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""

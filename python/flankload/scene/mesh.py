@@ -1,11 +1,24 @@
 """The tables of bodies imported from files (mesh, compliance) and the rules of their keys."""
 
 from collections.abc import Mapping
-from math import pi
+from math import atan, degrees, pi, tan
 from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.axial import (
+    HELIX_TOLERANCE_OF_RADII,
+    AxialKeys,
+    AxialOffset,
+    EndRelief,
+    EndReliefLength,
+    EndReliefShape,
+    Hand,
+    HelixSlope,
+    LeadCrowning,
+    MeshHelixAngle,
+    OwnWidth,
+)
 from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
@@ -33,7 +46,7 @@ class Profile(Geometry, frozen=True, kw_only=True):
     ] = None
 
 
-class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
+class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
     """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
@@ -80,11 +93,52 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
+    helix_angle_deg: MeshHelixAngle = 0.0
+    hand: Hand = None
+    face_width_mm: OwnWidth = None
+    axial_offset_mm: AxialOffset = 0.0
+    lead_crowning_um: LeadCrowning = None
+    helix_slope_um: HelixSlope = None
+    end_relief_um: EndRelief = None
+    end_relief_length_mm: EndReliefLength = None
+    end_relief_shape: EndReliefShape = "linear"
 
     @property
     def number_of_teeth(self) -> int:
         """Number of teeth as given, else the number of flank sets."""
         return self.teeth or len(self.flank_sets or ())
+
+    @property
+    def helix_radius_mm(self) -> float:
+        """Radius of the circle to which the helix angle refers."""
+        if self.profile is not None:
+            return 0.5 * self.number_of_teeth * self.profile.module_mm
+        assert self.reference_radius_mm is not None
+        return self.reference_radius_mm
+
+    @property
+    def turn_per_mm(self) -> float:
+        """Tangent of the helix angle over the diameter of that circle per tooth."""
+        return 0.5 * self.number_of_teeth * tan(self.helix_rad) / self.helix_radius_mm
+
+    def helix_deg_of(self, turn_per_mm: float) -> float:
+        """The helix angle with which sections turn so fast, deg."""
+        return degrees(atan(2.0 * self.helix_radius_mm / self.number_of_teeth * turn_per_mm))
+
+    @property
+    def helix_tolerance_deg(self) -> float:
+        """A given radius is rounded."""
+        return super().helix_tolerance_deg if self.profile else HELIX_TOLERANCE_OF_RADII
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse the mesh of a whole body."""
+        if self.flank_sets is not None:
+            refuse(
+                f"{key}.flank_sets",
+                f"nothing, since {why} requires three dimensions: this version has sectors there, "
+                "with flank_set and cut_sets",
+                shown(list(self.flank_sets)),
+            )
 
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
@@ -94,6 +148,7 @@ class MeshBody(BodyTable, frozen=True, kw_only=True, tag="mesh"):
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the named sets, the pitch errors and the profile."""
         _check_sets(self, given, key)
+        self.check_axial(key)
         teeth, profile = self.number_of_teeth, self.profile
         reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
         base_pitch = reference if profile is None else profile.base_pitch_mm

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import flankload as fl
@@ -58,6 +59,24 @@ def test_a_scene_without_variation_along_the_axis_is_plane(changes: dict[str, An
     scene = fl.Scene.from_dict(changed(**changes))
     assert not effects_of(scene).three_dimensions
     assert scene.effects.contact == "pairs"
+
+
+WHOLE = {"kind": "mesh", "file": "a.msh", "flank_sets": ["A", "B", "C"], "reference_radius_mm": 50}
+SECTOR = {"kind": "mesh", "file": "a.msh", "teeth": 24, "reference_radius_mm": 50.743}
+#: Its reference circle is that of the gears with a helix of 15 degrees.
+PROFILED = {
+    "kind": "mesh",
+    "file": "a.msh",
+    "teeth": 24,
+    "profile": {"module_mm": 4.5 / float(np.cos(np.radians(15))), "tip_diameter_mm": 118.36},
+}
+
+
+def test_helices_of_gears_and_meshes_have_one_lead_per_tooth() -> None:
+    on_base = float(np.degrees(np.arctan(np.sin(np.radians(15)) / 4.5 * 50.743 / 12)))
+    for wheel in (SECTOR | {"helix_angle_deg": on_base}, PROFILED | {"helix_angle_deg": 15.0}):
+        scene = fl.Scene.from_dict(changed(**HELICAL | {"body_2": wheel | {"hand": "left"}}))
+        assert effects_of(scene).three_dimensions
 
 
 SINCE = "since body_1.lead_crowning_um requires three dimensions"
@@ -149,8 +168,32 @@ CROWNED = {"body_1__lead_crowning_um": 5}
         (
             {**CROWNED, "body_2": RING, "pair__center_distance_mm": 99},
             "body_2.kind",
-            f"'gear', {SINCE}, which this version has for these bodies",
+            f"'gear' or 'mesh', {SINCE}, which this version has for these bodies",
             "'ring'",
+        ),
+        (
+            {"effects__dimension": 3, "body_2": WHOLE},
+            "body_2.flank_sets",
+            (
+                "nothing, since effects.dimension = 3 requires three dimensions: this version has "
+                "sectors there, with flank_set and cut_sets"
+            ),
+            "['A', 'B', 'C']",
+        ),
+        (
+            {**HELICAL, "body_2": SECTOR | {"hand": "left", "helix_angle_deg": 15}},
+            "body_2.helix_angle_deg",
+            (
+                "13.669423, which on its reference circle has the lead per tooth of body_1 "
+                "(parallel axes)"
+            ),
+            "15.0",
+        ),
+        (
+            {"body_1": SECTOR | {"helix_angle_deg": 10}},
+            "body_1.hand",
+            "'right' or 'left', since there is a body_1.helix_angle_deg",
+            "nothing",
         ),
     ],
 )

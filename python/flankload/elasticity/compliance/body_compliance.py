@@ -280,13 +280,14 @@ class BodyCompliance:
             }
             return replace(self, nodes=half, **tables)
         n, each = self.smooth.shape[1], 1 if self.axial is None else self.axial.count
-        flank = n - (0 if self.tip is None else TIP_MODES)
+        flank = n - (0 if self.tip is None else each * TIP_MODES)
         kept = flank - each * (2 * fewer if self.closed else fewer)
         if kept < 1:
             return self
         parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
         if self.tip is not None:
-            products = mode_products(self.mode_range_mm, n, self.tip)
+            products = mode_products(self.mode_range_mm, n // each, self.tip)
+            products = np.kron(products, np.diag(1.0 / (2.0 * np.arange(each) + 1.0)))
             parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
         def projected(blocks: NDArray[np.float64] | None) -> NDArray[np.float64] | None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.free_corner import image_strengths
+from flankload.bodies.tip_modes import TIP_MODES
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import (
     AxialModes,
@@ -16,7 +18,7 @@ from flankload.elasticity.compliance.body_compliance import (
     no_compliance,
 )
 from flankload.elasticity.compliance.laps import Laps
-from flankload.elasticity.near_field import logarithm_strength, mode_loads, mode_norms
+from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength, normal_lever
@@ -26,6 +28,8 @@ from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
@@ -35,6 +39,9 @@ if TYPE_CHECKING:
 #: Degrees of displacements above those of loads in z: four miss 0.06 % of the highest mode, two
 #: 0.5 to 2 %, and modes above p meet nothing at all.
 DEGREES_ABOVE_LOADS, SCREENING_DEGREES = 4, 2
+
+#: Places of a table of directions on flank and tip each: 1e-7 of them between places.
+TABLE = 2000
 
 
 @dataclass(frozen=True)
@@ -104,7 +111,8 @@ def prism_compliance(
         D_ab = L_s b/((2a + 1)(2b + 1) cos(beta_b))
 
     with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per
-    ds dz hold already.
+    ds dz hold already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the
+    two modes of the tip (`bodies.tip_modes`) times the same polynomials of z among them.
 
     Parameters
     ----------
@@ -113,6 +121,7 @@ def prism_compliance(
     prism : Prism
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
+        A tip rounding or chamfer has two more.
     account : Account, optional
         Where factorisations are counted.
 
@@ -125,7 +134,7 @@ def prism_compliance(
     ------
     SceneError
         If the load degree exceeds the axial degree less 4, an edge between flank and end face is
-        sharper than 50 degrees, the mesh is that of a whole body, or the tip is rounded.
+        sharper than 50 degrees, or the mesh is that of a whole body.
     """
     from threadpoolctl import threadpool_limits
 
@@ -137,7 +146,8 @@ def prism_compliance(
     laps = Laps()
     axial = AxialBasis(prism.range_mm, prism.degree)
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
-    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, twist=prism.twist)
+    n_modes += TIP_MODES * (body.tip is not None)
+    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
     laps("assembly")
     # most fronts are too small to share: with two threads they take longer, and more CPU seconds
     with threadpool_limits(limits=1, user_api="blas"):
@@ -157,12 +167,10 @@ def prism_compliance(
     kernel = logarithm_strength(body.material, "strain")
     near = projected_potential(surface, n_modes, prism.load_degree)
     response[0] -= 0.5 * kernel * near
-    norms = np.outer(
-        mode_norms(body.mode_range_mm, n_modes),
-        mode_norms_z(axial.width_mm, prism.load_degree) / surface.cos_base_helix,
-    ).ravel()
-    response /= np.outer(norms, norms)
-    account.count(fe_solutions=norms.size, unit_loads_normal=norms.size)
+    along = mode_norms_z(axial.width_mm, prism.load_degree)
+    inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
+    response = inverse @ response @ inverse
+    account.count(fe_solutions=len(inverse), unit_loads_normal=len(inverse))
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     laps("near field")
@@ -172,6 +180,7 @@ def prism_compliance(
         kernel=kernel,
         wedge=surface.wedge,
         mode_range_mm=body.mode_range_mm,
+        tip=body.tip,
         axial=AxialModes(
             range_mm=prism.range_mm,
             degree=prism.load_degree,
@@ -208,12 +217,11 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
     low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))
 
     def slope(s: Floats) -> Floats:
-        if not twist:
-            return np.zeros_like(s)
-        places = np.ravel(s)
-        (x, y), (t_x, t_y) = body.curve.point(places).T, body.curve.tangent(places).T
-        return np.asarray(-twist * (x * t_y - y * t_x)).reshape(np.shape(s))
+        return -_turning(body, twist, s)[0]
 
+    tip_secant = None
+    if body.tip is not None:
+        slope, tip_secant = _tabled_turning(body, twist)
     return FlankSurface(
         s_mm=body.mode_range_mm,
         z_mm=prism.range_mm,
@@ -221,22 +229,48 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
         slope=slope,
         end=(low, high),
         wedge=image_strengths(body),
+        tip=body.tip,
+        tip_secant=tip_secant,
     )
 
 
+def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
+    """Twist times the levers P x t and P . t of the profile's tangent t at arc lengths."""
+    if not twist:
+        return np.zeros_like(s), np.zeros_like(s)
+    places = np.ravel(s)
+    (x, y), (t_x, t_y) = body.curve.point(places).T, body.curve.tangent(places).T
+    across, along = twist * (x * t_y - y * t_x), twist * (x * t_x + y * t_y)
+    return across.reshape(np.shape(s)), along.reshape(np.shape(s))
+
+
+def _tabled_turning(
+    body: Body, twist: float
+) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
+    """ds/dz along the straight line and 1/cos(beta) from tables: a tip takes many places."""
+    assert body.tip is not None
+    inside = np.linspace(1e-9, 1.0 - 1e-9, TABLE)
+    low, high = body.mode_range_mm
+    ends = np.array([low, high, body.tip.end_mm])
+    s = np.concatenate([one + (two - one) * inside for one, two in pairwise(ends)])
+    across, along = _turning(body, twist, s)
+
+    def slope(places: Floats) -> Floats:
+        return np.interp(places, s, -across)
+
+    def secant(places: Floats) -> Floats:
+        return np.interp(places, s, np.hypot(1.0, along))
+
+    return slope, secant
+
+
 def _sector_of(body: Body) -> SectorMesh:
-    """The mesh of a sector; other meshes, and rounded tips, are refused."""
+    """The mesh of a sector; other meshes are refused."""
     if not isinstance(body.mesh, SectorMesh):
         raise SceneError(
             key=body.kind,
             expected="a body of equal sectors in three dimensions",
             found="the mesh of a whole body",
-        )
-    if body.tip is not None:
-        raise SceneError(
-            key=body.kind,
-            expected="a sharp tip in three dimensions",
-            found="a tip rounding or chamfer",
         )
     return body.mesh
 

@@ -13,26 +13,37 @@ force moves the flank out of the material by
 
 In contact lines x = 0. Uniform loads on rectangles have Love's closed form, on segments of a line
 its limit.
+
+On a tip rounding or chamfer behind the flank the normal turns towards the axis of the tooth, and
+beta_b is that of the place: the mean of both places stands in R.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
+from flankload.elasticity.near_field import mode_norms, mode_values
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from numpy.typing import ArrayLike, NDArray
+
+    from flankload.bodies.tip_modes import Tip
 
     Floats = NDArray[np.float64]
 
 #: Gauss points beside those that the degrees of the modes need: in the directions in which 1/R is
 #: smooth without being a polynomial. Twice as many change the projections by less than 1e-6.
 DIRECTION_POINTS, MIDDLE_POINTS = 16, 4
+#: Beside a tip, which is short, panels away from R = 0 grow by this factor, and take so many points
+#: beside those of the modes.
+GROWTH, PANEL_POINTS = 4.0, 4
 
 
 def love_rectangle(x: ArrayLike, y: ArrayLike, a: float, b: float) -> Floats:
@@ -92,6 +103,10 @@ class FlankSurface:
         Strengths psi of the images behind the end faces at low and high z.
     wedge : (float, float)
         The same behind free corners at low and high s.
+    tip : Tip or None
+        Rounding or chamfer behind the flank; the last two modes are its own.
+    tip_secant : callable or None
+        Arc lengths on the tip to 1/cos(beta) there, of the same shape.
     """
 
     s_mm: tuple[float, float]
@@ -100,16 +115,46 @@ class FlankSurface:
     slope: Callable[[Floats], Floats]
     end: tuple[float, float]
     wedge: tuple[float, float]
+    tip: Tip | None = None
+    tip_secant: Callable[[Floats], Floats] | None = None
+
+    @property
+    def pieces_mm(self) -> tuple[float, ...]:
+        """Arc lengths where the flank begins and ends, and where its tip does."""
+        return self.s_mm if self.tip is None else (*self.s_mm, self.tip.end_mm)
 
     @property
     def length_mm(self) -> float:
-        """Along the profile."""
-        return self.s_mm[1] - self.s_mm[0]
+        """Along the profile, the tip included."""
+        return self.pieces_mm[-1] - self.pieces_mm[0]
 
     @property
     def width_mm(self) -> float:
         """Along the axis."""
         return self.z_mm[1] - self.z_mm[0]
+
+    def secant(self, s: Floats) -> Floats:
+        """1/cos(beta): area elements are this times ds dz."""
+        flank = np.full(np.shape(s), 1.0 / self.cos_base_helix)
+        if self.tip_secant is None:
+            return flank
+        return np.where(s > self.s_mm[1], self.tip_secant(s), flank)
+
+    def modes(self, s: Floats, count: int) -> Floats:
+        """Modes along the profile at arc lengths of any shape, (..., count)."""
+        return mode_values(np.ravel(s), self.s_mm, count, tip=self.tip).reshape(*np.shape(s), count)
+
+    def products(self, count: int) -> Floats:
+        """Integrals of P_a P_c ds/cos(beta), mm, (count, count)."""
+        if self.tip is None:
+            return np.diag(mode_norms(self.s_mm, count) / self.cos_base_helix)
+        total = np.zeros((count, count))
+        at, weights = _unit_gauss(count + DIRECTION_POINTS)
+        for low, high in pairwise(self.pieces_mm):
+            s = low + (high - low) * at
+            values = self.modes(s, count)
+            total += values.T @ (((high - low) * weights * self.secant(s))[:, None] * values)
+        return total
 
     def potential(self, s: Floats, z: Floats, s_load: Floats, z_load: Floats) -> Floats:
         """Near field of point loads over k; 1/mm, infinite at the load itself.
@@ -121,11 +166,12 @@ class FlankSurface:
         """
         z_change = z - z_load
         x = s - s_load - 0.5 * (self.slope(s) + self.slope(s_load)) * z_change
-        y = z_change / self.cos_base_helix
+        secant = 0.5 * (self.secant(s) + self.secant(s_load))
+        y = z_change * secant
         with np.errstate(divide="ignore"):
             total = 1.0 / np.hypot(x, y)
         for psi, face in zip(self.end, self.z_mm, strict=True):
-            total = total + psi / np.hypot(x, (z + z_load - 2.0 * face) / self.cos_base_helix)
+            total = total + psi / np.hypot(x, (z + z_load - 2.0 * face) * secant)
         for psi, corner in zip(self.wedge, self.s_mm, strict=True):
             total = total + psi / np.hypot(np.abs(s - corner) + np.abs(s_load - corner), y)
         return np.asarray(total)
@@ -143,7 +189,7 @@ def projected_potential(
     ----------
     surface : FlankSurface
     n_modes : int
-        a = 0 ... n_modes - 1.
+        a = 0 ... n_modes - 1, the two of a tip included.
     degree_z : int
         b = 0 ... degree_z.
     finer : int
@@ -152,7 +198,7 @@ def projected_potential(
     Returns
     -------
     (p, p) array, p = n_modes (degree_z + 1), row a (degree_z + 1) + b
-        Symmetric; with area elements ds dz/cos(beta_b), mm³.
+        Symmetric; with area elements ds dz/cos(beta), mm³.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)
     total = rule.direct()
@@ -163,7 +209,7 @@ def projected_potential(
         if psi:
             total += psi * rule.behind_corner(corner)
     size = n_modes * (degree_z + 1)
-    result = total.transpose(0, 2, 1, 3).reshape(size, size) / surface.cos_base_helix**2
+    result = total.transpose(0, 2, 1, 3).reshape(size, size)
     return np.asarray(0.5 * (result + result.T))
 
 
@@ -177,58 +223,87 @@ class _Rule:
         self._sideways = _unit_gauss(finer * DIRECTION_POINTS)
         self._along = _unit_gauss(finer * (n_modes + MIDDLE_POINTS))
         self._across = _unit_gauss(self._m)
+        self._panel = _unit_gauss(finer * (max(n_modes, degree_z) // 2 + PANEL_POINTS))
+        lengths = np.diff(surface.pieces_mm)
+        shortest = float(lengths.min())
+        self._ahead = _panels(surface.length_mm, shortest, lengths)
+        self._apart = _panels(surface.width_mm, shortest, np.full(lengths.size - 1, shortest))
 
     def direct(self) -> Floats:
         """Without an image: over s - s' > 0, and its transpose."""
-        surface = self._surface
-        (p, q), weight = _cone(2, self._radial, self._sideways)
-        ahead, apart = p * surface.length_mm, q * surface.width_mm
-        weight = weight * surface.length_mm * surface.width_mm
         total = np.zeros((self._n, self._n, self._m, self._m))
-        for z_change in (apart, -apart):
-            part = self._profile(ahead, z_change, z_change, weight)
-            total += np.tensordot(part, self._overlap(z_change), axes=(0, 0))
+        for (ahead, apart), weight in self._points(self._ahead, self._apart):
+            for z_change in (apart, -apart):
+                part = self._profile(ahead, z_change, z_change, weight)
+                total += np.tensordot(part, self._overlap(z_change), axes=(0, 0))
         return total + total.transpose(1, 0, 3, 2)
 
     def behind_end(self, face: int) -> Floats:
         """Behind the low end face (0) or the high one (1)."""
-        surface, width = self._surface, self._surface.width_mm
-        (p, one, two), weight = _cone(3, self._radial, self._sideways)
-        outward = 1.0 if face else -1.0
-        z_change = outward * (two - one) * width
-        weight = weight * surface.length_mm * width**2
-        part = self._profile(p * surface.length_mm, z_change, (one + two) * width, weight)
-        values = [legvander(outward * (1.0 - 2.0 * eta), self._m - 1) for eta in (one, two)]
-        across = values[0][:, :, None] * values[1][:, None, :]
-        total = np.tensordot(part, across, axes=(0, 0))
+        surface, outward = self._surface, 1.0 if face else -1.0
+        total = np.zeros((self._n, self._n, self._m, self._m))
+        for (ahead, one, two), weight in self._points(self._ahead, self._apart, self._apart):
+            part = self._profile(ahead, outward * (two - one), one + two, weight)
+            values = [
+                legvander(outward * (1.0 - 2.0 * eta / surface.width_mm), self._m - 1)
+                for eta in (one, two)
+            ]
+            across = values[0][:, :, None] * values[1][:, None, :]
+            total += np.tensordot(part, across, axes=(0, 0))
         return np.asarray(total + total.transpose(1, 0, 3, 2))
 
     def behind_corner(self, corner: int) -> Floats:
         """Behind the corner at the low end of the arc length (0) or the high one (1)."""
-        surface, length = self._surface, self._surface.length_mm
-        (one, two, q), weight = _cone(3, self._radial, self._sideways)
-        outward = 1.0 if corner else -1.0
-        apart = q * surface.width_mm
-        distance = np.hypot((one + two) * length, apart / surface.cos_base_helix)
-        weight = weight * length**2 * surface.width_mm / distance
-        values = [legvander(outward * (1.0 - 2.0 * d), self._n - 1) for d in (one, two)]
-        part = weight[:, None, None] * values[0][:, :, None] * values[1][:, None, :]
-        # z - z' < 0 is the transpose, and the sum is made symmetric
-        return np.asarray(np.tensordot(part, 2.0 * self._overlap(apart), axes=(0, 0)))
+        surface = self._surface
+        inwards = -1.0 if corner else 1.0
+        total = np.zeros((self._n, self._n, self._m, self._m))
+        places = np.abs(np.subtract(surface.pieces_mm, surface.s_mm[corner]))
+        profile, whole = np.unique(places), np.array([0.0, surface.width_mm])
+        for (one, two, apart), weight in self._points(profile, profile, whole):
+            s = [surface.s_mm[corner] + inwards * distance for distance in (one, two)]
+            secants = [surface.secant(place) for place in s]
+            factor = weight * secants[0] * secants[1]
+            factor = factor / np.hypot(one + two, apart * 0.5 * sum(secants))
+            values = [surface.modes(place, self._n) for place in s]
+            part = factor[:, None, None] * values[0][:, :, None] * values[1][:, None, :]
+            # z - z' < 0 is the transpose, and the sum is made symmetric
+            total += np.tensordot(part, 2.0 * self._overlap(apart), axes=(0, 0))
+        return total
+
+    def _points(self, *edges: Floats) -> Iterator[tuple[list[Floats], Floats]]:
+        """Points (by coordinate) and weights of the boxes between edges; all edges begin at 0."""
+        for box in product(*(list(pairwise(each)) for each in edges)):
+            sizes = [high - low for low, high in box]
+            if any(low > 0.0 for low, _ in box):
+                points, weight = _tensor([self._panel] * len(box))
+            else:
+                points, weight = _cone(len(box), self._radial, self._sideways)
+            places = [
+                low + size * part for (low, _), size, part in zip(box, sizes, points, strict=True)
+            ]
+            yield places, weight * np.prod(sizes)
 
     def _profile(self, ahead: Floats, z_change: Floats, y_change: Floats, weight: Floats) -> Floats:
         """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,)."""
-        surface = self._surface
-        (low, high), (at, gauss) = surface.s_mm, self._along
-        spare = surface.length_mm - ahead
-        behind = low + spare[:, None] * at  # s'
-        places = behind + ahead[:, None], behind
-        slope = 0.5 * sum(surface.slope(s) for s in places)
-        x = ahead[:, None] - slope * z_change[:, None]
-        factor = (weight * spare)[:, None] * gauss
-        factor = factor / np.hypot(x, (y_change / surface.cos_base_helix)[:, None])
-        one, two = (legvander((2.0 * s - low - high) / (high - low), self._n - 1) for s in places)
-        return np.asarray((factor[..., None] * one).transpose(0, 2, 1) @ two)
+        surface, (at, gauss) = self._surface, self._along
+        total = np.zeros((ahead.size, self._n, self._n))
+        pieces = list(pairwise(surface.pieces_mm))
+        for (low, high), (low_ahead, high_ahead) in product(pieces, pieces):
+            first = np.maximum(low, low_ahead - ahead)
+            spare = np.minimum(high, high_ahead - ahead) - first
+            some = np.flatnonzero(spare > 0.0)
+            if not some.size:
+                continue
+            behind = first[some, None] + spare[some, None] * at  # s'
+            places = behind + ahead[some, None], behind
+            slope = 0.5 * sum(surface.slope(s) for s in places)
+            secants = [surface.secant(s) for s in places]
+            x = ahead[some, None] - slope * z_change[some, None]
+            factor = (weight * spare)[some, None] * gauss * secants[0] * secants[1]
+            factor = factor / np.hypot(x, 0.5 * sum(secants) * y_change[some, None])
+            one, two = (surface.modes(s, self._n) for s in places)
+            total[some] += (factor[..., None] * one).transpose(0, 2, 1) @ two
+        return total
 
     def _overlap(self, z_change: Floats) -> Floats:
         """Integrals (k, b, d) of P_b(z) P_d(z') over all places with z - z' = z_change (k,)."""
@@ -247,14 +322,30 @@ def _unit_gauss(points: int) -> tuple[Floats, Floats]:
     return 0.5 + 0.5 * at, 0.5 * weights
 
 
+def _panels(length_mm: float, shortest_mm: float, breaks_mm: Floats) -> Floats:
+    """Edges from 0 to a length: at breaks, and between them growing from a shortest panel."""
+    if not breaks_mm.size or shortest_mm >= length_mm:
+        return np.array([0.0, length_mm])
+    steps = int(np.log(length_mm / shortest_mm) / np.log(GROWTH))
+    grown = shortest_mm * GROWTH ** np.arange(steps + 1)
+    apart = np.abs(np.log(grown[:, None] / np.append(breaks_mm, length_mm))).min(axis=1)
+    edges = np.concatenate([[0.0, length_mm], breaks_mm, grown[apart > np.log(1.5)]])
+    return np.unique(edges[edges <= length_mm])
+
+
+def _tensor(rules: list[tuple[Floats, Floats]]) -> tuple[list[Floats], Floats]:
+    """Points of the unit cube (by coordinate) and weights of a product of rules."""
+    points = np.meshgrid(*(at for at, _ in rules), indexing="ij")
+    weights = np.meshgrid(*(weight for _, weight in rules), indexing="ij")
+    return [part.ravel() for part in points], np.prod([part.ravel() for part in weights], axis=0)
+
+
 def _cone(
     dimension: int, radial: tuple[Floats, Floats], sideways: tuple[Floats, Floats]
 ) -> tuple[list[Floats], Floats]:
     """Points of the unit cube (by coordinate) and weights, cut into cones from its corner 0."""
-    rules = [radial, *[sideways] * (dimension - 1)]
-    t, *others = (part.ravel() for part in np.meshgrid(*(at for at, _ in rules), indexing="ij"))
-    weights = np.meshgrid(*(weight for _, weight in rules), indexing="ij")
-    weight = np.prod([part.ravel() for part in weights], axis=0) * t ** (dimension - 1)
+    (t, *others), weight = _tensor([radial, *[sideways] * (dimension - 1)])
+    weight = weight * t ** (dimension - 1)
     edges = [t, *(t * other for other in others)]
     cones = [np.roll(np.arange(dimension), turn) for turn in range(dimension)]
     points = [np.concatenate([edges[cone[axis]] for cone in cones]) for axis in range(dimension)]

@@ -243,12 +243,16 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     one, two = (body.axial for body in bodies)
     if one is None or two is None:
         return None
-    assert pairing.mesh is not None
-    misalignment = gap_by_misalignment(
-        scene.pair.inclination_um_per_mm,
-        scene.pair.deviation_um_per_mm,
-        pairing.mesh.pressure_angle_rad,
-    )
+    angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
+    misalignment = 0.0
+    if any(angles):
+        if pairing.mesh is None:
+            raise SceneError(
+                key="pair.inclination_um_per_mm" if angles[0] else "pair.deviation_um_per_mm",
+                expected="nothing, since a body without a profile has no pressure angle",
+                found=angles[0] or angles[1],
+            )
+        misalignment = gap_by_misalignment(*angles, pairing.mesh.pressure_angle_rad)
     return slices_of((one, two), scene.accuracy.slices, misalignment)
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
-from flankload.errors import SceneError
 from flankload.mechanisms.duration import Duration
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -23,7 +22,7 @@ from flankload.mechanisms.flank_pair.stages import (
 from flankload.mechanisms.flank_pair.standing import with_standing_gap
 from flankload.mechanisms.flank_pair.states import FlankStates, flank_states, position_notes
 from flankload.pairing.body_pair import BodyPair
-from flankload.scene.effects import switches_of
+from flankload.scene.effects import require_plane
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -140,14 +139,7 @@ class FlankPair:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 
-        switch = switches_of(scene)["three_dimensions"]
-        if switch.on:
-            raise SceneError(
-                key="effects.dimension",
-                expected=f"a plane scene, since plans are made of plane bodies ({switch.because})",
-                found="a three-dimensional scene",
-                file=scene.file,
-            )
+        require_plane(scene, "plans are made of plane bodies")
         return FlankPairScreening(scene, levels=levels)
 
     def default_element_mm(self, scene: Scene) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from flankload.errors import SceneError
 from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
@@ -34,6 +35,24 @@ def is_spatial(scene: Scene) -> Switch:
     bodies, dimension = (scene.body_1, scene.body_2), scene.effects.dimension
     key = three_dimensional_key(bodies, scene.pair, dimension)
     return Switch(key is not None, key or "nothing varies along the axis", dimension is not None)
+
+
+def require_plane(scene: Scene, reason: str) -> None:
+    """Refuse a three-dimensional scene.
+
+    Raises
+    ------
+    SceneError
+        With the reason and the key that makes the scene three-dimensional.
+    """
+    switch = is_spatial(scene)
+    if switch.on:
+        raise SceneError(
+            key="effects.dimension",
+            expected=f"a plane scene, since {reason} ({switch.because})",
+            found="a three-dimensional scene",
+            file=scene.file,
+        )
 
 
 def is_modified(scene: Scene) -> Switch:

@@ -9,6 +9,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
+from flankload.scene.effects import require_plane
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
@@ -78,8 +79,8 @@ def accuracy(
     Raises
     ------
     SceneError
-        If the scene is impossible or has no torque, or an argument is wrong; `PremiseError` if it
-        violates a premise of the model.
+        If the scene is impossible, three-dimensional or has no torque, or an argument is wrong;
+        `PremiseError` if it violates a premise of the model.
     """
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)
@@ -107,6 +108,7 @@ def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
             raise SceneError(key="quantities", expected=f"some of {known}", found=f"'{quantity}'")
     if not budget_s > 0:
         raise SceneError(key="budget", expected="CPU seconds > 0", found=f"{budget_s:g}")
+    require_plane(scene, "the study refines discretizations of plane bodies")
     if not all(torque > 0 for torque in scene.torques_Nm):
         raise SceneError(
             key="load.torque_Nm",

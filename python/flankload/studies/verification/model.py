@@ -10,6 +10,7 @@ from msgspec import structs
 
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.scene.effects import require_plane
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, part_of
@@ -71,6 +72,7 @@ def check_bodies(scene: Scene) -> None:
             expected="bodies with teeth: no deck is written for a cam and its follower",
             found="'cam'",
         )
+    require_plane(scene, "the other program solves plane sections")
     for key in ("temperature_rise_K", "speed_rpm"):
         if getattr(scene.effects, key):
             raise SceneError(

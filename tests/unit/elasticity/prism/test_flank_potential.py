@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss, legvander
 
+from flankload.bodies.tip_modes import Tip
 from flankload.elasticity.prism.flank_potential import (
     FlankSurface,
     line_segment,
@@ -137,6 +139,55 @@ def test_twice_as_many_points_change_nothing(surface: FlankSurface) -> None:
     assert np.abs((found - finer) / scale).max() < 1e-5
     assert np.linalg.eigvalsh(found).min() > 0
     np.testing.assert_array_equal(found, found.T)
+
+
+#: [P_0, P_1, P_2] of a flank that goes on over its tip, by the modes of flank and tip: with r the
+#: part of the flank that the tip is long, P_1(1 + 2 r u) = 1 + 2 r u, P_2 = 1 + 6 r u + 6 r² u².
+def _continued(r: float) -> np.ndarray:
+    return np.array([[1, 0, 0, 0, 0], [0, 1, 0, 2 * r, 0], [0, 0, 1, 6 * r, 6 * r**2]], dtype=float)
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        _surface(),
+        _surface(end=(1.3, 0.4), wedge=(0.3, 0.0)),
+        _surface(_leaning, 0.95, end=(0.5, 2.0), wedge=(0.3, 0.0)),
+    ],
+    ids=["bare", "images", "helix"],
+)
+@pytest.mark.parametrize("length", [0.3, 8.0])
+def test_a_tip_that_goes_on_like_the_flank_is_a_longer_flank(
+    surface: FlankSurface, length: float
+) -> None:
+    end = 7.0 + length
+    longer = replace(surface, s_mm=(1.0, end))
+    cosine = surface.cos_base_helix
+    tipped = replace(
+        surface, tip=Tip(end, 1, 1.0), tip_secant=lambda s: np.full(np.shape(s), 1 / cosine)
+    )
+    # polynomials of the flank by those of the longer one
+    xi, _ = leggauss(3)
+    s = 1.0 + (end - 1.0) * 0.5 * (1.0 + xi)
+    parts = np.linalg.solve(legvander(xi, 2), legvander((s - 4.0) / 3.0, 2)).T
+    onto = _continued(length / 6.0)
+    products = parts @ longer.products(3) @ parts.T
+    np.testing.assert_allclose(onto @ tipped.products(5) @ onto.T, products, rtol=1e-12)
+    onto, parts = np.kron(onto, np.eye(3)), np.kron(parts, np.eye(3))
+    found = onto @ projected_potential(tipped, 5, 2) @ onto.T
+    expected = parts @ projected_potential(longer, 3, 2, finer=2) @ parts.T
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.abs((found - expected) / scale).max() < 2e-5
+
+
+def test_places_of_a_tip_lie_as_far_apart_as_its_own_angle_has_them() -> None:
+    surface = replace(
+        _surface(cosine=0.95), tip=Tip(7.5, 1, 1.0), tip_secant=lambda s: np.full(np.shape(s), 2.0)
+    )
+    assert surface.potential(7.2, 1.0, 7.2, 0.0) == pytest.approx(0.5)
+    assert surface.potential(6.9, 1.0, 6.9, 0.0) == pytest.approx(0.95)
+    area = surface.products(3)[0, 0]  # of the constant mode
+    assert area == pytest.approx(6.0 / 0.95 + 2.0 * 0.5)
 
 
 def test_a_long_contact_line_is_a_line_load() -> None:

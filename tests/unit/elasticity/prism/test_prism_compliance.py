@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.elasticity.near_field import logarithm_strength
+from flankload.elasticity.near_field import logarithm_strength, mode_values
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.errors import SceneError
 from tests.support.plane_sectors import STEEL
@@ -103,10 +104,48 @@ def test_modes_in_z_that_the_elements_cannot_carry_are_refused() -> None:
         _found(range_mm=(1.0, -1.0))
 
 
-def test_a_rounded_tip_and_a_whole_mesh_are_refused() -> None:
-    rounded = build_involute_body(gear(tip_radius_mm=0.3), "body_1", flank_element_mm=2.25)
-    with pytest.raises(SceneError, match="expected a sharp tip in three dimensions"):
-        prism_compliance(rounded, COARSE, n_modes=3)
+ROUNDED = build_involute_body(gear(tip_radius_mm=0.3), "body_1", flank_element_mm=2.25)
+
+
+@pytest.mark.parametrize("twist", [0.0, TWIST])
+def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
+    right = prism_compliance(ROUNDED, replace(COARSE, twist=twist), n_modes=3)
+    left = prism_compliance(ROUNDED, replace(COARSE, twist=-twist), n_modes=3)
+    assert right.tip == ROUNDED.tip
+    assert right.asymmetry < ROUND_OFF
+    assert right.smooth.shape == (16, 15, 15)
+    assert right.flank_modes == 3
+    parity = np.tile((-1.0) ** np.arange(3), 5)
+    # tables of the directions on the tip
+    _close(left.smooth, right.smooth * np.outer(parity, parity), 1e-9)
+    # well before the tip the flank yields as a sharp one does
+    sharp = _found(twist=twist)
+    place = 0.5 * sum(BODY.mode_range_mm)
+    own = [
+        np.einsum("a,ab,b", values, found.smooth[1, ::3, ::3], values)
+        for found in (sharp, right)
+        for values in mode_values(
+            np.array([place]), found.mode_range_mm, found.smooth.shape[1] // 3, tip=found.tip
+        )
+    ]
+    assert own[1] == pytest.approx(own[0], rel=0.01)
+
+
+def test_fewer_modes_beside_a_tip_keep_those_along_the_axis() -> None:
+    found = prism_compliance(ROUNDED, COARSE, n_modes=3)
+    fewer = found.fewer_modes()
+    assert fewer.smooth.shape == (16, 12, 12)
+    by_degree = fewer.smooth.reshape(16, 4, 3, 4, 3)
+    assert np.abs(by_degree[:, :, 0, :, 1]).max() < ROUND_OFF * np.abs(by_degree).max()
+    assert fewer.fewer_axial_modes().smooth.shape == (16, 4, 4)
+
+
+def test_a_whole_mesh_is_refused() -> None:
+    mesh = BODY.mesh
+    assert isinstance(mesh, SectorMesh)
+    whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, ())
+    with pytest.raises(SceneError, match="expected a body of equal sectors in three dimensions"):
+        prism_compliance(replace(BODY, mesh=whole), COARSE, n_modes=3)
 
 
 def test_a_rigid_body_does_not_yield() -> None:
