@@ -254,6 +254,7 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     assert isinstance(one, AxialKeys)
     assert isinstance(two, AxialKeys)
     assert asked.pair is not None
+    _check_tips((one, two), why)
     _check_pair(one, two, asked.pair.face_width_mm)
     _check_effects(asked, given.get("effects", {}), why)
     if "tolerance" in given.get("accuracy", {}):
@@ -288,6 +289,20 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
         if getattr(asked.accuracy, key) is not None:
             expected = f"nothing, {since}: their contact has slices instead of cells"
             refuse(f"accuracy.{key}", expected, getattr(asked.accuracy, key))
+
+
+def _check_tips(bodies: tuple[AxialKeys, AxialKeys], why: str) -> None:
+    """Refuse tip roundings and chamfers, which this version has in plane scenes only."""
+    for number, body in enumerate(bodies, start=1):
+        for name in ("tip_radius_mm", "tip_chamfer_mm"):
+            value = getattr(body, name, None)
+            if value is not None:
+                refuse(
+                    f"body_{number}.{name}",
+                    f"nothing, since {why} requires three dimensions: this version has sharp tips "
+                    "there",
+                    value,
+                )
 
 
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:

@@ -141,6 +141,12 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "0.1",
         ),
         (
+            {**CROWNED, "body_2__tip_radius_mm": 0.3},
+            "body_2.tip_radius_mm",
+            f"nothing, {SINCE}: this version has sharp tips there",
+            "0.3",
+        ),
+        (
             {**CROWNED, "accuracy__tolerance": 0.01},
             "accuracy.tolerance",
             f"nothing, {SINCE}: this version controls the discretization of plane scenes only",
