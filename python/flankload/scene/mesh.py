@@ -148,7 +148,7 @@ class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the named sets, the pitch errors and the profile."""
         _check_sets(self, given, key)
-        self.check_axial(key)
+        self.check_axial(given, key)
         teeth, profile = self.number_of_teeth, self.profile
         reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
         base_pitch = reference if profile is None else profile.base_pitch_mm
