@@ -382,7 +382,7 @@ _PYTHON = (
     *_in(
         "elasticity/prism/end_faces.py",
         "unit/elasticity/prism/test_end_faces.py",
-        ("-twist * normal_lever", "twist * normal_lever"),
+        ("-twist * body.normal_lever_mm", "twist * body.normal_lever_mm"),
         ("at_right_angle / at_steel", "1.0"),
         ("LEAST_ANGLE = 50.0", "LEAST_ANGLE = 40.0"),
     ),
