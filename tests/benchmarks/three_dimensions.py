@@ -129,13 +129,9 @@ def measured(name: str) -> Measured:
 
 def run() -> str:
     """Measure and return the table."""
-    lines = [
-        f"{'':18}{'both bodies':>20}{'position':>22}{'loaded':>9}{'held':>9}{'peak':>9}",
-        (
-            f"{'':18}{'CPU s':>12}{'ratio':>8}{'CPU ms':>14}{'ratio':>8}"
-            f"{'places':>9}{'MB':>9}{'MB':>9}"
-        ),
-    ]
+    first = f"{'':18}{'both bodies':>20}{'position':>22}{'loaded':>9}{'held':>9}{'peak':>9}"
+    units = f"{'CPU s':>12}{'ratio':>8}{'CPU ms':>14}{'ratio':>8}{'places':>9}{'MB':>9}{'MB':>9}"
+    lines = [first, f"{'':18}{units}"]
     plane = measured("spur, plane")
     for name in CASES:
         found = plane if name == "spur, plane" else measured(name)
