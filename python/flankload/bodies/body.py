@@ -296,6 +296,13 @@ class Body:
         return None if self.involute is None else self.involute.base_radius_mm
 
     @property
+    def normal_lever_mm(self) -> float:
+        """Lever about the axis of the normal in the middle of the flank, mm; signed."""
+        middle = [0.5 * (self.mode_range_mm[0] + self.mode_range_mm[1])]
+        (x, y), (n_x, n_y) = self.curve.point(middle)[0], self.curve.normal(middle)[0]
+        return float(x * n_y - y * n_x)
+
+    @property
     def tip_radius_mm(self) -> float | None:
         """Radius of the tip circle, mm, if the profile is known."""
         return None if self.involute is None else self.involute.tip_radius_mm

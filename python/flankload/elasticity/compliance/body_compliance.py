@@ -286,8 +286,8 @@ class BodyCompliance:
             return self
         parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
         if self.tip is not None:
-            products = mode_products(self.mode_range_mm, n // each, self.tip)
-            products = np.kron(products, np.diag(1.0 / (2.0 * np.arange(each) + 1.0)))
+            along_axis = np.diag(1.0 / (2.0 * np.arange(each) + 1.0))
+            products = np.kron(mode_products(self.mode_range_mm, n // each, self.tip), along_axis)
             parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
         def projected(blocks: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
@@ -402,8 +402,7 @@ def _whole_width(body: Body) -> AxialModes | None:
     shape = body.axial
     if shape is None:
         return None
-    assert body.involute is not None
-    tangent = shape.twist_rad_per_mm * body.involute.base_radius_mm
+    tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
     return AxialModes(
         shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)
     )

@@ -21,7 +21,7 @@ from flankload.elasticity.compliance.laps import Laps
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
-from flankload.elasticity.prism.end_faces import edge_angles, end_strength, normal_lever
+from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
@@ -216,16 +216,17 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
     ratio, twist = body.material.poisson_ratio, prism.twist
     low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))
 
-    def slope(s: Floats) -> Floats:
+    def exact_slope(s: Floats) -> Floats:
         return -_turning(body, twist, s)[0]
 
+    slope: Callable[[Floats], Floats] = exact_slope
     tip_secant = None
     if body.tip is not None:
         slope, tip_secant = _tabled_turning(body, twist)
     return FlankSurface(
         s_mm=body.mode_range_mm,
         z_mm=prism.range_mm,
-        cos_base_helix=float(1.0 / np.hypot(1.0, twist * normal_lever(body))),
+        cos_base_helix=float(1.0 / np.hypot(1.0, twist * body.normal_lever_mm)),
         slope=slope,
         end=(low, high),
         wedge=image_strengths(body),

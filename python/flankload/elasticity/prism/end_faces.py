@@ -64,7 +64,7 @@ def edge_angles(body: Body, twist: float) -> tuple[float, float]:
     SceneError
         Below 50 degrees.
     """
-    leaning = float(np.degrees(np.arctan(-twist * normal_lever(body))))
+    leaning = float(np.degrees(np.arctan(-twist * body.normal_lever_mm)))
     angles = 90.0 - leaning, 90.0 + leaning
     if min(angles) < LEAST_ANGLE:
         raise SceneError(
@@ -73,10 +73,3 @@ def edge_angles(body: Body, twist: float) -> tuple[float, float]:
             found=f"{min(angles):.3g} degrees",
         )
     return angles
-
-
-def normal_lever(body: Body) -> float:
-    """Lever about the axis of the normal in the middle of the flank, mm; signed."""
-    middle = [0.5 * (body.mode_range_mm[0] + body.mode_range_mm[1])]
-    (x, y), (n_x, n_y) = body.curve.point(middle)[0], body.curve.normal(middle)[0]
-    return float(x * n_y - y * n_x)

@@ -11,7 +11,6 @@ import numpy as np
 
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
-from flankload.elasticity.prism.end_faces import normal_lever
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
 from flankload.result.coast_contact import CoastContact
@@ -152,7 +151,7 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks."""
     axial = pair.body_1.axial
     assert axial is not None
-    radius = pair.body_1.base_radius_mm or abs(normal_lever(pair.body_1))
+    radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
     assert found.slice_force_N is not None
     assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
