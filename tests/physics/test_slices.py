@@ -79,7 +79,7 @@ def over_width(compliance: BodyCompliance, width: float, count: int = 1) -> Body
     wide[:, ::count, ::count] = smooth
     for b in range(1, count):  # each further polynomial: half as soft, on the tooth itself alone
         wide[0, b::count, b::count] = compliance.smooth[0] / width * 0.5**b
-    return replace(compliance, smooth=wide)
+    return replace(compliance, smooth=wide, turned=None)
 
 
 @pytest.mark.parametrize("crown_radius", LINES)

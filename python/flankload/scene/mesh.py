@@ -17,6 +17,7 @@ from flankload.scene.axial import (
     HelixSlope,
     LeadCrowning,
     MeshHelixAngle,
+    OnShaft,
     OwnWidth,
 )
 from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
@@ -102,6 +103,7 @@ class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
     end_relief_um: EndRelief = None
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
+    shaft: OnShaft = None
 
     @property
     def number_of_teeth(self) -> int:
