@@ -28,6 +28,7 @@ COUNTERS = {
     "unit_loads_nodal": "load case of those of a flank that is a force at a node",
     "fe_load_cases_growth": "load case by which a body grows",
     "coast_readings": "solution for a mode of displacement of a coast flank",
+    "corner_readings": "solution for the displacement of a sharp tip along its flank",
     "cut_columns": "solution for an unknown of the cuts of a sector",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",

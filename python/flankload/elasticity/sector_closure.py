@@ -120,12 +120,11 @@ def condense(
     for name, columns in (
         ("coast_readings", coast),
         ("stress_recoveries", readings),
-        ("", corner),
+        ("corner_readings", corner),
         ("fe_load_cases_growth", forces),
     ):
         if columns is not None:
-            if name:
-                account.count(**{name: columns.shape[1]})
+            account.count(**{name: columns.shape[1]})
             kinds.append(columns)
             solved.append(solve(columns[inside]))
     account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))

@@ -14,6 +14,7 @@ from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import TIP_MODES
+from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.mechanisms.flank_pair.stages import modes_of
 from flankload.scene.axial import degrees_of
@@ -67,7 +68,9 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             stages[stage] = (
                 _whole(body, work, modes, growth)
                 if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh)
-                else _sector(body.mesh, work, modes, growth, places)
+                else _sector(
+                    body.mesh, work, modes, growth, places, corners=int(_reads_corner(pair, body))
+                )
             )
     return stages | _sweeps(scene, pair)
 
@@ -101,7 +104,14 @@ def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
     return _solved(round(work.factorisations), normal, tangential, growth=growth)
 
 
-def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) -> dict[str, int]:
+def _reads_corner(pair: BodyPair, body: Body) -> bool:
+    """Whether a sector needs the displacement of its sharp tip along the flank."""
+    return not pair.effects.nodal_near_field and has_turned_forces(body)
+
+
+def _sector(
+    mesh: SectorMesh, work: Work, modes: int, growth: int, places: int, *, corners: int
+) -> dict[str, int]:
     """Work of a sector: a solution for each unknown of its cuts, or one factorisation for many."""
     cuts = 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
     many = cuts > MANY_KEPT
@@ -114,6 +124,7 @@ def _sector(mesh: SectorMesh, work: Work, modes: int, growth: int, places: int) 
         cuts=0 if many else cuts,
         recoveries=round(work.recoveries) * places,
         coast=round(work.coast_readings) * modes,
+        corners=corners,
     )
 
 
@@ -142,17 +153,19 @@ def _solved(
     cuts: int = 0,
     recoveries: int = 0,
     coast: int = 0,
+    corners: int = 0,
 ) -> dict[str, int]:
     """Counters of the finite elements."""
     return {
         "fe_factorisations": factorisations,
-        "fe_solutions": normal + tangential + growth + cuts + recoveries + coast,
+        "fe_solutions": normal + tangential + growth + cuts + recoveries + coast + corners,
         "unit_loads_normal": normal,
         "unit_loads_tangential": tangential,
         "fe_load_cases_growth": growth,
         "cut_columns": cuts,
         "stress_recoveries": recoveries,
         "coast_readings": coast,
+        "corner_readings": corners,
     }
 
 
