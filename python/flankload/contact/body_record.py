@@ -84,7 +84,11 @@ def body_records(
             _main_arguments(body, compliance, pairing, z, slices),
             [
                 *_compliance_parts(compliance, _teeth(pairing, z)),
-                *(_tangential_parts(compliance) if tangential else ()),
+                *(
+                    _tangential_parts(compliance, coast=pairing.coast is not None)
+                    if tangential
+                    else ()
+                ),
                 *common[z],
                 *(() if slices is None else _slice_parts(body, compliance, slices, z)),
             ],
@@ -176,10 +180,12 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
     return [("axial", np.array(numbers, dtype=float)), *parts]
 
 
-def _tangential_parts(compliance: BodyCompliance) -> list[Part]:
+def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     """Parts of a compliance under loads along the flank; none of a rigid body."""
     parts: list[Part] = []
-    blocks = {"tangential": compliance.all_blocks()[1], "along": compliance.along}
+    blocks = {"tangential": compliance.all_blocks()[1]}
+    if not coast:  # finite forces, which need it, exclude coast flanks
+        blocks["along"] = compliance.along
     for name, values in blocks.items():
         if values is not None:
             parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.body import WholeMesh
 from flankload.cost import Account
+from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import linear_cells
 
 if TYPE_CHECKING:
@@ -99,9 +100,13 @@ class ElementRates:
         response = (counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)) // (
             flanks
         )
+        modes = counters["unit_loads_normal"] // flanks
+        turned = modes if has_turned_forces(self.body) else 0
+        # the stresses are part of an array with the readings of the tip
+        stressed = response + places + (1 if turned else 0) if places else 0
         return Account(
             cpu_s=seconds,
-            bytes=8 * blocks * response * (response + (response + places if places else 0)),
+            bytes=8 * blocks * (response * (response + stressed) + turned),
             workspace_bytes=round(job.workspace_bytes * larger),
         )
 

@@ -27,6 +27,7 @@ SOLUTIONS = (
     "unit_loads_normal",
     "unit_loads_tangential",
     "fe_load_cases_growth",
+    "corner_readings",
     "cut_columns",
     "stress_recoveries",
 )
@@ -103,7 +104,7 @@ def test_packed_pairs_count_what_is_used_of_their_room() -> None:
 @pytest.mark.parametrize(
     ("changes", "kinds"),
     [
-        (FEW, {"unit_loads_normal", "cut_columns"}),
+        (FEW, {"unit_loads_normal", "corner_readings", "cut_columns"}),
         (ALL, set(SOLUTIONS) - {"fe_load_cases_growth"}),
         ({"body_1__rigid": True, "effects__speed_rpm": 100, **ALL}, set(SOLUTIONS)),
         ({"load__torque_Nm": 0, **ALL}, set()),

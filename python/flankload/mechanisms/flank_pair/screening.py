@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 6, 4
+MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 12, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
@@ -136,13 +136,23 @@ class FlankPairScreening(Screening):
             return nodal_size(nodal, self._pair, self.base[0], self.unloaded_rad)
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
-        if name == "lumped_contact":  # cells are what differs
-            few = _every(self._at, FINE_POSITIONS)
-            found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
-            self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
-            other = self._states(screened(scene), found)
-            return self.between(other, on=on, mine=self._fine, which=few)
+        if name == "lumped_contact":
+            return self._with_fine_cells(scene, on=on)
         return super().size(name, on=on)
+
+    def change(self, scene: Scene) -> Size:
+        """Change by another scene; without cells against the cells of the run."""
+        if effects_of(scene).lumped_contact and not self._pair.effects.lumped_contact:
+            return self._with_fine_cells(scene, on=False)
+        return super().change(scene)
+
+    def _with_fine_cells(self, scene: Scene, *, on: bool) -> Size:
+        """Change by a scene that differs in its cells, with the cells of the run."""
+        few = _every(self._at, FINE_POSITIONS)
+        found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
+        self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
+        other = self._states(screened(scene), found)
+        return self.between(other, on=on, mine=self._fine, which=few)
 
     def states(self, scene: Scene) -> list[States]:
         """States with other effects; how much longer each takes is kept."""
@@ -159,8 +169,8 @@ class FlankPairScreening(Screening):
         finite = with_keys(self._models.screened, influence="finite")
         found, seconds = self._timed(finite, few, self._torques[-1:])
         finer = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
-        # each two pairs have numbers of their own
-        more = finer**2 * max(0.0, seconds - self._rate.call_s) / found[0].status.size
+        # each two pairs have numbers of their own; beside these the call itself takes no time
+        more = finer**2 * seconds / found[0].status.size
         self._state_s[scene] = max(TINY_S, self._rate.state_s + (-more if on else more))
         return self.between(self._states(finite, found), on=False, which=few).times(1.0 / finer)
 
