@@ -15,7 +15,7 @@ import pytest
 
 import flankload as fl
 from tests.support.gear_scenes import example
-from tests.support.tolerances import SOLVER
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Bodies of coarse elements, for properties that do not depend on these.
 SMALL: dict[str, Any] = {
@@ -469,6 +469,17 @@ def test_a_plane_result_has_one_slice() -> None:
         assert plane[name].attrs == spatial[name].attrs
     assert set(plane.data_vars) == set(spatial.data_vars)
     np.testing.assert_array_equal(plane["slice"], [0.0])
+    assert plane["line_load_N_per_mm"].dims == ("position", "site")
+    assert spatial["line_load_N_per_mm"].dims == ("position", "site", "slice")
+
+
+def test_loads_along_the_axis_of_a_plane_result() -> None:
+    plane = solve(SPUR, **DEFAULT, effects__contact="lumped")
+    assert not plane.axial_force_N.any()
+    assert not plane.tilting_moment_Nm.any()
+    assert plane.face_load_factor == 1.0
+    assert (plane.flank_face_load_factor == 1.0).all()
+    np.testing.assert_array_equal(plane.slice_line_load_N_per_mm[..., 0], plane.line_load_N_per_mm)
 
 
 def test_files_of_a_three_dimensional_result(tmp_path: Any) -> None:
@@ -485,6 +496,11 @@ def test_files_of_a_three_dimensional_result(tmp_path: Any) -> None:
     site = int(found.sites[0])
     np.testing.assert_array_equal(
         [float(row[f"site_force_N_pair_{site}"]) for row in rows], found.site_force_N[:, 0]
+    )
+    np.testing.assert_allclose(
+        [float(row[f"line_load_N_per_mm_pair_{site}"]) for row in rows],
+        found.line_load_N_per_mm[:, 0].mean(axis=1),
+        rtol=ROUND_OFF,
     )
 
 

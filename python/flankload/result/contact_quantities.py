@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from flankload.result.geometry import PairGeometry
     from flankload.result.pairs import PairTable
+    from flankload.result.slices import SliceLoads
 
 Floats = NDArray[np.float64]
 
@@ -46,6 +47,8 @@ class ContactQuantities(KeepsReadOnly):
         def pair_tables(self) -> Sequence[PairTable]: ...
         @property
         def geometry(self) -> PairGeometry | None: ...
+        @property
+        def slices(self) -> SliceLoads | None: ...
 
     @cached_property
     def potential_pairs(self) -> NDArray[np.int64]:
@@ -67,7 +70,9 @@ class ContactQuantities(KeepsReadOnly):
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
-        """(P, S) Force of each pair per mm of face width."""
+        """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""
+        if self.slices is not None:
+            return self.slices.line_load_N_per_mm
         return frozen(self.site_force_N / self.face_width_mm)
 
     @cached_property

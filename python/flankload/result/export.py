@@ -211,6 +211,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     )
     for result in several:
         over = {key: getattr(result, key) for key in OVER_SITES}
+        over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm  # not by slices
         over |= {key: values for key, (values, _) in _more_arrays(result).items()}
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
@@ -286,9 +287,13 @@ def to_xarray(result: Result) -> Any:
     if result.drive is not None:
         for key, unit in result.drive.along.items():
             along[key] = (("position",), getattr(result.drive, key), {"units": unit})
-    over = {key: variable(("position", "site"), key, unit) for key, unit in OVER_SITES.items()}
+    dimensions = ("position", "site", "slice")
+    over = {
+        key: variable(dimensions[: getattr(result, key).ndim], key, unit)
+        for key, unit in OVER_SITES.items()
+    }
     for key, unit in OVER_SLICES.items():
-        over[key] = variable(("position", "site", "slice"), key, unit)
+        over[key] = variable(dimensions, key, unit)
     for key, (values, unit) in _more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(

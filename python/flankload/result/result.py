@@ -178,6 +178,30 @@ class Result(ContactQuantities):
         return None if self.shafts is None else self.shafts.tilt_um_per_mm
 
     @property
+    def axial_force_N(self) -> Floats:
+        """(P,) Axial force on body 1, positive along z; 0 in a plane scene."""
+        if self.slices is None:
+            return frozen(np.zeros_like(self.rotation_rad))
+        return self.slices.axial_force_N
+
+    @property
+    def tilting_moment_Nm(self) -> Floats:
+        """(P,) Moment of the transverse forces about the middle of the face width, N m; 0 if plane.
+
+        Positive if more load is at larger z.
+        """
+        if self.slices is None:
+            return frozen(np.zeros_like(self.rotation_rad))
+        return self.slices.tilting_moment_Nm
+
+    @property
+    def flank_face_load_factor(self) -> Floats:
+        """(P, S) Largest line load of each flank over its mean; 1 in a plane scene."""
+        if self.slices is None:
+            return frozen(np.ones_like(self.site_force_N))
+        return self.slices.flank_face_load_factor
+
+    @property
     def face_load_factor(self) -> float:
         """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene."""
         return 1.0 if self.slices is None else self.slices.face_load_factor
