@@ -44,6 +44,11 @@ contains
                 matrix(i, j) = matrix(j, i)
             end do
         end do
+        ! no body with tables between nodes knows turned forces
+        call add_turned(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
+            & pairs%corner_turn(1, :n), matrix)
+        call add_turned(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
+            & pairs%corner_turn(2, :n), matrix)
         if (.not. allocated(pairs%friction)) return
         call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
             & pairs%friction(:n), matrix)   ! Eq. (14), (15)
@@ -74,10 +79,6 @@ contains
                 & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
             load_first = load_last + 1
         end do
-        call add_turned(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
-            & pairs%corner_turn(1, :n), matrix)
-        call add_turned(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
-            & pairs%corner_turn(2, :n), matrix)
     end subroutine set_by_modes
 
     !> What one body alone recedes under normal forces; symmetric.
