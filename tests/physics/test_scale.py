@@ -110,11 +110,17 @@ def test_a_pair_of_another_size_is_the_same_problem(name: str, size: float) -> N
     expected = without_dimension(one, 1.0)
     for key, found in without_dimension(other, size).items():
         tolerance = SOLVER
-        if key == "pressure" and name in ("pairs", "spline", "press fit"):
+        if key == "pressure" and name in ("spline", "press fit"):
             tolerance = EDGE_PEAKS
         if key == "stiffness" and name == "lumped":
             tolerance = DIFFERENCES
         scale = np.abs(expected[key]).max()
+        if key == "pressure" and name == "pairs":
+            corner = one.corner_contact
+            np.testing.assert_allclose(
+                found[corner], expected[key][corner], rtol=0, atol=EDGE_PEAKS * scale
+            )
+            found, expected[key] = found[~corner], expected[key][~corner]
         np.testing.assert_allclose(found, expected[key], rtol=0, atol=tolerance * scale)
 
 

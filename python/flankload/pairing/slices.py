@@ -86,10 +86,6 @@ class Slices:
         """Blocks (S * J, S * J) of a compliance for all slices from those of the sites (S, S)."""
         return np.repeat(np.repeat(block, self.count, axis=0), self.count, axis=1)
 
-    def by_slice(self, values: Floats) -> Floats:
-        """Values of sites and slices (S * J, ...) with an axis for the slices: (S, J, ...)."""
-        return values.reshape(-1, self.count, *values.shape[1:])
-
 
 def slices_of(
     shapes: tuple[AxialShape, AxialShape], count: int | None, misalignment_per_mm: float

@@ -1,7 +1,7 @@
 """Keys of a body along its axis: width, position, helix, lead modifications; and their rules."""
 
 from collections.abc import Mapping
-from math import cos, radians
+from math import radians
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from msgspec import Meta
@@ -159,11 +159,6 @@ class AxialKeys:
 
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
-
-    @property
-    def transverse_factor(self) -> float:
-        """Transverse module divided by normal module."""
-        return 1.0 / cos(self.helix_rad)
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
         """Check that a helix has a hand, an end relief has lengths and a shaft is held.

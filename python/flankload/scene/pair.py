@@ -67,11 +67,6 @@ class Pair(Table, frozen=True, kw_only=True):
     ] = 0.0
 
     @property
-    def is_misaligned(self) -> bool:
-        """Whether the axes are not parallel."""
-        return bool(self.inclination_um_per_mm or self.deviation_um_per_mm)
-
-    @property
     def axes_apart_mm(self) -> float:
         """Distance of the two axes, mm."""
         return self.center_distance_mm or self.center_offset_mm or 0.0

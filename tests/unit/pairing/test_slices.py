@@ -57,7 +57,7 @@ def test_slices_cover_the_common_width() -> None:
     np.testing.assert_allclose(slices.turns_rad[1], -0.004 * slices.z_mm)
     angles = slices.site_angles(np.array([0.5, 1.5]), 0)
     np.testing.assert_allclose(
-        slices.by_slice(angles), [[a + 0.01 * z for z in slices.z_mm] for a in (0.5, 1.5)]
+        angles.reshape(2, -1), [[a + 0.01 * z for z in slices.z_mm] for a in (0.5, 1.5)]
     )
 
 
