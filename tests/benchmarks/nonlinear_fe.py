@@ -15,7 +15,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import Grid
 from flankload.studies.verification.calculix import version_of
@@ -58,7 +58,8 @@ def flankload_positions(scene: fl.Scene, strips: float) -> tuple[float, float]:
     """CPU seconds of a position (of 256, warm), and the pressure in the pitch point, MPa."""
     pair = build_bodies(scene)
     compliances = tuple(
-        flank_compliance(body, n_modes=5, plane="strain") for body in (pair.body_1, pair.body_2)
+        flank_compliance(body, JobOptions(n_modes=5, plane="strain"))
+        for body in (pair.body_1, pair.body_2)
     )
     position_rad = np.linspace(0.0, pair.pairing.period_rad, 256, endpoint=False)
     times = []

@@ -16,8 +16,8 @@ from numpy.polynomial.legendre import leggauss
 from flankload.bodies import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.tip_modes import Tip
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.body_compliance import BodyCompliance
-from flankload.elasticity.compliance.job import flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import (
     carrying_edges,
@@ -82,12 +82,12 @@ def plainly(body: Body, places: np.ndarray) -> np.ndarray:
         edges=carrying_edges(mesh),
     )
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    return tooth_response(matrix, loads, mesh, lambda step: None)[0][0]
+    return tooth_response(matrix, loads, mesh)[0][0]
 
 
 def by_modes(body: Body, places: np.ndarray) -> np.ndarray:
     """The same by modes and logarithm, on strips."""
-    found = flank_compliance(body, n_modes=5, plane="strain", sectors=1)
+    found = flank_compliance(body, JobOptions(n_modes=5, plane="strain"), sectors=1)
     half = HALF_WIDTH * MODULE
     edges = np.linspace(places.min() - half, places.max() + half, STRIPS + 1)
     s, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
@@ -113,7 +113,7 @@ def test_places_on_a_tip(tips: dict[str, float], ring: bool, left: float) -> Non
     start = coarse.mode_range_mm[1]
     length = tip.end_mm - start
     places = start + np.append([-0.2 * MODULE, -HALF_WIDTH * MODULE, 0.0], [length / 3, length / 2])
-    strength = flank_compliance(coarse, n_modes=1, plane="strain", sectors=1).kernel
+    strength = flank_compliance(coarse, JobOptions(n_modes=1, plane="strain"), sectors=1).kernel
     apart = (by_modes(coarse, places) - plainly(fine, places)) / strength
     assert np.abs(apart).max() < left
 
@@ -122,7 +122,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     """It takes parts of the modes of flank and chamfer; fine elements take it as it is."""
     tips = {"tip_chamfer_mm": 0.08 * MODULE}
     fine, coarse = made(tips, NODES * MODULE), made(tips)
-    found = flank_compliance(coarse, n_modes=5, plane="strain", sectors=1)
+    found = flank_compliance(coarse, JobOptions(n_modes=5, plane="strain"), sectors=1)
     tip, start = found.tip, coarse.mode_range_mm[1]
     assert tip is not None
     turns = tip.turn_rad * np.array([0.0, 0.3, 0.7])
@@ -141,7 +141,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     )
     loads = np.cos(turns) * normal + np.sin(turns) * along
     matrix = stiffness(mesh.nodes, mesh.cells, fine.material, "strain")
-    exact = np.diag(tooth_response(matrix, loads, mesh, lambda step: None)[0][0])
+    exact = np.diag(tooth_response(matrix, loads, mesh)[0][0])
     n = found.smooth.shape[1]
     on_flank, on_chamfer = (
         mode_values(np.array([s]), found.mode_range_mm, n, tip=tip)[0]
@@ -215,7 +215,8 @@ def test_fewer_modes_are_those_of_a_smaller_job() -> None:
     """The tip keeps its own; what the flank's highest carried goes to the others."""
     body = made({"tip_radius_mm": 0.2 * MODULE})
     more, fewer = (
-        flank_compliance(body, n_modes=n, plane="strain", friction=True, sectors=1) for n in (6, 4)
+        flank_compliance(body, JobOptions(n_modes=n, plane="strain", friction=True), sectors=1)
+        for n in (6, 4)
     )
     left = more.fewer_modes(2)
     assert left.tip == fewer.tip
@@ -230,7 +231,7 @@ def test_far_from_the_tip_its_modes_change_nothing() -> None:
 
     def job() -> BodyCompliance:
         keys = {"n_modes": 6, "plane": "strain", "friction": True, "along": True}
-        return flank_compliance(body, coast_flanks=True, **keys)
+        return flank_compliance(body, JobOptions(coast_flanks=True, **keys))
 
     found = job()
     with mock.patch.object(Body, "tip", None):

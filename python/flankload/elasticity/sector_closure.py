@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
+from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
@@ -61,14 +61,8 @@ def condense(
     matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
-    lap: Callable[[str], None] | None = None,
-    *,
-    coast: Floats | None = None,
-    readings: Floats | None = None,
-    corner: Floats | None = None,
-    forces: Floats | None = None,
-    account: Account | None = None,
-    look: Callable[[Floats], None] | None = None,
+    readings: Mapping[str, Floats] | None = None,
+    log: JobLog | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -79,55 +73,33 @@ def condense(
     loads : (2N, p) array
         Load columns; the same columns read the displacements.
     mesh : SectorMesh
-    lap : callable, optional
-        Told the name of each step when it is done.
-    coast : (2N, c) array, optional
-        Columns that only read the displacements, of the coast flank.
-    readings : (2N, q) array, optional
-        The same, of stress.
-    corner : (2N, 1) array, optional
-        The same, of a sharp tip.
-    forces : (2N, k) array, optional
-        Known loads; they read, too, which says what they do themselves (Betti).
-    account : Account, optional
-        Where factorisations and solutions are counted.
-    look : callable, optional
-        Shown the displacements (2N, p) under the loads, both cuts held.
+    readings : mapping of str to (2N, q) array, optional
+        Further columns that read the displacements, by the counter of their solutions
+        (`cost.COUNTERS`). A known load is also a reading: by reciprocity (Betti) it reads the
+        displacements that it causes itself.
+    log : JobLog, optional
 
     Returns
     -------
     sector : CondensedSector
+        Its kinds of readings are the loads, then `readings` in their order.
     degrees_of_freedom : int
-        Those that are not held.
+        Number of unknowns that are not held.
     """
-    tell = lap if lap is not None else (lambda step: None)
-    if account is None:
-        account = Account()
+    log = JobLog() if log is None else log
     cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
-    held = degrees_of(mesh.fixed_nodes)
-    inner = np.ones(matrix.shape[0], dtype=bool)
-    inner[cut] = False
-    inner[held] = False
-    inside = np.flatnonzero(inner)
-    solve, complement = condensed(matrix, inside, cut, account)
-    tell("factorisation")
+    inside = np.setdiff1d(
+        np.arange(matrix.shape[0]), np.concatenate([cut, degrees_of(mesh.fixed_nodes)])
+    )
+    solve, complement = condensed(matrix, inside, cut, log.account)
+    log.end_step("factorisation")
     kinds, solved = [loads], [solve(loads[inside])]
-    if look is not None:
-        moved = np.zeros_like(loads)
-        moved[inside] = solved[0]
-        tell("solution")
-        look(moved)
-    for name, columns in (
-        ("coast_readings", coast),
-        ("stress_recoveries", readings),
-        ("corner_readings", corner),
-        ("fe_load_cases_growth", forces),
-    ):
-        if columns is not None:
-            account.count(**{name: columns.shape[1]})
-            kinds.append(columns)
-            solved.append(solve(columns[inside]))
-    account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
+    log.solution(inside, solved[0], matrix.shape[0])
+    for name, columns in (readings or {}).items():
+        log.account.count(**{name: columns.shape[1]})
+        kinds.append(columns)
+        solved.append(solve(columns[inside]))
+    log.account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
     coupling = matrix[cut][:, inside]
     sector = CondensedSector(
         local=tuple(columns[inside].T @ solved[0] for columns in kinds),
@@ -136,7 +108,7 @@ def condense(
         ),
         stiffness=complement,
     )
-    tell("solution")
+    log.end_step("solution")
     return sector, inside.size + cut.size // 2
 
 
@@ -338,41 +310,36 @@ def tooth_response(
     matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
-    lap: Callable[[str], None],
-    *,
     readings: Sequence[Floats] = (),
-    account: Account | None = None,
-    look: Callable[[Floats], None] | None = None,
+    log: JobLog | None = None,
 ) -> tuple[Floats, int]:
-    """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
+    """Response of a single tooth whose cuts are held while all other teeth are at rest.
 
     Parameters
     ----------
-    matrix, loads, mesh, lap, account, look
+    matrix, loads, mesh, log
         As in `condense`.
     readings : sequence of (2N, q) arrays
-        By kind, columns that only read the displacements; they take no solutions here.
+        By kind, columns that read the displacements; they need no solutions here.
 
     Returns
     -------
     response : (z, r, p) array
-        As of `close_ring`; 0 but for the tooth itself.
+        As of `close_ring`; 0 except for the tooth itself.
     degrees_of_freedom : int
-        Those that are not held.
+        Number of unknowns that are not held.
     """
+    log = JobLog() if log is None else log
     held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    solve = factored(matrix[inside][:, inside].tocsc(), account)
-    lap("factorisation")
+    solve = factored(matrix[inside][:, inside].tocsc(), log.account)
+    log.end_step("factorisation")
     solved = solve(loads[inside])
     own = np.concatenate([columns[inside].T @ solved for columns in (loads, *readings)])
     response = np.zeros((mesh.teeth, *own.shape))
     response[0] = own
-    lap("solution")
-    if look is not None:
-        moved = np.zeros_like(loads)
-        moved[inside] = solved
-        look(moved)
+    log.end_step("solution")
+    log.solution(inside, solved, matrix.shape[0])
     return response, inside.size
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import place_load, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import alike_response, close_ring, condense
@@ -79,8 +79,7 @@ def test_rotating_annulus_on_a_stiff_shaft(plane: str) -> None:
     body, speed, density = annulus(), 1200.0, 7.85e-9
     found = flank_compliance(
         body,
-        n_modes=3,
-        plane=plane,
+        JobOptions(n_modes=3, plane=plane),
         growth=Growth(speed_rad_per_s=speed, density_Ns2_per_mm4=density),
     )
     modulus, ratio = plane_numbers(plane)
@@ -103,7 +102,7 @@ def test_warm_annulus_on_a_shaft_of_another_expansion(plane: str, held: float) -
     """u = A r + B/r with u = e_s a in the bore, no stress at the rim; free to grow axially."""
     body, strain = annulus(), 7e-4
     found = flank_compliance(
-        body, n_modes=3, plane=plane, growth=Growth(strain=strain, held_strain=held)
+        body, JobOptions(n_modes=3, plane=plane), growth=Growth(strain=strain, held_strain=held)
     )
     _, ratio = plane_numbers(plane)
     # stress at b: (1 + nu) A - (1 - nu) B/b² = (1 + nu) e
@@ -118,7 +117,9 @@ def test_warm_annulus_on_a_shaft_of_another_expansion(plane: str, held: float) -
 def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     body, strain = annulus(), 7e-4
     found = flank_compliance(
-        body, n_modes=3, plane="strain", growth=Growth(strain=strain, held_strain=strain)
+        body,
+        JobOptions(n_modes=3, plane="strain"),
+        growth=Growth(strain=strain, held_strain=strain),
     )
     # the circle is one of quadratic edges
     assert on_rim(found, body)[0] == pytest.approx(strain * OUTER, rel=ELEMENTS)
@@ -126,7 +127,9 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     assert not found.shifts
     assert "fe_load_cases_growth" not in found.counters
     almost = flank_compliance(
-        body, n_modes=3, plane="strain", growth=Growth(strain=strain, held_strain=strain * 0.9999)
+        body,
+        JobOptions(n_modes=3, plane="strain"),
+        growth=Growth(strain=strain, held_strain=strain * 0.9999),
     )
     np.testing.assert_allclose(on_rim(almost, body), on_rim(found, body), rtol=0, atol=3e-6)
 
@@ -134,7 +137,9 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
 def test_displacement_converges_as_elements_get_smaller() -> None:
     growth = Growth(speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9)
     found = [
-        on_rim(flank_compliance(body, n_modes=3, plane="strain", growth=growth), body)[0]
+        on_rim(flank_compliance(body, JobOptions(n_modes=3, plane="strain"), growth=growth), body)[
+            0
+        ]
         for body in (annulus(rows=2), annulus(rows=4), annulus(rows=8))
     ]
     assert abs(found[2] - found[1]) < 0.3 * abs(found[1] - found[0])
@@ -153,9 +158,8 @@ def test_pull_of_rotation_is_the_mass_times_its_place() -> None:
 def test_harmonic_0_is_the_sum_over_the_ring() -> None:
     mesh, span = ring_sector(7)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
-    sector, _ = condense(
-        matrix, mode_loads(mesh, span, 3), mesh, forces=place_load(mesh.nodes, mesh.cells)[:, None]
-    )
+    pull = {"fe_load_cases_growth": place_load(mesh.nodes, mesh.cells)[:, None]}
+    sector, _ = condense(matrix, mode_loads(mesh, span, 3), mesh, pull)
     ring = close_ring(sector, 7)
     scale = np.abs(ring).max()
     np.testing.assert_allclose(
@@ -196,7 +200,8 @@ def test_a_whole_mesh_grows_as_its_sectors_do() -> None:
         strain=7e-4, held_strain=2e-4, speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9
     )
     one, other = (
-        flank_compliance(each, n_modes=3, plane="strain", growth=growth) for each in (body, whole)
+        flank_compliance(each, JobOptions(n_modes=3, plane="strain"), growth=growth)
+        for each in (body, whole)
     )
     assert other.expansion == pytest.approx(one.expansion, rel=SOLVER)
     assert one.counters["fe_load_cases_growth"] == other.counters["fe_load_cases_growth"] == 2
@@ -209,7 +214,9 @@ def test_a_segment_grows_as_the_whole_body() -> None:
     growth = Growth(strain=7e-4)
     body = gear_body(17, 2.5)
     one, other = (
-        flank_compliance(body, n_modes=4, plane="strain", growth=growth, sectors=sectors)
+        flank_compliance(
+            body, JobOptions(n_modes=4, plane="strain"), growth=growth, sectors=sectors
+        )
         for sectors in (None, 3)
     )
     assert one.expansion == other.expansion

@@ -1,4 +1,4 @@
-"""One body's compliance at its flanks, from one finite-element job or from none."""
+"""Compliance of the flanks of one body."""
 
 from flankload.elasticity.compliance.body_compliance import (
     AxialModes,
@@ -6,11 +6,12 @@ from flankload.elasticity.compliance.body_compliance import (
     RootResponse,
     no_compliance,
 )
-from flankload.elasticity.compliance.job import flank_compliance, flank_compliances
+from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
 
 __all__ = [
     "AxialModes",
     "BodyCompliance",
+    "JobOptions",
     "RootResponse",
     "flank_compliance",
     "flank_compliances",

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.belt.row import LandColumns
 from flankload.mechanisms.belt.touch import Touch, touches_of, unit_forces
@@ -85,7 +86,7 @@ def solve_pulley(
             unit_loads_tangential=along,
         )
     matrix = stiffness(sector.nodes, sector.cells, pulley.material, pulley.plane)
-    condensed, unknowns = condense(matrix, loads, sector, account=account)
+    condensed, unknowns = condense(matrix, loads, sector, log=JobLog(account))
     return PulleyResponse(mesh, close_ring(condensed, pulley.teeth), unknowns)
 
 

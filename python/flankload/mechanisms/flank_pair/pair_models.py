@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.elasticity.compliance import BodyCompliance, flank_compliances, no_compliance
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    JobOptions,
+    flank_compliances,
+    no_compliance,
+)
 from flankload.elasticity.finite_elements import linear_cells, stiffness
 from flankload.errors import FlankloadError
 from flankload.mechanisms.element_rates import ElementRates, load_packages
@@ -131,13 +136,15 @@ class PairModels:
         found = flank_compliances(
             body,
             variants,
-            n_modes=modes_of(body, self.screened, COARSE),
-            plane=plane,
-            friction=along or any(scene.has_friction for scene in asked),
-            along=along and self._scene.has_friction,
-            coast_flanks=any(scene.effects.coast_flank for scene in asked),
-            matrix=matrix,
-            linear=True,
+            JobOptions(
+                n_modes=modes_of(body, self.screened, COARSE),
+                plane=plane,
+                friction=along or any(scene.has_friction for scene in asked),
+                along=along and self._scene.has_friction,
+                coast_flanks=any(scene.effects.coast_flank for scene in asked),
+                linear=True,
+            ),
+            matrix,
         )
         self._jobs[z] = dict(zip(variants, found, strict=True))
         self.rates[z] = ElementRates(body, seconds, found[0])

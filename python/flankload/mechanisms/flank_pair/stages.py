@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.sweep import sweep
 from flankload.cost import held_bytes
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    JobOptions,
+    flank_compliance,
+    no_compliance,
+)
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
@@ -93,17 +98,19 @@ def compliance_of(
     else:
         found = flank_compliance(
             body,
-            n_modes=modes_of(body, scene, discretization),
-            plane=scene.accuracy.plane,
-            friction=tangential,
-            along=effects.friction and effects.finite_influence,
-            nodal=effects.nodal_near_field,
-            coast_flanks=scene.effects.coast_flank,
-            fillets=fillets,
+            JobOptions(
+                n_modes=modes_of(body, scene, discretization),
+                plane=scene.accuracy.plane,
+                friction=tangential,
+                along=effects.friction and effects.finite_influence,
+                nodal=effects.nodal_near_field,
+                coast_flanks=scene.effects.coast_flank,
+                fillets=fillets,
+                estimate=estimate,
+            ),
             sectors=scene.sectors,
             growth=growth,
             matrix=matrix,
-            estimate=estimate,
         )
     return found if scene.effects.tooth_coupling else found.without_coupling()
 
