@@ -111,10 +111,10 @@ def test_smooth_part_at_the_tip_of_a_ring_does_not_grow_with_the_modes() -> None
     fine = flank_compliance(body, JobOptions(n_modes=12, plane="strain"))
     low, high = body.mode_range_mm
     norms = mode_norms((low, high), 12)
-    image = fine.wedge[1] * projected_image(12, high - low, at_high_end=True)
+    image = fine.near.wedge[1] * projected_image(12, high - low, at_high_end=True)
     added, had = (
         matrix.sum() - matrix[:5, :5].sum()  # all modes are 1 at the end
-        for matrix in (fine.smooth[0] / fine.kernel, image / np.outer(norms, norms))
+        for matrix in (fine.smooth[0] / fine.near.kernel, image / np.outer(norms, norms))
     )
     assert abs(had) > 1.0
     assert abs(added) < BESIDE * abs(had)

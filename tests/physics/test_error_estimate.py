@@ -54,9 +54,9 @@ def test_smoothed_stresses_tell_what_elements_miss(k: int) -> None:
     """Under a unit force anywhere on the flank, in the mean over it."""
     coarse, fine = _compliance(k, 1.0), _compliance(k, 3.0)
     assert coarse.missed is not None
-    low, high = coarse.mode_range_mm
+    low, high = coarse.modes.range_mm
     places, count = np.linspace(low, high, 41), len(coarse.smooth[0])
-    at = mode_values(places, (low, high), count, tip=coarse.tip)
+    at = mode_values(places, (low, high), count, tip=coarse.modes.tip)
     true = np.einsum("xa,ab,xb->x", at, fine.smooth[0] - coarse.smooth[0], at)
     told = np.einsum("xa,ab,xb->x", at, coarse.missed[0], at)
     assert np.linalg.eigvalsh(coarse.missed[0]).min() > 0

@@ -165,10 +165,10 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
     matrix = np.zeros(same.shape)
     for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
         field = job.fields[z]
-        low, high = field.mode_range_mm
-        end = high if field.tip is None else field.tip.end_mm
+        low, high = field.modes.range_mm
+        end = high if field.modes.tip is None else field.modes.tip.end_mm
         count = field.smooth.shape[1]
-        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.tip)
+        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.modes.tip)
         teeth = job.pairing.site_teeth[z][site.astype(int)]
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):

@@ -65,7 +65,7 @@ def tip_error(
     none = np.zeros_like(found.site_force_N)
     turned, between = none.copy(), np.zeros((*none.shape, none.shape[1]))
     for z in (0, 1):
-        if compliances[z].nodes is None:
+        if compliances[z].modes.nodes is None:
             on_body = _yields(found, bodies[z], compliances[z], pairing, z)
             for whole, part in zip((turned, between), on_body, strict=True):
                 whole += part / face_width_mm
@@ -149,7 +149,7 @@ def _yields(
     force, s = (pairs.column(name)[loaded] for name in ("force", f"s_{z + 1}"))
     low, high = body.mode_range_mm
     turned = found.site_corner[at] == 2 - z  # the mate's corner
-    if compliance.turned is None and compliance.tip is None:
+    if compliance.turned is None and compliance.modes.tip is None:
         turned |= found.site_corner[at] == z + 1
     if body.involute is None:
         turned[:] = False
@@ -177,8 +177,8 @@ def _yields(
         turn[turned] = pushed / meant
     turn = mean(turn)
     n = compliance.smooth.shape[1]
-    within = s.clip(low, compliance.tip.end_mm if compliance.tip else high)
-    modes = mean(mode_values(within, body.mode_range_mm, n, tip=compliance.tip))
+    within = s.clip(low, compliance.modes.tip.end_mm if compliance.modes.tip else high)
+    modes = mean(mode_values(within, body.mode_range_mm, n, tip=compliance.modes.tip))
     teeth = pairing.site_teeth[z]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
     yields = np.einsum("pia,ijab,pjb->pij", modes, compliance.smooth[block], modes)
@@ -187,10 +187,10 @@ def _yields(
     np.add.at(width, at, pairs.column("cell")[loaded])
     sites = np.arange(teeth.size)
     near = np.log(np.where(width > 0, width, 1.0))
-    for psi, corner in zip(compliance.wedge, body.mode_range_mm, strict=True):
+    for psi, corner in zip(compliance.near.wedge, body.mode_range_mm, strict=True):
         away = np.maximum(mean(np.abs(s - corner)), 0.5 * width)
         near += psi * np.log(np.where(width > 0, 2.0 * away, 1.0))
-    yields[:, sites, sites] -= compliance.kernel * near
+    yields[:, sites, sites] -= compliance.near.kernel * near
     less = 1.0 - turn[:, :, None] * turn[:, None, :]
     less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
     lost = ((less * yields) @ found.site_force_N[:, :, None])[..., 0]

@@ -10,7 +10,8 @@ from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
 from flankload.bodies.tip_modes import TIP_MODES
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
+from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_norms,
@@ -137,16 +138,17 @@ def _of_modes(
         )
     found = BodyCompliance(
         smooth=0.5 * (smooth + mirrored),
-        kernel=given.kernel,
-        mode_range_mm=body.mode_range_mm,
-        wedge=wedge,
+        near=NearField(
+            given.kernel,
+            jump=given.jump if friction else 0.0,
+            wedge=wedge,
+            wedge_along=along_strengths(body),
+        ),
+        modes=FlankModes(body.mode_range_mm, tip=tip),
         flanks=given.flanks,
         tangential=given.tangential if friction else None,
-        jump=given.jump if friction else 0.0,
         turned=given.turned,
-        wedge_along=along_strengths(body),
-        asymmetry=max(given.asymmetry, asymmetry),
-        tip=tip,
+        job=JobCost(max(given.asymmetry, asymmetry)),
     )
     spare = n - n_modes - (0 if tip is None else TIP_MODES)
     return found.fewer_modes(spare) if spare > 0 else found
@@ -182,10 +184,9 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     norms = mode_norms(body.mode_range_mm, n_modes)
     return BodyCompliance(
         smooth=response / (norms[:, None] * norms[None, :]),
-        kernel=strength,
-        mode_range_mm=body.mode_range_mm,
-        wedge=wedge,
-        asymmetry=given.asymmetry,
+        near=NearField(strength, wedge=wedge),
+        modes=FlankModes(body.mode_range_mm),
+        job=JobCost(given.asymmetry),
     )
 
 
@@ -214,10 +215,9 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
         loads = consistent_forces(given, pressures)
     return BodyCompliance(
         smooth=_responses(body, given, loads),
-        kernel=logarithm_strength(body.material, plane),
-        mode_range_mm=body.mode_range_mm,
-        nodes=nodes,
-        asymmetry=given.asymmetry,
+        near=NearField(logarithm_strength(body.material, plane)),
+        modes=FlankModes(body.mode_range_mm, nodes=nodes),
+        job=JobCost(given.asymmetry),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
@@ -10,9 +11,35 @@ import numpy as np
 from flankload.cost import Account
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class JobCost:
+    """Size and cost of a finite-element job.
+
+    Attributes
+    ----------
+    asymmetry : float
+        Largest relative difference between a response and its transpose, before their mean was
+        taken: the rounding error of the job.
+    degrees_of_freedom : int
+        Number of unknowns that are not held.
+    counters : mapping of str to int
+        Work by the names of `cost.COUNTERS`, without zeros.
+    workspace_bytes : int
+        Temporary memory of stiffness matrix, factors and solutions.
+    seconds : dict of str to float
+        CPU seconds of each step; "wall" is the elapsed time of the whole job.
+    """
+
+    asymmetry: float = 0.0
+    degrees_of_freedom: int = 0
+    counters: Mapping[str, int] = field(default_factory=dict)
+    workspace_bytes: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
 
 
 class JobLog:
@@ -72,6 +99,16 @@ class JobLog:
         displacement[free] = moved
         self._on_solution(displacement)
         self.end_step("estimate")
+
+    def cost(self, asymmetry: float, degrees_of_freedom: int) -> JobCost:
+        """Size and cost of the job so far."""
+        return JobCost(
+            asymmetry,
+            degrees_of_freedom,
+            self.account.counters,
+            self.account.workspace_bytes,
+            self.seconds(),
+        )
 
     def seconds(self) -> dict[str, float]:
         """CPU seconds of all steps, and the elapsed time ("wall")."""

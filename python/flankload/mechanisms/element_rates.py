@@ -83,12 +83,12 @@ class ElementRates:
         -------
         Account
         """
-        job, steps = self.job, self.job.seconds
+        job, steps = self.job, self.job.job.seconds
         unknowns = finer * unknowns_of(self.body)
-        more = unknowns / max(1, job.degrees_of_freedom)
-        larger = more * log(unknowns) / log(max(3, job.degrees_of_freedom))
-        cuts, mine = counters.get("cut_columns", 0), job.counters.get("cut_columns", 0)
-        columns, own = counters["fe_solutions"] - cuts, job.counters["fe_solutions"] - mine
+        more = unknowns / max(1, job.job.degrees_of_freedom)
+        larger = more * log(unknowns) / log(max(3, job.job.degrees_of_freedom))
+        cuts, mine = counters.get("cut_columns", 0), job.job.counters.get("cut_columns", 0)
+        columns, own = counters["fe_solutions"] - cuts, job.job.counters["fe_solutions"] - mine
         seconds = finer * self._assembly_s + steps.get("ring", 0.0)
         # if there are cuts, half of that step are the solutions for them
         work = counters["fe_factorisations"] + (cuts / mine if mine else 0.0)
@@ -107,7 +107,7 @@ class ElementRates:
         return Account(
             cpu_s=seconds,
             bytes=8 * blocks * (response * (response + stressed) + turned),
-            workspace_bytes=round(job.workspace_bytes * larger),
+            workspace_bytes=round(job.job.workspace_bytes * larger),
         )
 
     def smoothing_s(self, counters: Mapping[str, int]) -> float:

@@ -212,7 +212,7 @@ def test_whole_body_obeys_betti_and_stands_as_written(folder: Path) -> None:
     assert isinstance(pair.body_1.mesh, WholeMesh)
     assert pair.body_1.flank_turns_rad == ()
     found = flank_compliance(pair.body_1, JobOptions(n_modes=4, plane="strain"))
-    assert found.asymmetry < SOLVER
+    assert found.job.asymmetry < SOLVER
     assert found.smooth.shape == (256, 4, 4)
 
 

@@ -81,10 +81,13 @@ def test_ring_closure_of_teeth_that_stand_inwards_equals_the_meshed_ring() -> No
 def test_compliance_of_a_gear_is_symmetric_and_counted() -> None:
     """Before both halves are averaged: displacement at a under load b = at b under load a."""
     found = flank_compliance(gear_body(16, 1.0), JobOptions(n_modes=5, plane="strain"))
-    assert found.asymmetry < 1e-12
-    assert (found.counters["fe_factorisations"], found.counters["unit_loads_normal"]) == (1, 5)
+    assert found.job.asymmetry < 1e-12
+    assert (found.job.counters["fe_factorisations"], found.job.counters["unit_loads_normal"]) == (
+        1,
+        5,
+    )
     assert found.smooth.shape == (16, 5, 5)
-    assert 1500 < found.degrees_of_freedom < 6000
+    assert 1500 < found.job.degrees_of_freedom < 6000
 
 
 def test_fewer_modes_are_the_leading_block() -> None:
@@ -125,9 +128,9 @@ def test_rigid_body_has_no_compliance_and_no_elements() -> None:
         build_involute_body(spec, "body_1", flank_element_mm=1.0),
         JobOptions(n_modes=5, plane="strain"),
     )
-    assert found.kernel == 0.0
+    assert found.near.kernel == 0.0
     assert not found.smooth.any()
-    assert (found.counters, found.workspace_bytes) == ({}, 0)
+    assert (found.job.counters, found.job.workspace_bytes) == ({}, 0)
 
 
 def test_compliances_of_one_job_are_those_of_their_own() -> None:
@@ -135,7 +138,7 @@ def test_compliances_of_one_job_are_those_of_their_own() -> None:
     body, fast = gear_body(16, 2.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
     asked = ((None, None), (5, None), (1, None), (None, fast))
     together = flank_compliances(body, asked, JobOptions(n_modes=4, plane="strain"))
-    assert together[0].counters["fe_factorisations"] == 1
+    assert together[0].job.counters["fe_factorisations"] == 1
     for (sectors, growth), found in zip(asked, together, strict=True):
         alone = flank_compliance(
             body, JobOptions(n_modes=4, plane="strain"), sectors=sectors, growth=growth
@@ -153,7 +156,7 @@ def test_linear_elements_take_a_quarter_and_are_some_percent_too_stiff() -> None
         )[0]
         for each in (True, False)
     )
-    assert 3.5 < quadratic.degrees_of_freedom / linear.degrees_of_freedom < 4.5
+    assert 3.5 < quadratic.job.degrees_of_freedom / linear.job.degrees_of_freedom < 4.5
     # an even pressure on the tooth itself and on the next one
     stiffer = linear.smooth[:2, 0, 0] / quadratic.smooth[:2, 0, 0]
     assert np.all((stiffer > 0.97) & (stiffer < 1.0))
@@ -204,10 +207,10 @@ def test_what_is_read_besides_changes_no_bit(sectors: int | None) -> None:
         np.testing.assert_array_equal(some.tangential, every.tangential)
         if some.root is not None:
             np.testing.assert_array_equal(some.root.response, every.root.response)
-        if some.crossing is not None:
-            np.testing.assert_array_equal(some.crossing, every.crossing)
-        for name, shift in some.shifts.items():
-            np.testing.assert_array_equal(shift, every.shifts[name])
+        if some.coast is not None:
+            np.testing.assert_array_equal(some.coast.normal, every.coast.normal)
+        for name, shift in some.expansion.shifts.items():
+            np.testing.assert_array_equal(shift, every.expansion.shifts[name])
 
 
 def test_what_is_read_of_a_whole_mesh_changes_no_bit_of_its_compliance() -> None:

@@ -151,8 +151,8 @@ def test_asking_for_stress_leaves_the_compliance_as_it_is() -> None:
     assert plain.root is None
     assert asked.root is not None
     assert asked.root.response.shape == (16, asked.root.points.working.size, 4)
-    assert asked.counters["fe_factorisations"] == plain.counters["fe_factorisations"]
-    assert asked.counters["unit_loads_normal"] == plain.counters["unit_loads_normal"]
+    assert asked.job.counters["fe_factorisations"] == plain.job.counters["fe_factorisations"]
+    assert asked.job.counters["unit_loads_normal"] == plain.job.counters["unit_loads_normal"]
 
 
 def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:

@@ -204,7 +204,7 @@ def test_stress_and_friction_go_with_a_segment() -> None:
     three = flank_compliance(body, JobOptions(n_modes=4, plane="strain", friction=True), sectors=3)
     assert three.tangential.shape == whole.tangential.shape
     assert not three.tangential[3:14].any()
-    assert three.asymmetry < SOLVER
+    assert three.job.asymmetry < SOLVER
     alone = whole.without_coupling()
     np.testing.assert_array_equal(alone.smooth[0], whole.smooth[0])
     np.testing.assert_array_equal(alone.tangential[0], whole.tangential[0])

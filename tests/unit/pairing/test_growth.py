@@ -59,7 +59,7 @@ def on_rim(compliance: BodyCompliance, body: Body) -> np.ndarray:
     low, high = body.mode_range_mm
     norms = (high - low) / (2 * np.arange(out.size) + 1)
     total = compliance.expansion * out / norms
-    return np.asarray(total + sum(part[0] for part in compliance.shifts.values()))
+    return np.asarray(total + sum(part[0] for part in compliance.expansion.shifts.values()))
 
 
 def plane_numbers(plane: str) -> tuple[float, float]:
@@ -93,7 +93,7 @@ def test_rotating_annulus_on_a_stiff_shaft(plane: str) -> None:
     displacement = on_rim(found, body)
     assert displacement[0] == pytest.approx(exact, rel=ELEMENTS)
     np.testing.assert_allclose(displacement[1:], 0.0, rtol=0, atol=ELEMENTS * exact)
-    assert found.counters["fe_load_cases_growth"] == 1
+    assert found.job.counters["fe_load_cases_growth"] == 1
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -124,8 +124,8 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     # the circle is one of quadratic edges
     assert on_rim(found, body)[0] == pytest.approx(strain * OUTER, rel=ELEMENTS)
     assert found.expansion == strain
-    assert not found.shifts
-    assert "fe_load_cases_growth" not in found.counters
+    assert not found.expansion.shifts
+    assert "fe_load_cases_growth" not in found.job.counters
     almost = flank_compliance(
         body,
         JobOptions(n_modes=3, plane="strain"),
@@ -204,10 +204,14 @@ def test_a_whole_mesh_grows_as_its_sectors_do() -> None:
         for each in (body, whole)
     )
     assert other.expansion == pytest.approx(one.expansion, rel=SOLVER)
-    assert one.counters["fe_load_cases_growth"] == other.counters["fe_load_cases_growth"] == 2
+    assert (
+        one.job.counters["fe_load_cases_growth"] == other.job.counters["fe_load_cases_growth"] == 2
+    )
     for name in ("temperature", "speed"):
-        for row in other.shifts[name]:
-            np.testing.assert_allclose(row, one.shifts[name][0], rtol=0, atol=SOLVER * 0.02)
+        for row in other.expansion.shifts[name]:
+            np.testing.assert_allclose(
+                row, one.expansion.shifts[name][0], rtol=0, atol=SOLVER * 0.02
+            )
 
 
 def test_a_segment_grows_as_the_whole_body() -> None:
@@ -220,7 +224,9 @@ def test_a_segment_grows_as_the_whole_body() -> None:
         for sectors in (None, 3)
     )
     assert one.expansion == other.expansion
-    np.testing.assert_array_equal(one.shifts["temperature"], other.shifts["temperature"])
+    np.testing.assert_array_equal(
+        one.expansion.shifts["temperature"], other.expansion.shifts["temperature"]
+    )
 
 
 # --- gears ----------------------------------------------------------------------------------------
@@ -420,7 +426,7 @@ def test_compliance_holds_the_parts_of_the_growth_by_name() -> None:
     )
     pair = build_bodies(scene)
     found = compliance_of(pair.body_1, scene, growth=pair.growth[0])
-    assert sorted(found.shifts) == ["speed", "temperature"]
+    assert sorted(found.expansion.shifts) == ["speed", "temperature"]
     # most of it is that of a larger figure
     lift = np.abs(found.shift_of(np.array([0]))).max()
     assert lift < 0.2 * abs(found.expansion) * pair.body_1.reference_radius_mm

@@ -1,17 +1,22 @@
 """Compliance of the flanks of one body."""
 
-from flankload.elasticity.compliance.body_compliance import (
-    AxialModes,
-    BodyCompliance,
-    RootResponse,
-    no_compliance,
-)
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
+from flankload.elasticity.compliance.parts import (
+    AxialModes,
+    Expansion,
+    FlankModes,
+    NearField,
+    RootResponse,
+)
 
 __all__ = [
     "AxialModes",
     "BodyCompliance",
+    "Expansion",
+    "FlankModes",
     "JobOptions",
+    "NearField",
     "RootResponse",
     "flank_compliance",
     "flank_compliances",

@@ -15,13 +15,15 @@ import numpy as np
 
 from flankload.bodies.body import WholeMesh
 from flankload.bodies.tip_modes import TIP_MODES
-from flankload.elasticity.compliance.body_compliance import (
-    BodyCompliance,
-    RootResponse,
-    no_compliance,
-)
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
+from flankload.elasticity.compliance.parts import (
+    CoastCompliance,
+    Expansion,
+    FlankModes,
+    RootResponse,
+)
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
 from flankload.elasticity.compliance.turned import (
     has_turned_forces,
@@ -154,7 +156,9 @@ def flank_compliances(
     modes = job.loads
     miss = modes.missed(np.stack(missed)) if missed and isinstance(modes, ModeLoads) else None
     seconds = job.log.seconds()
-    return tuple(replace(each, missed=miss, seconds=seconds) for each in compliances)
+    return tuple(
+        replace(each, missed=miss, job=replace(each.job, seconds=seconds)) for each in compliances
+    )
 
 
 def _job(
@@ -250,28 +254,22 @@ def _settled(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     mirrored = response[found.across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     response = 0.5 * (response + mirrored)
-    crossing = found.crossing
+    coast, across = None, found.coast
+    if across is not None:
+        coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
-        kernel=loads.kernel,
-        wedge=loads.wedge,
-        turned=turned,
-        wedge_along=loads.wedge_along,
-        tip=loads.tip,
-        mode_range_mm=body.mode_range_mm,
+        near=loads.near_field,
+        modes=FlankModes(
+            body.mode_range_mm, closed=body.curve.closed, tip=loads.tip, nodes=loads.nodes
+        ),
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,
-        jump=loads.jump,
         along=response[:, n_modes:, n_modes:] if options.along and friction else None,
-        crossing=None if crossing is None else crossing[..., :n_modes],
-        crossing_tangential=crossing[..., n_modes:] if crossing is not None and friction else None,
-        closed=body.curve.closed,
-        nodes=loads.nodes,
-        asymmetry=asymmetry,
-        degrees_of_freedom=found.degrees_of_freedom,
-        counters=job.log.account.counters,
-        workspace_bytes=job.log.account.workspace_bytes,
+        turned=turned,
+        coast=coast,
         root=root,
+        job=job.log.cost(asymmetry, found.degrees_of_freedom),
     )
 
 
@@ -287,8 +285,8 @@ def _expanded(
     compliance: BodyCompliance, job: Job, growth: Growth | None, moved: dict[str, Floats]
 ) -> BodyCompliance:
     """The compliance of a body with an expansion."""
-    expansion, shifts = growth_of_flanks(job.body, growth, job.loads.count, moved)
-    return replace(compliance, shifts=shifts, expansion=expansion)
+    expansion = growth_of_flanks(job.body, growth, job.loads.count, moved)
+    return replace(compliance, expansion=Expansion(*expansion))
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import Tip
+from flankload.elasticity.compliance.parts import NearField
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
@@ -48,24 +49,15 @@ class ModeLoads:
     nodes = None
 
     @property
-    def kernel(self) -> float:
-        """Strength of the logarithm, mm²/N."""
-        return logarithm_strength(self.body.material, self.plane)
-
-    @property
-    def wedge(self) -> tuple[float, float]:
-        """Strengths psi of the mirror images behind free corners at both ends of the modes."""
-        return image_strengths(self.body)
-
-    @property
-    def wedge_along(self) -> tuple[float, float]:
-        """Those of loads along the flank, by what they move along its normal."""
-        return along_strengths(self.body)
-
-    @property
-    def jump(self) -> float:
-        """Strength of the jump, mm²/N; 0 without friction."""
-        return jump_strength(self.body.material, self.plane) if self.friction else 0.0
+    def near_field(self) -> NearField:
+        """Near field that the modes leave out."""
+        body = self.body
+        return NearField(
+            logarithm_strength(body.material, self.plane),
+            jump=jump_strength(body.material, self.plane) if self.friction else 0.0,
+            wedge=image_strengths(body),
+            wedge_along=along_strengths(body),
+        )
 
     @property
     def tip(self) -> Tip | None:
@@ -101,18 +93,18 @@ class ModeLoads:
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip
         behind = None if tip is None else tip.behind(low)
-        closed = self.body.curve.closed
-        near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed, tip=behind)
-        response[own, :n, :n] += self.kernel * near
+        closed, field = self.body.curve.closed, self.near_field
+        near = projected_near_field(n, high - low, wedge=field.wedge, closed=closed, tip=behind)
+        response[own, :n, :n] += field.kernel * near
         if response.shape[1] > n:
-            sign = self.jump * projected_sign(n, high - low, tip=behind)
+            sign = field.jump * projected_sign(n, high - low, tip=behind)
             near = projected_near_field(n, high - low, closed=closed, tip=behind)
-            if any(self.wedge_along):
-                image = projected_near_field(n, high - low, wedge=self.wedge_along, tip=behind)
-                sign = sign + self.kernel * (image - near)
+            if any(field.wedge_along):
+                image = projected_near_field(n, high - low, wedge=field.wedge_along, tip=behind)
+                sign = sign + field.kernel * (image - near)
             response[own, :n, n:] += sign
             response[own, n:, :n] += sign.T
-            response[own, n:, n:] += self.kernel * near
+            response[own, n:, n:] += field.kernel * near
         response[:] = self.between(response)
 
     def between(self, moments: Floats) -> Floats:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flankload.bodies.body import WholeMesh
+from flankload.elasticity.compliance.parts import NearField
 from flankload.elasticity.near_field import logarithm_strength
 from flankload.elasticity.nodal_loads import nodes_of
 
@@ -35,10 +36,7 @@ class NodeLoads:
     nodes: Floats
     plane: str
 
-    #: Nothing of the near field stands beside the tables.
-    jump = 0.0
-    wedge = (0.0, 0.0)
-    wedge_along = (0.0, 0.0)
+    #: The flank has no tip modes.
     tip = None
 
     @property
@@ -47,9 +45,9 @@ class NodeLoads:
         return self.nodes.size
 
     @property
-    def kernel(self) -> float:
-        """Strength of the logarithm, mm²/N: how wide contacts are to be expected."""
-        return logarithm_strength(self.body.material, self.plane)
+    def near_field(self) -> NearField:
+        """Only the strength of the logarithm, for the expected width of contacts."""
+        return NearField(logarithm_strength(self.body.material, self.plane))
 
     def settle(
         self,

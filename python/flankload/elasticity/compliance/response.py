@@ -100,7 +100,7 @@ class Response:
         Readings of the loads of each flank under each known load.
     degrees_of_freedom : int
     flanks : tuple of int
-    crossing : (z, n, p) array or None
+    coast : (z, n, p) array or None
         Response of the coast flanks, as coefficients.
     """
 
@@ -110,7 +110,7 @@ class Response:
     by_force: Floats
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
-    crossing: Floats | None = None
+    coast: Floats | None = None
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
@@ -202,17 +202,17 @@ def of_sector(
             found[number] = _built(job, sector, mesh, number)
     responses: dict[int | None, Response] = {}
     for number, (response, by_force) in found.items():
-        crossing = None
+        across = None
         if coast is not None:
             assert isinstance(job.loads, ModeLoads)
-            response, crossing = coast.taken_from(response, job.loads)
+            response, across = coast.taken_from(response, job.loads)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
             across=-np.arange(mesh.teeth) % mesh.teeth,
             by_force=by_force,
             degrees_of_freedom=free,
-            crossing=crossing,
+            coast=across,
         )
     return responses
 

@@ -12,11 +12,8 @@ from flankload.bodies.body import SectorMesh
 from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.cost import Account
-from flankload.elasticity.compliance.body_compliance import (
-    AxialModes,
-    BodyCompliance,
-    no_compliance,
-)
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
+from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
@@ -176,22 +173,19 @@ def prism_compliance(
     held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
-        kernel=kernel,
-        wedge=surface.wedge,
-        mode_range_mm=body.mode_range_mm,
-        tip=body.tip,
-        axial=AxialModes(
-            range_mm=prism.range_mm,
-            degree=prism.load_degree,
-            twist=prism.twist,
-            cos_base_helix=surface.cos_base_helix,
-            end=surface.end,
+        near=NearField(kernel, wedge=surface.wedge),
+        modes=FlankModes(
+            body.mode_range_mm,
+            tip=body.tip,
+            axial=AxialModes(
+                range_mm=prism.range_mm,
+                degree=prism.load_degree,
+                twist=prism.twist,
+                cos_base_helix=surface.cos_base_helix,
+                end=surface.end,
+            ),
         ),
-        asymmetry=asymmetry,
-        degrees_of_freedom=COMPONENTS * axial.count * (len(mesh.nodes) - held),
-        counters=log.account.counters,
-        workspace_bytes=log.account.workspace_bytes,
-        seconds=log.seconds(),
+        job=log.cost(asymmetry, COMPONENTS * axial.count * (len(mesh.nodes) - held)),
     )
 
 

@@ -15,6 +15,7 @@ from msgspec import structs
 
 from flankload.elasticity.compliance import (
     BodyCompliance,
+    Expansion,
     JobOptions,
     flank_compliances,
     no_compliance,
@@ -180,9 +181,9 @@ class PairModels:
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
         if growth is not None and not growth.needs_elements:
-            found = replace(found, expansion=growth.strain)
+            found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
-            found = replace(found, crossing=None, crossing_tangential=None)
+            found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:

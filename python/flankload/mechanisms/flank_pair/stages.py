@@ -11,6 +11,7 @@ from flankload.contact.sweep import sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
+    Expansion,
     JobOptions,
     flank_compliance,
     no_compliance,
@@ -94,7 +95,7 @@ def compliance_of(
             nodal=effects.nodal_near_field,
         )
         if growth is not None:
-            found = replace(found, expansion=growth.strain)
+            found = replace(found, expansion=Expansion(growth.strain))
     else:
         found = flank_compliance(
             body,
@@ -154,10 +155,10 @@ def compliances_of(
                 growth=growth,
                 estimate=scene.accuracy.estimate and elastic[z],
             )
-            account.count(**compliance.counters)
+            account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
             account.bytes += held_bytes(replace(compliance, missed=None))
-            account.workspace_bytes += compliance.workspace_bytes
+            account.workspace_bytes += compliance.job.workspace_bytes
             found.append(compliance)
         kept[z] = (compliance, replace(account))
     return found[0], found[1]
@@ -205,13 +206,13 @@ def grown_pair(
     BodyPair
     two BodyCompliance
     """
-    if not any(compliance.expansion for compliance in compliances):
+    if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, one.expansion),
-        body_2=grown(pair.body_2, two.expansion),
+        body_1=grown(pair.body_1, one.expansion.strain),
+        body_2=grown(pair.body_2, two.expansion.strain),
     )
     return pair, (one.grown(), two.grown())
 

@@ -160,7 +160,7 @@ def _with_modes(
     compliance: BodyCompliance, account: Account, modes: int
 ) -> tuple[BodyCompliance, Account] | None:
     """The submatrix of the lower modes; None if a separate solution is cheap."""
-    if compliance.closed or account.cpu_s < SHARED_ABOVE_S:
+    if compliance.modes.closed or account.cpu_s < SHARED_ABOVE_S:
         return None
     while compliance.smooth.shape[1] > modes:
         compliance = compliance.fewer_modes()
