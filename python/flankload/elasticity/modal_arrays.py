@@ -1,4 +1,4 @@
-"""flankload's own compliance file, written: what `bodies.imported.modal_file` reads."""
+"""Contents of a flankload compliance file (read by `bodies.imported.modal_file`)."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 def modal_arrays(
     body: Body, compliance: BodyCompliance, *, plane: str
 ) -> Mapping[str, NDArray[Any]]:
-    """What the file of a body holds.
+    """Arrays of the compliance file of a body.
 
     Parameters
     ----------
     body : Body
     compliance : BodyCompliance
-        Of an elastic body.
+        Compliance of an elastic body.
     plane : {"strain", "stress"}
 
     Returns
@@ -77,7 +77,7 @@ def modal_arrays(
 
 
 def _version(compliance: BodyCompliance) -> int:
-    """The least version that holds all of a compliance."""
+    """Lowest version of the format that holds a compliance."""
     if any(compliance.near.wedge) or compliance.modes.tip is not None:
         return 3
     return 1 if compliance.tangential is None else 2

@@ -1,13 +1,12 @@
-"""One sector of a body condensed to its loads and cuts, and equal sectors put together again.
+"""Static condensation of one sector of a body to its loads and cuts, and assembly of equal sectors.
 
-Of a sector the response to its loads with both cuts held, the forces G that these loads carry to
-the cuts and the condensed stiffness S of the cuts are all that is needed: the ring of all sectors
-closes by Fourier, sector harmonic by sector harmonic, an open row is solved from one end to the
-other. Nothing is approximated.
+A condensed sector consists of the response to its loads with both cuts held, the forces G of these
+loads on the cuts, and the stiffness S of the cuts. A ring of equal sectors is block-circulant and
+solved one sector harmonic at a time; an open row is solved by block elimination. Both are exact.
 
-Readings are kept by kind: displacements by the loads themselves, of the coast flank, stress. Each
-kind is multiplied by itself, since BLAS sums a product of more columns in another order: what one
-kind reads is the same to the last bit whichever others are read, too.
+A product is formed for each kind of reading (displacements under the loads, coast flank, stress,
+…), since BLAS sums a product of more columns in another order: each reading has the same bits,
+whichever others there are.
 """
 
 from __future__ import annotations
@@ -39,16 +38,16 @@ class CondensedSector:
     Attributes
     ----------
     local : tuple of (r, p) arrays
-        By kind of reading, the loads first: response of its r readings to the p loads with both
-        cuts held.
+        By kind of reading, beginning with the loads: response of its r readings to the p loads with
+        both cuts held.
     carried : tuple of (2 m, r) arrays
-        By kind of reading: forces that the readings, taken as loads, send to the cuts; first the
-        left cut, then the right one.
+        By kind of reading: forces on the cuts when the readings act as loads; first the left cut,
+        then the right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
     components : int
-        Of a displacement: 2, or 3 with the axial one last. Each point of a cut has so many
-        unknowns in a row; a turn about the axis leaves the axial one alone.
+        Components of a displacement: 2, or 3 with the axial one last. The unknowns of a point of a
+        cut are consecutive; a rotation about the axis does not change the axial component.
     """
 
     local: tuple[Floats, ...]
@@ -113,11 +112,11 @@ def condense(
 
 
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
+    """Response of all teeth of a closed ring to the loads on tooth 0.
 
-    The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
-    of sector k, so what sector k - 1 holds on its right is turned by one pitch. The ring is
-    block-circulant: a Fourier transform over the sectors takes it apart.
+    The left cut of sector k is the right cut of sector k - 1; its unknowns are in the frame of
+    sector k, so the right cut of sector k - 1 is rotated by one pitch. The ring is block-circulant:
+    a Fourier transform over the sectors separates its harmonics.
 
     Parameters
     ----------
@@ -154,7 +153,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
 
 
 def alike_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of any tooth of the closed ring when all carry the same loads: its harmonic 0.
+    """Response of any tooth of a closed ring under the same loads on all teeth: harmonic 0.
 
     Parameters
     ----------
@@ -177,15 +176,14 @@ def alike_response(sector: CondensedSector, teeth: int) -> Floats:
 
 @dataclass(frozen=True)
 class RowCell:
-    """A condensed cell of a row; cuts as the next cell on each side sees them.
+    """A condensed cell of a row; its cuts are in the frames of the neighbouring cells.
 
     Attributes
     ----------
     local : tuple of (r, p) arrays
-        As of `CondensedSector`; the first p of all readings are the loads.
+        As in `CondensedSector`; the first p readings are the loads.
     carried : tuple of (left, right)
-        By kind of reading, forces on the two cuts, (m, r) each; on an outer end of a row they are
-        not looked at.
+        By kind of reading, forces on the two cuts, (m, r) each; not used at the ends of a row.
     stiffness : (left-left, left-right, right-left, right-right)
     """
 
@@ -199,21 +197,21 @@ class RowCell:
         return self.local[0].shape[1]
 
     def seen(self, side: int, moved: Floats) -> Floats:
-        """What all readings see of displacements of the left cut (side 0) or the right one (1)."""
+        """All readings of displacements of the left cut (side 0) or the right one (1)."""
         return np.concatenate([both[side].T @ moved for both in self.carried])
 
 
 def row_response(cells: Sequence[RowCell]) -> Floats:
     """Response of all cells of an open row to the loads on each.
 
-    Interface k lies between cells k and k + 1. Their stiffness is block-tridiagonal: eliminated
-    from one end to the other, solved backwards. What holds the outer ends of the first and the last
-    cell, or pulls there, is their own matter.
+    Interface k lies between cells k and k + 1. The stiffness of the interfaces is block-tridiagonal
+    and is eliminated from one end to the other. Supports and loads at the two ends of the row are
+    part of the first and the last cell.
 
     Parameters
     ----------
     cells : sequence of RowCell
-        They may differ in their loads and readings.
+        Their loads and readings may differ.
 
     Returns
     -------
@@ -252,7 +250,7 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 
 
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
-    """Response of all sectors of an open row to the loads on each, the row's two ends held.
+    """Response of all sectors of an open row with held ends to the loads on each.
 
     Parameters
     ----------
@@ -260,7 +258,7 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     cells : int
         Number n of sectors.
     turn_rad : float
-        By how much each sector is turned against the one before it, counter-clockwise.
+        Rotation of each sector relative to the previous one, counter-clockwise.
 
     Returns
     -------
@@ -274,13 +272,13 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
 
 
 def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
-    """Response of the teeth of a body that is no more than a segment around each pair of teeth.
+    """Response of the teeth of a body that is reduced to a segment around each pair of teeth.
 
-    A segment that stood still would hold the teeth near its ends more than those in its middle, and
-    nothing would repeat when the mesh rolls on. So two teeth respond as those two of the segment
-    that stand as far apart and nearest to its middle; where two such places are equally near, as
-    the mean of both. That is symmetric (Betti) and depends on the distance of the teeth alone.
-    Teeth further apart than the segment is long do not move each other.
+    In a fixed segment, teeth near its ends would be stiffer than those in its middle, and results
+    would not repeat with the tooth pitch. Therefore the response between two teeth is that of the
+    two sectors of the segment at the same distance that are nearest to its middle, or the mean of
+    two such pairs. It is symmetric (Betti) and depends on the distance of the teeth only. Teeth at
+    a greater distance than the length of the segment do not affect each other.
 
     Parameters
     ----------
@@ -293,7 +291,7 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
     Returns
     -------
     (z, r, p) array
-        As of `close_ring`.
+        As in `close_ring`.
     """
     row = open_row(sector, cells, 2 * np.pi / teeth)
     response = np.zeros((teeth, *row.shape[2:]))
@@ -325,7 +323,7 @@ def tooth_response(
     Returns
     -------
     response : (z, r, p) array
-        As of `close_ring`; 0 except for the tooth itself.
+        As in `close_ring`; 0 except for the tooth itself.
     degrees_of_freedom : int
         Number of unknowns that are not held.
     """

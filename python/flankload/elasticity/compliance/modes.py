@@ -1,4 +1,4 @@
-"""Unit loads as pressure modes: what a flank's response to them leaves without the near field."""
+"""Unit loads as pressure modes, and the smooth part of their response."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ModeLoads:
-    """Pressure modes on the flanks of a body; with friction as many along the flank behind them.
+    """Pressure modes on the flanks of a body; with friction followed by as many along the flank.
 
     Attributes
     ----------
     body : Body
     count : int
-        Of the modes of a flank, those of its tip included.
+        Number of modes of a flank, including those of its tip.
     plane : {"strain", "stress"}
     friction : bool
     """
@@ -45,7 +45,7 @@ class ModeLoads:
     plane: str
     friction: bool
 
-    #: Modes are no forces at nodes.
+    #: There are no nodes that carry unit forces.
     nodes = None
 
     @property
@@ -61,11 +61,11 @@ class ModeLoads:
 
     @property
     def tip(self) -> Tip | None:
-        """Where the modes of a tip end, behind those of the flank; they are counted, too."""
+        """End of the tip modes, which follow those of the flank and are included in `count`."""
         return self.body.tip
 
     def coefficients(self, moments: Floats) -> Floats:
-        """Coefficients (…, count or twice, …) of what loads of modes read, by its second axis."""
+        """Mode coefficients of moments (k, r, …) along the second axis."""
         body, n = self.body, self.count
         parts = [moments[:, k : k + n].swapaxes(0, 1) for k in range(0, moments.shape[1], n)]
         closed = body.curve.closed
@@ -80,14 +80,14 @@ class ModeLoads:
         own: NDArray[np.int64],
         account: Account,
     ) -> None:
-        """Leave what modes carry, as mode coefficients.
+        """Subtract the near field from a response and convert it to mode coefficients, in place.
 
         Parameters
         ----------
         response : (k, p, p) array
-            Projected on the modes; changed in place.
+            Projected on the modes; overwritten.
         own : array
-            Which of the k are of flanks to loads on themselves.
+            Indices of the responses of flanks to loads on themselves.
         account : Account
         """
         low, high = self.body.mode_range_mm
@@ -108,10 +108,10 @@ class ModeLoads:
         response[:] = self.between(response)
 
     def between(self, moments: Floats) -> Floats:
-        """What (k, r, p) modes read of loads of modes, between coefficients of both."""
+        """Response (k, r, p) between moments of modes, as a map between their coefficients."""
         rows = self.coefficients(moments)
         return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
     def missed(self, missed: Floats) -> Floats:
-        """What elements miss of displacements out of the material, between coefficients."""
+        """Estimated error of the elements along the normal, as a map between coefficients."""
         return self.between(missed[:, : self.count])

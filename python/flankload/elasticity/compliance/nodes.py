@@ -1,4 +1,4 @@
-"""Unit loads as forces at the nodes of a flank: tables between them hold whole displacements."""
+"""Unit loads as forces at the nodes of a flank; their response includes the near field."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class NodeLoads:
-    """Unit forces at nodes; with friction as many along the flank behind them.
+    """Unit forces at nodes; with friction followed by as many along the flank.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class NodeLoads:
 
     @property
     def count(self) -> int:
-        """Of the nodes of a flank."""
+        """Number of nodes of a flank."""
         return self.nodes.size
 
     @property
@@ -55,14 +55,14 @@ class NodeLoads:
         own: NDArray[np.int64],
         account: Account,
     ) -> None:
-        """Count the unit forces: their response is what it is; see `ModeLoads.settle`."""
+        """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
         account.count(unit_loads_nodal=response.shape[2] * flanks)
 
 
 def node_loads(body: Body, plane: str) -> NodeLoads:
-    """Unit forces at the nodes that the elements of a body have.
+    """Unit forces at the nodes of the elements of a body.
 
     Parameters
     ----------
