@@ -18,6 +18,7 @@ from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import Grid
+from flankload.scene.gear import Gear
 from flankload.studies.verification.calculix import version_of
 from tests.support.paths import SCENES
 
@@ -43,6 +44,10 @@ def scene_of_positions() -> fl.Scene:
 
 def hertz_pressure(scene: fl.Scene) -> float:
     """Line contact of two involutes in the pitch point under the whole torque, MPa."""
+    assert isinstance(scene.body_1, Gear)
+    assert isinstance(scene.body_2, Gear)
+    assert scene.body_1.pressure_angle_deg is not None
+    assert scene.pair.axes_apart_mm is not None
     z_1, z_2 = scene.body_1.teeth, scene.body_2.teeth
     base = 0.5 * scene.body_1.module_mm * z_1 * np.cos(np.radians(scene.body_1.pressure_angle_deg))
     pitch = scene.pair.axes_apart_mm * z_1 / (z_1 + z_2)
