@@ -198,10 +198,10 @@ contains
     !>
     !> The border is at the greatest gap between both places, away from either contact.
     pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> Two zones of a site, the first at smaller arc length

@@ -60,10 +60,10 @@ contains
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
             & normal, deviation, pairs, found)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone and its number

@@ -44,10 +44,10 @@ contains
     !> For an increase of the force times c of both bodies this is the half-width of a Hertz
     !> contact, exactly for a parabola; the same rule is used at kinks, roundings and corners.
     pure function zone_reach(flank_1, frame_1, flank_2, frame_2, zone, growth) result(reach)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
@@ -67,10 +67,10 @@ contains
 
     !> Distance from the place of least gap, on one side, at which the gap has a given increase.
     pure function reach_to_side(flank_1, frame_1, flank_2, frame_2, zone, growth, sense) result(x)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
@@ -196,10 +196,10 @@ contains
     !>
     !> Sharp corners are no edges: the pressure there has no limit under refinement.
     pure function edges_within(flank_1, frame_1, flank_2, frame_2, zone, reach) result(edges)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
@@ -267,10 +267,10 @@ contains
 
     !> Place on flank 1 of an edge of flank 2; outside of the zone if no circle passes through it.
     pure function on_flank_1(flank_1, frame_1, flank_2, frame_2, zone, s_2, side) result(edge)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone

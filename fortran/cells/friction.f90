@@ -81,10 +81,10 @@ contains
         type(friction_type), intent(in) :: friction
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
@@ -139,10 +139,10 @@ contains
             & normal, sliding, speeds_there)
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and its angle
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone, and cosine and sine of half the angle between its normals

@@ -65,10 +65,10 @@ contains
     pure function circles_through(nodes, flank_2, frame_2, flank_1, frame_1, zone) result(places)
         !> Arc lengths of the nodes of flank 2 [mm], ascending
         real(wp), intent(in) :: nodes(:)
-        !> Flank of body 2 and its angle
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Flank of body 1 and its angle (its axis is O1)
+        !> Flank of body 1 and its placement (its axis is O1)
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
         !> The zone; only intersections in its stretch count
