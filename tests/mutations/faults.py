@@ -335,6 +335,10 @@ _PYTHON = (
         "mechanisms/chain/drive.py",
         "unit/mechanisms/test_chain_scene.py",
         ("slack * two) / one", "slack * one) / one"),
+    ),
+    *_in(
+        "mechanisms/chain/description.py",
+        "unit/mechanisms/test_chain_scene.py",
         ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
     ),
     *_in(

@@ -230,7 +230,7 @@ def test_response_is_symmetric_and_lands_answer_as_flanks_do() -> None:
     assert known.lifting is not None
     scale = np.abs(known.reaction).max()
     np.testing.assert_allclose(
-        known.lifting.recession, -known.reaction.T, rtol=0, atol=1e-9 * scale
+        known.lifting.displacement, -known.reaction.T, rtol=0, atol=1e-9 * scale
     )
     assert (np.linalg.eigvalsh(known.compliance) > 0).all()
 
@@ -306,12 +306,12 @@ SHORT = replace(TAUT, wrapped_teeth=4)
 def test_row_of_cells_is_the_whole_belt(phase: float) -> None:
     ends = strand_ends(SHORT, 3, phase * SHORT.pitch_rad)
     row = BeltRow(SHORT, 3, sliding=True, lifting=True)
-    found, expected = row._put_together(ends), whole(SHORT, 3, ends)
+    found, expected = row._joined(ends, None), whole(SHORT, 3, ends)
     for name in ("compliance", "by_slack", "reaction", "reaction_by_slack", "tight"):
         one, other = (getattr(known, name) for known in (found, expected))
         np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
     for part in ("sliding", "lifting"):
-        for name in ("recession", "reaction"):
+        for name in ("displacement", "reaction"):
             one, other = (getattr(getattr(known, part), name) for known in (found, expected))
             np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
     for name in ("places", "normals", "levers_mm", "tooth"):

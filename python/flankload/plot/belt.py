@@ -52,10 +52,6 @@ def plot_belt_on_pulley(result: Result, position: int | None = None) -> Figure:
         Result of a belt.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive, drawing, p = _drive(result), result.drawing, _shown(result, position)
     there = np.flatnonzero(np.isfinite(drive.tension_behind_N[p]))
@@ -103,10 +99,6 @@ def plot_load_around_wrap(result: Result, position: int | None = None) -> Figure
         Result of a belt.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive, p = _drive(result), _shown(result, position)
     there = np.isfinite(drive.tension_behind_N[p])
@@ -145,10 +137,6 @@ def plot_force_through_wrap(result: Result) -> Figure:
     ----------
     result : Result
         Result of a belt at several positions.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive = _drive(result)
     with rc_context(STYLE):

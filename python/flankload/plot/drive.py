@@ -44,10 +44,6 @@ def plot_chain_on_sprocket(result: Result, position: int | None = None) -> Figur
         Result of a chain.
     position : int, optional
         Index of the position; by default the one with the largest tight tension.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive, drawing = _drive(result), result.drawing
     p = int(np.argmax(drive.tight_tension_N)) if position is None else position
@@ -100,10 +96,6 @@ def plot_tensions(result: Result) -> Figure:
     ----------
     result : Result
         Result of a chain.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive = _drive(result)
     count = result.position_rad.size

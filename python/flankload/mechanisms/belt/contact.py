@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from flankload.contact import ContactState
     from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.row import StripResponse
 
     Floats = NDArray[np.float64]
@@ -37,6 +38,9 @@ class BeltState:
 
     Attributes
     ----------
+    first_tooth, first_land : int
+        Numbers of the first tooth and the first land.
+    flanks : Flanks
     rotation_rad : float
         Rotation of the pulley while the tight end of the strip is fixed.
     compliance_rad_per_N : float
@@ -53,9 +57,14 @@ class BeltState:
         Largest lift of each land.
     tight_N_per_mm : float
         Reaction at the tight end.
+    degrees_of_freedom : int
+        Of the finite elements.
     contact : ContactState
     """
 
+    first_tooth: int
+    first_land: int
+    flanks: Flanks
     rotation_rad: float
     compliance_rad_per_N: float
     pair_N_per_mm: Floats
@@ -65,6 +74,7 @@ class BeltState:
     land_friction_N_per_mm: Floats
     land_lift_mm: Floats
     tight_N_per_mm: float
+    degrees_of_freedom: int
     contact: ContactState
 
 
@@ -110,8 +120,6 @@ class SpringRow:
         ----------
         force_N_per_mm : float
             Sum over all teeth, circumferential.
-        slack_N_per_mm : float
-        pitch_difference_mm : float
 
         Returns
         -------
@@ -132,15 +140,6 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     A = (Gᵀ K^-1 G)^-1 with the levers divided by the pitch radius in G; L = A Gᵀ K^-1 by_slack.
     These give 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and for an
     elastic pulley A_kl - L_k as medians over all pairs of teeth at the same distance.
-
-    Parameters
-    ----------
-    strip : Strip
-    response : StripResponse
-
-    Returns
-    -------
-    SpringRow
     """
     flanks = response.flanks
     along = np.zeros((flanks.tooth.size, response.teeth))
@@ -155,7 +154,7 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
         tooth_N_per_mm2=float(1.0 / np.median(teeth.diagonal() - slack)),
         cord_N_per_mm=float(strip.pitch_mm / np.median(stretch)),
     )
-    if not response.pulley_yields:
+    if not response.elastic_pulley:
         return row
     beside = [np.median(teeth.diagonal(d) - slack[:-d]) for d in range(1, slack.size)]
     return replace(row, coupling_mm2_per_N=np.array(beside))
@@ -174,7 +173,6 @@ def solve_belt(
 
     Parameters
     ----------
-    strip : Strip
     response : StripResponse
         With the columns of sliding and lifting lands, if requested.
     force_N_per_mm : float
@@ -187,16 +185,12 @@ def solve_belt(
     land_lift : bool
         Whether lands can lift.
 
-    Returns
-    -------
-    BeltState
-
     Raises
     ------
     ContactError
         If no state exists.
     """
-    problem = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
+    problem = contact_problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
         problem = _with_lift(problem, response)
     state = solve_contact_general(
@@ -207,7 +201,7 @@ def solve_belt(
         load_rows=problem.rows,
         # strands that bend at edges of lands press on these, but the reverse effect is zero
         positive_definite=True
-        if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
+        if land_friction == 0.0 and not ((land_lift or response.elastic_pulley) and response.phase)
         else None,
     )
     return _state_of(strip, response, problem, state, slack_N_per_mm, land_friction)
@@ -216,7 +210,7 @@ def solve_belt(
 def _state_of(
     strip: Strip,
     response: StripResponse,
-    problem: _Problem,
+    problem: Problem,
     state: ContactState,
     slack_N_per_mm: float,
     land_friction: float,
@@ -237,6 +231,9 @@ def _state_of(
     np.maximum.at(most, response.land, lift)
     radius = strip.pitch_radius_mm
     return BeltState(
+        first_tooth=response.first_tooth,
+        first_land=response.first_land,
+        flanks=replace(response.flanks, lines=()),  # results need no nodes
         rotation_rad=state.rotation,
         compliance_rad_per_N=float(state.tangent[0, 0]),
         pair_N_per_mm=force,
@@ -244,18 +241,19 @@ def _state_of(
         tooth_N_per_mm=_sums(
             response.flanks.tooth, force * response.flanks.levers_mm / radius, response.teeth
         ),
-        land_N_per_mm=_sums(response.land, pushed, most.size),
+        land_N_per_mm=_sums(response.land, pushed, response.lands),
         land_friction_N_per_mm=_sums(
-            response.land, friction_force * strip.land_radius_mm / radius, most.size
+            response.land, friction_force * strip.land_radius_mm / radius, response.lands
         ),
         land_lift_mm=most,
         tight_N_per_mm=float(tight),
+        degrees_of_freedom=response.degrees_of_freedom,
         contact=state,
     )
 
 
 @dataclass(frozen=True)
-class _Problem:
+class Problem:
     """A contact problem with land forces `push` times the forces plus `push_0`."""
 
     matrix: Floats
@@ -267,14 +265,14 @@ class _Problem:
     push_0: Floats
 
 
-def _problem(
+def contact_problem(
     strip: Strip, response: StripResponse, force: float, slack: float, friction: float
-) -> _Problem:
+) -> Problem:
     """The problem with fixed and sliding lands."""
     flanks, radius = response.flanks, strip.pitch_radius_mm
     pitches = flanks.tooth + response.first_tooth + response.phase
     turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
-    held = _Problem(
+    held = Problem(
         matrix=response.compliance,
         gaps=flanks.gaps_mm + flanks.levers_mm * turn + response.by_slack * slack,
         levers=flanks.levers_mm,
@@ -291,9 +289,9 @@ def _problem(
         np.asarray(np.linalg.solve(own, part), dtype=np.float64)
         for part in (held.push, held.push_0)
     )
-    recedes = friction * response.sliding.recession
+    recedes = friction * response.sliding.displacement
     helps = friction * strip.land_radius_mm
-    return _Problem(
+    return Problem(
         matrix=held.matrix + recedes @ push,
         gaps=held.gaps + recedes @ push_0,
         levers=held.levers,
@@ -304,14 +302,14 @@ def _problem(
     )
 
 
-def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
+def _with_lift(held: Problem, response: StripResponse) -> Problem:
     """The same problem with lifts of lands as further unknowns, whose gaps are the land forces."""
     assert response.lifting is not None
     none = np.zeros(response.land.size)
     return replace(
         held,
         matrix=np.block(
-            [[held.matrix, response.lifting.recession], [held.push, response.lifting.reaction]]
+            [[held.matrix, response.lifting.displacement], [held.push, response.lifting.reaction]]
         ),
         gaps=np.concatenate([held.gaps, held.push_0]),
         levers=np.append(held.levers, none),
@@ -321,4 +319,4 @@ def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
 
 def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
     """Sums of values by index."""
-    return np.asarray(np.bincount(number, values, minlength=count), dtype=np.float64)
+    return np.bincount(number, values, count).astype(np.float64)

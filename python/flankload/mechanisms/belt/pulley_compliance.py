@@ -67,14 +67,8 @@ def solve_pulley(
 
     Parameters
     ----------
-    mesh : PulleyMesh
     sliding : bool
         Whether forces along the lands are included.
-    account : Account, optional
-
-    Returns
-    -------
-    PulleyResponse
     """
     pulley, sector = mesh.pulley, mesh.sector
     loads = unit_forces(mesh, sliding=sliding)
@@ -94,8 +88,6 @@ def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -
 
     Parameters
     ----------
-    known : PulleyResponse
-    touches : list of Touch
     count : int
         Number of shape functions.
 
@@ -120,8 +112,6 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     ----------
     response : StripResponse
         On a rigid pulley, with the columns of lifting lands, and of sliding lands if requested.
-    strip : Strip
-    known : PulleyResponse
 
     Returns
     -------
@@ -138,31 +128,31 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     # `given` is the displacement of the pulley, `push` the contact forces of the lands
     held = np.eye(h) + lifting.reaction @ by_land[n : n + h]
     loads = [response.reaction, response.reaction_by_slack[:, None], lifting.reaction]
-    own = [response.compliance, response.by_slack[:, None], lifting.recession]
+    own = [response.compliance, response.by_slack[:, None], lifting.displacement]
     tight = [response.tight, np.array([response.tight_by_slack]), lifting.tight]
     sunk = [by_flank, np.zeros((count, 1)), np.zeros((count, h))]
     if sliding is not None:
         loads.append(sliding.reaction)
-        own.append(sliding.recession)
+        own.append(sliding.displacement)
         tight.append(sliding.tight)
         sunk.append(whole[:, n + h :])
     given = np.hstack(sunk)
     pushed = np.hstack(loads) - lifting.reaction @ given[n : n + h]
     push = np.asarray(np.linalg.solve(held, pushed), dtype=np.float64)
     given = given + by_land @ push
-    seen = np.asarray(np.hstack(own) + given[:n] - lifting.recession @ given[n : n + h])
+    seen = np.asarray(np.hstack(own) + given[:n] - lifting.displacement @ given[n : n + h])
     strand = np.asarray(np.concatenate(tight) - lifting.tight @ given[n : n + h])
     parts = [slice(0, n), slice(n, n + 1), slice(n + 1, n + 1 + h), slice(n + 1 + h, None)]
     pairs, slack, lifts, sliding_lands = (
         LandColumns(seen[:, p], push[:, p], strand[p]) for p in parts
     )
-    compliance, reaction = pairs.recession, lifts.reaction
+    compliance, reaction = pairs.displacement, lifts.reaction
     if not response.phase:  # otherwise strands bend at edges of lands
         compliance, reaction = 0.5 * (compliance + compliance.T), 0.5 * (reaction + reaction.T)
     return replace(
         response,
         compliance=compliance,
-        by_slack=slack.recession[:, 0],
+        by_slack=slack.displacement[:, 0],
         reaction=pairs.reaction,
         reaction_by_slack=slack.reaction[:, 0],
         tight=pairs.tight,
@@ -170,5 +160,5 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
         lifting=replace(lifts, reaction=reaction),
         sliding=sliding_lands if sliding is not None else None,
         degrees_of_freedom=response.degrees_of_freedom + known.degrees_of_freedom,
-        pulley_yields=True,
+        elastic_pulley=True,
     )

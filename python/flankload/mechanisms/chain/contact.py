@@ -133,8 +133,6 @@ def solve_wrap(
 
     Parameters
     ----------
-    wrap : Wrap
-    chain : Chain
     torque_Nmm : float
         Torque on the sprocket.
     slack_N : float
@@ -143,10 +141,6 @@ def solve_wrap(
         Whether to iterate until convergence; otherwise one linear state.
     with_compliance : bool
         Whether to compute the derivative of the rotation with respect to the torque.
-
-    Returns
-    -------
-    WrapState
 
     Raises
     ------
