@@ -33,6 +33,7 @@ from tests.support.belts import (
     longer,
     response,
     shares,
+    solved_springs,
 )
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
@@ -94,7 +95,7 @@ def test_row_of_springs_is_the_tridiagonal_system(slack: float, difference: floa
     row = row_of(12, 0.05)
     forces, way = tridiagonal(row, FORCE, slack, difference)
     assert (forces > 0).all()
-    state = row.solve(FORCE, slack, difference)
+    state = solved_springs(row, slack, difference)
     np.testing.assert_allclose(state.normal_forces, forces, rtol=1e-13, atol=1e-13 * FORCE)
     np.testing.assert_allclose(state.rotation, way, rtol=1e-12, atol=0.0)
 
@@ -103,7 +104,7 @@ def test_row_of_springs_is_the_tridiagonal_system(slack: float, difference: floa
 def test_forces_of_a_row_fall_as_a_hyperbolic_cosine(ratio: float) -> None:
     """Without slack tension F_k ~ cosh(lambda (n - k - 1/2)), cosh(lambda) = 1 + k_t/(2 k_c)."""
     teeth = 9
-    forces = row_of(teeth, ratio).solve(FORCE, 0.0, 0.0).normal_forces
+    forces = solved_springs(row_of(teeth, ratio), 0.0, 0.0).normal_forces
     law = np.cosh(np.arccosh(1 + 0.5 * ratio) * (teeth - 0.5 - np.arange(teeth)))
     np.testing.assert_allclose(forces / forces[-1], law / law[-1], rtol=1e-11, atol=0.0)
 
@@ -144,7 +145,7 @@ def test_row_of_springs_stands_for_the_elements(
     strip = longer(T10, difference)
     state = solve_belt(strip, known, FORCE, 20.0)
     row = spring_row(strip, known)
-    springs = row.solve(FORCE, 20.0, strip.pitch_difference_mm)
+    springs = solved_springs(row, 20.0, strip.pitch_difference_mm)
     np.testing.assert_allclose(
         100.0 * springs.normal_forces / FORCE, shares(state), rtol=0.0, atol=points
     )

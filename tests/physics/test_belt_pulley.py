@@ -39,6 +39,7 @@ from tests.support.belts import (
     longer,
     response,
     shares,
+    solved_springs,
 )
 from tests.support.tolerances import SOLVER
 
@@ -373,7 +374,7 @@ def test_row_of_springs_knows_the_pulley(modulus: float, difference: float, poin
     strip, known_here = longer(T10, difference), resting(material=Material(modulus, 0.35))
     state = solve_belt(strip, known_here, FORCE, 20.0)
     row = spring_row(strip, known_here)
-    springs = row.solve(FORCE, 20.0, strip.pitch_difference_mm)
+    springs = solved_springs(row, 20.0, strip.pitch_difference_mm)
     np.testing.assert_allclose(
         100.0 * springs.normal_forces / FORCE, shares(state), rtol=0.0, atol=points
     )

@@ -9,17 +9,13 @@ import numpy as np
 
 from flankload.mechanisms.effect_size import States as EffectStates
 from flankload.mechanisms.premises import Torque, broken_by_turn, largest_turn
-from flankload.mechanisms.protocol import Description
-from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Rows
-    from flankload.result import Result
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -71,23 +67,8 @@ class WrappedMechanism(ABC):
     """Stages that are the same for belts and chains."""
 
     @abstractmethod
-    def rows(self, scene: Scene) -> dict[str, Rows]:
-        """Rows of `flankload check`: name and value of each, by title."""
-
-    @abstractmethod
     def stiffness(self, assembly: Any, states: Sequence[Any]) -> Floats:
         """(P,) Tangent stiffness at the positions, N m/rad; NaN if nothing rotates."""
-
-    @abstractmethod
-    def result(
-        self,
-        scene: Scene,
-        assembly: Any,
-        states: Any,
-        number: int,
-        estimate: Mapping[str, object] | None,
-    ) -> Result:
-        """Result under the torque with this index."""
 
     def sweeps(self, scene: Scene) -> int:
         """Number of sweeps: all positions, and the few positions of the estimate."""
@@ -105,21 +86,3 @@ class WrappedMechanism(ABC):
         with np.errstate(divide="ignore", invalid="ignore"):
             turned_rad = largest_turn(scene.torques_Nm[number] / stiffness)
         yield from broken_by_turn(turned_rad, assembly.pitch_rad, Torque(scene, number))
-
-    def results(
-        self,
-        scene: Scene,
-        assembly: Any,
-        compliances: Any,
-        states: Any,
-        estimates: Sequence[Mapping[str, object] | None],
-    ) -> tuple[Result, ...]:
-        """Results, one per torque."""
-        return tuple(
-            self.result(scene, assembly, states, number, estimate)
-            for number, estimate in enumerate(estimates)
-        )
-
-    def describe(self, scene: Scene) -> Description:
-        """Describe wheel, wrap, load and effects."""
-        return Description(self.rows(scene), question_notes(scene))

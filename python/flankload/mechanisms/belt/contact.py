@@ -101,37 +101,6 @@ class SpringRow:
     cord_N_per_mm: float
     coupling_mm2_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
-    @property
-    def compliance(self) -> Floats:
-        """(w, w) K = L of the tooth that is nearer to the tight end, plus 1/k_t on the diagonal."""
-        own = np.eye(self.slack_mm2_per_N.size) / self.tooth_N_per_mm2
-        order = np.arange(self.slack_mm2_per_N.size)
-        if self.coupling_mm2_per_N.size:
-            apart = np.abs(np.subtract.outer(order, order))
-            own = own + np.append(0.0, self.coupling_mm2_per_N)[apart]
-        return np.asarray(self.slack_mm2_per_N[np.minimum.outer(order, order)] + own)
-
-    def solve(
-        self, force_N_per_mm: float, slack_N_per_mm: float, pitch_difference_mm: float
-    ) -> ContactState:
-        """Forces of the teeth and displacement of the pulley on the pitch circle.
-
-        Parameters
-        ----------
-        force_N_per_mm : float
-            Sum over all teeth, circumferential.
-
-        Returns
-        -------
-        ContactState
-            Its rotation is the displacement, mm.
-        """
-        teeth = self.slack_mm2_per_N.size
-        gaps = slack_N_per_mm * self.slack_mm2_per_N + pitch_difference_mm * np.arange(teeth)
-        return solve_contact_general(
-            self.compliance, gaps, np.ones(teeth), force_N_per_mm, positive_definite=True
-        )
-
 
 def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     """Row of springs equivalent to the finite elements.

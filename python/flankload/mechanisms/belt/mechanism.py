@@ -22,9 +22,10 @@ from flankload.mechanisms.belt.drive import (
 from flankload.mechanisms.belt.drive_result import result_of_belt, tangent_stiffness
 from flankload.mechanisms.belt.states import state_under
 from flankload.mechanisms.duration import ASSEMBLY_S, Duration, elements_seconds, work_in_words
-from flankload.mechanisms.protocol import MeshFile
+from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.wrapped import WrappedMechanism
+from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
-    from flankload.mechanisms.protocol import Counted, Mechanism, Rows
+    from flankload.mechanisms.protocol import Counted, Mechanism
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -118,20 +119,23 @@ class TimingBelt(WrappedMechanism):
         with clock.stage("estimate") as account:
             return error_estimates(scene, assembly, compliances, states.found, account)
 
-    def result(
+    def results(
         self,
         scene: Scene,
         assembly: BeltAssembly,
+        compliances: PulleyResponse | None,
         states: BeltStates,
-        number: int,
-        estimate: Mapping[str, object] | None,
-    ) -> Result:
-        """Result under the torque with this index."""
-        return result_of_belt(scene, assembly, states, number, estimate)
+        estimates: Sequence[Mapping[str, object] | None],
+    ) -> tuple[Result, ...]:
+        """Results, one per torque."""
+        return tuple(
+            result_of_belt(scene, assembly, states, number, estimate)
+            for number, estimate in enumerate(estimates)
+        )
 
-    def rows(self, scene: Scene) -> dict[str, Rows]:
-        """Rows of pulley, belt, load and effects."""
-        return rows_of_belt(scene)
+    def describe(self, scene: Scene) -> Description:
+        """Describe pulley, belt, load and effects."""
+        return Description(rows_of_belt(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""

@@ -83,9 +83,7 @@ class PieceRates:
         )
 
 
-def _measured(
-    strip: Strip, elements: int, position_rad: Floats
-) -> tuple[list[PieceSize], Account]:
+def _measured(strip: Strip, elements: int, position_rad: Floats) -> tuple[list[PieceSize], Account]:
     """Sizes and cost of the pieces of a position."""
     row = BeltRow(strip, elements, sliding=True, lifting=True)
     sizes = row.sizes(position_rad)

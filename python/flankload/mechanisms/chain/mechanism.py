@@ -15,8 +15,10 @@ from flankload.mechanisms.chain.drive import (
     solve_position,
 )
 from flankload.mechanisms.chain.drive_result import result_of_chain, tangent_stiffness
+from flankload.mechanisms.protocol import Description
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.wrapped import WrappedMechanism
+from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, Rows
+    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -101,20 +103,23 @@ class ChainOnSprocket(WrappedMechanism):
                 for torque, found in zip(scene.torques_Nm, states.found, strict=True)
             ]
 
-    def result(
+    def results(
         self,
         scene: Scene,
         assembly: ChainAssembly,
+        compliances: None,
         states: ChainStates,
-        number: int,
-        estimate: Mapping[str, object] | None,
-    ) -> Result:
-        """Result under the torque with this index."""
-        return result_of_chain(scene, assembly, states.found[number], number, estimate)
+        estimates: Sequence[Mapping[str, object] | None],
+    ) -> tuple[Result, ...]:
+        """Results, one per torque."""
+        return tuple(
+            result_of_chain(scene, assembly, states.found[number], number, estimate)
+            for number, estimate in enumerate(estimates)
+        )
 
-    def rows(self, scene: Scene) -> dict[str, Rows]:
-        """Rows of sprocket, chain, load and effects."""
-        return rows_of_chain(scene)
+    def describe(self, scene: Scene) -> Description:
+        """Describe sprocket, chain, load and effects."""
+        return Description(rows_of_chain(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Neither body has finite elements: a SceneError."""
