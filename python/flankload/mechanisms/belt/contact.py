@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact import solve_contact_general
+from flankload.mechanisms.belt.strip import Kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -113,7 +114,8 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     flanks = response.flanks
     along = np.zeros((flanks.tooth.size, response.teeth))
     along[np.arange(flanks.tooth.size), flanks.tooth] = flanks.levers_mm / strip.pitch_radius_mm
-    solved = np.linalg.solve(response.compliance, np.column_stack([along, response.by_slack]))
+    pairs, by_slack = (response.by[kind].displacement for kind in (Kind.PAIR, Kind.SLACK))
+    solved = np.linalg.solve(pairs, np.column_stack([along, by_slack]))
     reduced = along.T @ solved
     teeth = np.linalg.inv(reduced[:, :-1])
     slack = teeth @ reduced[:, -1]
@@ -188,14 +190,15 @@ def _state_of(
     n = response.flanks.tooth.size
     force, lift = state.normal_forces[:n], np.zeros(response.land.size)
     pushed = problem.push @ force + problem.push_0
-    tight = response.tight @ force + response.tight_by_slack * slack_N_per_mm
-    if state.normal_forces.size > n and response.lifting is not None:
+    by = response.by
+    tight = by[Kind.PAIR].tight @ force + by[Kind.SLACK].tight[0] * slack_N_per_mm
+    if state.normal_forces.size > n:
         lift = state.normal_forces[n:]
-        pushed = pushed + response.lifting.reaction @ lift
-        tight += response.lifting.tight @ lift
+        pushed = pushed + by[Kind.RADIAL].reaction @ lift
+        tight += by[Kind.RADIAL].tight @ lift
     friction_force = land_friction * pushed
-    if land_friction != 0.0 and response.sliding is not None:
-        tight += response.sliding.tight @ friction_force
+    if land_friction != 0.0:
+        tight += by[Kind.SLIDING].tight @ friction_force
     most = np.zeros(response.lands)
     np.maximum.at(most, response.land, lift)
     radius = strip.pitch_radius_mm
@@ -239,26 +242,27 @@ def contact_problem(
 ) -> Problem:
     """The problem with fixed and sliding lands."""
     flanks, radius = response.flanks, strip.pitch_radius_mm
+    pairs, by_slack = response.by[Kind.PAIR], response.by[Kind.SLACK]
     pitches = flanks.tooth + response.first_tooth + response.phase
     turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
     held = Problem(
-        matrix=response.compliance,
-        gaps=flanks.gaps_mm + flanks.levers_mm * turn + response.by_slack * slack,
+        matrix=pairs.displacement,
+        gaps=flanks.gaps_mm + flanks.levers_mm * turn + by_slack.displacement[:, 0] * slack,
         levers=flanks.levers_mm,
         rows=flanks.levers_mm,
         torque=force * radius,
-        push=response.reaction,
-        push_0=response.reaction_by_slack * slack,
+        push=pairs.reaction,
+        push_0=by_slack.reaction[:, 0] * slack,
     )
     if friction == 0.0:
         return held
-    assert response.sliding is not None
-    own = np.eye(response.land.size) - friction * response.sliding.reaction
+    sliding = response.by[Kind.SLIDING]
+    own = np.eye(response.land.size) - friction * sliding.reaction
     push, push_0 = (
         np.asarray(np.linalg.solve(own, part), dtype=np.float64)
         for part in (held.push, held.push_0)
     )
-    recedes = friction * response.sliding.displacement
+    recedes = friction * sliding.displacement
     helps = friction * strip.land_radius_mm
     return Problem(
         matrix=held.matrix + recedes @ push,
@@ -273,13 +277,11 @@ def contact_problem(
 
 def _with_lift(held: Problem, response: StripResponse) -> Problem:
     """The same problem with lifts of lands as further unknowns, whose gaps are the land forces."""
-    assert response.lifting is not None
+    lifts = response.by[Kind.RADIAL]
     none = np.zeros(response.land.size)
     return replace(
         held,
-        matrix=np.block(
-            [[held.matrix, response.lifting.displacement], [held.push, response.lifting.reaction]]
-        ),
+        matrix=np.block([[held.matrix, lifts.displacement], [held.push, lifts.reaction]]),
         gaps=np.concatenate([held.gaps, held.push_0]),
         levers=np.append(held.levers, none),
         rows=np.append(held.rows, none),

@@ -38,17 +38,16 @@ SLIVER = 0.3
 
 
 @dataclass(frozen=True)
-class LandColumns:
-    """Response to the h shape functions of the lands under friction, or under lift.
+class Columns:
+    """Response to k unit loads of one kind; n pairs, h shape functions on the lands.
 
     Attributes
     ----------
-    displacement : (n, h) array
-        Normal displacements of the flanks under a circumferential force, or per radial
-        displacement.
-    reaction : (h, h) array
-        Reactions of the lands.
-    tight : (h,) array
+    displacement : (n, k) array
+        Normal displacements of the flanks.
+    reaction : (h, k) array
+        Forces of the lands on the belt.
+    tight : (k,) array
         Tension of the tight strand.
     """
 
@@ -71,21 +70,13 @@ class StripResponse:
         The same for lands on the pulley; a land has the number of the tooth behind it.
     flanks : Flanks
         Teeth counted from the first one.
-    compliance : (n, n) array
-        K, normal displacements of flanks under forces on flanks, mm²/N.
-    by_slack : (n,) array
-        L, normal displacements of flanks under the tension of the slack strand.
     land : (h,) array
         Land of each shape function, counted from the first land.
     land_angle_rad : (h,) array
         Angle of the end node of each shape function.
-    reaction : (h, n) array
-        P, forces of the lands on the belt under forces on flanks.
-    reaction_by_slack : (h,) array
-    tight, tight_by_slack : (n,) array, float
-        Tension of the tight strand.
-    sliding, lifting : LandColumns or None
-        If requested.
+    by : dict of Kind to Columns
+        Responses to forces on pairs (K and P, mm²/N), to the tension of the slack strand (L and p)
+        and, if requested, to circumferential forces and radial displacements of the lands.
     degrees_of_freedom : int
         Sum over all pieces that were solved.
     elastic_pulley : bool
@@ -98,16 +89,9 @@ class StripResponse:
     first_land: int
     lands: int
     flanks: Flanks
-    compliance: Floats
-    by_slack: Floats
     land: Numbers
     land_angle_rad: Floats
-    reaction: Floats
-    reaction_by_slack: Floats
-    tight: Floats
-    tight_by_slack: float
-    sliding: LandColumns | None
-    lifting: LandColumns | None
+    by: dict[Kind, Columns]
     degrees_of_freedom: int
     elastic_pulley: bool = False
 
@@ -334,35 +318,31 @@ def at_position(
     on_rad : float
         Angle of the middle of the first land.
     """
-    radius = strip.pitch_radius_mm
-    follow = (
-        response.flanks.levers_mm / radius * (radius * (ends[0] + on_rad) / strip.strand_N_per_mm)
-    )
+    along = response.flanks.levers_mm / strip.pitch_radius_mm
+    follow = along * (strip.pitch_radius_mm * (ends[0] + on_rad) / strip.strand_N_per_mm)
     bent = np.zeros((2, response.land.size))
     bent[0, 0], bent[1, -1] = sin(ends[0] + on_rad), -sin(ends[1] + on_rad)
-
-    def lands(known: LandColumns | None) -> LandColumns | None:
-        if known is None:
-            return None
-        return replace(
-            known,
-            displacement=known.displacement + np.outer(follow, known.tight),
-            reaction=known.reaction + np.outer(bent[0], known.tight),
+    by = {
+        kind: Columns(
+            columns.displacement + np.outer(follow, columns.tight),
+            columns.reaction + np.outer(bent[0], columns.tight),
+            columns.tight,
         )
-
+        for kind, columns in response.by.items()
+    }
+    pairs, slack = by[Kind.PAIR], by[Kind.SLACK]
+    # the balance of torque gives the tension exactly, and a symmetric matrix
+    whole = response.by[Kind.PAIR].displacement + np.outer(follow, along)
+    by[Kind.PAIR] = replace(pairs, displacement=whole)
+    by[Kind.SLACK] = replace(slack, reaction=slack.reaction + bent[1][:, None])
     return replace(
         response,
         phase=on_rad / strip.pitch_rad - teeth,
         first_tooth=response.first_tooth + teeth,
         first_land=response.first_land + teeth,
         flanks=response.flanks.turned(on_rad),
-        compliance=response.compliance + np.outer(follow, response.flanks.levers_mm / radius),
-        by_slack=response.by_slack + follow * response.tight_by_slack,
         land_angle_rad=response.land_angle_rad + on_rad,
-        reaction=response.reaction + np.outer(bent[0], response.tight),
-        reaction_by_slack=response.reaction_by_slack + bent[0] * response.tight_by_slack + bent[1],
-        sliding=lands(response.sliding),
-        lifting=lands(response.lifting),
+        by=by,
     )
 
 
@@ -399,19 +379,14 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     def seen(one: Kind, other: Kind) -> Floats:
         return np.asarray(row[np.ix_(rows[one], columns[other])])
 
-    def lands(kind: Kind) -> LandColumns | None:
-        if not columns[kind].size:
-            return None
-        reaction = -seen(Kind.RADIAL, kind)
-        if kind is Kind.RADIAL:
-            reaction = 0.5 * (reaction + reaction.T)
-        return LandColumns(seen(Kind.PAIR, kind), reaction, seen(Kind.TIGHT, kind)[0])
-
+    by = {
+        kind: Columns(seen(Kind.PAIR, kind), -seen(Kind.RADIAL, kind), seen(Kind.TIGHT, kind)[0])
+        for kind in Kind
+        if columns[kind].size or kind is Kind.PAIR
+    }
     flanks = Flanks.joined([piece.flanks for piece in pieces])
     land = np.concatenate([piece.land for piece in pieces])
     first = int(flanks.tooth.min()) if flanks.tooth.size else 0
-    compliance = seen(Kind.PAIR, Kind.PAIR)
-    slack = {kind: seen(kind, Kind.SLACK)[:, 0] for kind in (Kind.PAIR, Kind.RADIAL, Kind.TIGHT)}
     return StripResponse(
         phase=0.0,
         first_tooth=first,
@@ -419,17 +394,20 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
         first_land=int(land.min()),
         lands=int(np.ptp(land)) + 1,
         flanks=replace(flanks, tooth=flanks.tooth - first),
-        compliance=0.5 * (compliance + compliance.T),
-        by_slack=slack[Kind.PAIR],
         land=land - land.min(),
         land_angle_rad=np.concatenate([piece.land_angle_rad for piece in pieces]),
-        reaction=-seen(Kind.RADIAL, Kind.PAIR),
-        reaction_by_slack=-slack[Kind.RADIAL],
-        tight=seen(Kind.TIGHT, Kind.PAIR)[0],
-        tight_by_slack=float(slack[Kind.TIGHT][0]),
-        sliding=lands(Kind.SLIDING),
-        lifting=lands(Kind.RADIAL),
+        by=made_symmetric(by),
         degrees_of_freedom=sum(
             {id(piece.cell): piece.degrees_of_freedom for piece in pieces}.values()
         ),
     )
+
+
+def made_symmetric(by: dict[Kind, Columns]) -> dict[Kind, Columns]:
+    """The same responses without the roundoff in symmetric matrices: K, and that of lifts."""
+    pairs = by[Kind.PAIR].displacement
+    found = by | {Kind.PAIR: replace(by[Kind.PAIR], displacement=0.5 * (pairs + pairs.T))}
+    if Kind.RADIAL in by:
+        lifts = by[Kind.RADIAL].reaction
+        found[Kind.RADIAL] = replace(by[Kind.RADIAL], reaction=0.5 * (lifts + lifts.T))
+    return found

@@ -222,7 +222,7 @@ def _bytes(scene: Scene, row: BeltRow, sizes: Sequence[PieceSize]) -> tuple[int,
     )
     # the longest tight end and the shortest slack end belong to the same position
     h = (teeth - 1) * inner + max(tight) + min(slack)
-    response = n * n + h * n + 2 * n + 3 * h
+    response = n * n + h * n + 2 * n + 3 * h + 1
     response += sum(columns.values()) * (n * h + h * h + h)
     state = 3 * (n + columns["lifting"] * h) + 4 * teeth
     lines = 2 * teeth * (2 * row.elements + 1)

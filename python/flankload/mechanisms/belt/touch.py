@@ -16,6 +16,7 @@ import numpy as np
 from flankload.elasticity.finite_elements import degrees_of
 from flankload.mechanisms.belt.belt import turn_matrix
 from flankload.mechanisms.belt.shape_functions import gauss_points, linear, quadratic
+from flankload.mechanisms.belt.strip import Kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -96,7 +97,7 @@ def touches_of(
     count : int
         Number of shape functions.
     """
-    pitch, sliding = strip.pitch_rad, response.sliding is not None
+    pitch, sliding = strip.pitch_rad, Kind.SLIDING in response.by
     touches, count = [], 0
     for tooth, line in enumerate(response.flanks.lines, response.first_tooth):
         turn = turn_matrix(-pitch * (tooth + response.phase))
