@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
-    from flankload.mechanisms.belt.estimate import Coarser
     from flankload.mechanisms.belt.row import PieceSize
     from flankload.scene import Belt, Pulley, Scene
 
@@ -186,19 +185,17 @@ def error_estimates(
     pulley = None
     if known is not None:
         pulley = solved_pulley(scene, pulley_mesh(scene, coarse.elements), account)
-    tried: list[tuple[int, list[Coarser]]] = []
+    # source, and responses compared: with longer elements and, if not None, another than the run's
+    tried: list[tuple[int, list[tuple[str, StripResponse | None, StripResponse]]]] = []
     for p in assembly.tried:
         at = partial(response_at, angle_rad=float(assembly.position_rad[p]), account=account)
         if known is None:
             tried.append((p, [("elements", None, at(coarse, None))]))
             continue
         # errors of belt and pulley elements may cancel
-        on_both: list[Coarser] = [
-            ("elements body 1", None, at(row, pulley)),
-            ("elements body 2", None, at(coarse, known)),
-            ("elements body 2", at(row, None), at(coarse, None)),
-        ]
-        tried.append((p, on_both))
+        body_1 = ("elements body 1", None, at(row, pulley))
+        body_2 = ("elements body 2", None, at(coarse, known))
+        tried.append((p, [body_1, body_2, ("elements body 2", at(row, None), at(coarse, None))]))
     places = None if assembly.pitches is None else phases(strip, assembly.position_rad)
     estimates: list[Mapping[str, object] | None] = []
     for torque, states in zip(scene.torques_Nm, found, strict=True):
@@ -206,8 +203,13 @@ def error_estimates(
             estimates.append(None)
             continue
         solve = partial(state_under, scene, strip, torque_Nm=torque, account=account)
-        here = [(states[p], by) for p, by in tried]
-        estimates.append(estimate_belt(here, states, places, solve))
+        compared = defaultdict(list)
+        for p, responses in tried:
+            for n, (source, own, other) in enumerate(responses):
+                one = states[p] if own is None else solve(own)
+                compared[n, source].append((one, solve(other)))
+        by_source = [(source, pairs) for (_, source), pairs in compared.items()]
+        estimates.append(estimate_belt(by_source, states, places))
     return estimates
 
 

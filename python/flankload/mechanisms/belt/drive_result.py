@@ -43,13 +43,6 @@ def result_of_belt(
     ----------
     number : int
         Index of the torque.
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-
-    Returns
-    -------
-    Result
-        Its `cost` contains the part of this torque.
     """
     strip, position_rad, pitches = assembly.strip, assembly.position_rad, assembly.pitches
     states, width = found.found[number], strip.width_mm
@@ -82,12 +75,7 @@ def result_of_belt(
 
 
 def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:
-    """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates.
-
-    Returns
-    -------
-    (P,) array
-    """
+    """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates."""
     compliance = np.array([state.compliance_rad_per_N for state in states])
     stiffness = np.full_like(compliance, np.nan)
     np.divide(1e-3 * strip.width_mm, compliance, out=stiffness, where=compliance > 0.0)

@@ -113,7 +113,6 @@ class TimingBelt(WrappedMechanism):
         states: BeltStates,
         clock: StageClock,
     ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque."""
         if not any(scene.torques_Nm):
             return [None] * len(states.found)
         with clock.stage("estimate") as account:
@@ -127,7 +126,6 @@ class TimingBelt(WrappedMechanism):
         states: BeltStates,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque."""
         return tuple(
             result_of_belt(scene, assembly, states, number, estimate)
             for number, estimate in enumerate(estimates)
@@ -161,7 +159,6 @@ class TimingBelt(WrappedMechanism):
         return Duration(elements_s, STATE_S * states, work)
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.belt.screening import BeltScreening
 
         return BeltScreening(scene)

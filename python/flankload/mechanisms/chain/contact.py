@@ -75,7 +75,7 @@ class WrapState:
         In front of each roller and behind the last: tight strand, links, slack strand.
     status : int
     passes, pivots, planes : int
-    backward_error, condition, margin : float
+    backward_error, condition : float
         For the last contact problem.
     moves_mm : float
         Largest motion of a roller in the last pass; 0 for a linear state and after convergence.
@@ -92,7 +92,6 @@ class WrapState:
     planes: int
     backward_error: float
     condition: float
-    margin: float
     moves_mm: float
 
 
@@ -164,8 +163,8 @@ def solve_wrap(
     return WrapState(
         rotation_rad=found.turned,
         compliance_rad_per_Nmm=(other.turned - found.turned) / more,
-        force_N=in_pocket(step.force, -polar),
-        place_mm=in_pocket(found.place, -polar) - [0.0, wrap.sprocket.pitch_radius_mm],
+        force_N=in_pocket(step.force, polar),
+        place_mm=in_pocket(found.place, polar) - [0.0, wrap.sprocket.pitch_radius_mm],
         tension_N=np.array([step.tight_N, *step.link_N, slack_N]),
         status=step.state.status,
         passes=found.passes + with_compliance * other.passes,
@@ -173,7 +172,6 @@ def solve_wrap(
         planes=step.planes,
         backward_error=step.state.info.backward_error,
         condition=step.state.info.condition,
-        margin=step.state.info.margin,
         moves_mm=found.moves_mm,
     )
 

@@ -47,13 +47,6 @@ def result_of_chain(
         One entry per position.
     number : int
         Index of the torque.
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-
-    Returns
-    -------
-    Result
-        Its `cost` contains the part of this torque.
     """
     wraps, position_rad, pitches = assembly.wraps, assembly.position_rad, assembly.pitches
     sprocket, pitch = assembly.sprocket, assembly.pitch_rad
@@ -116,12 +109,7 @@ def _force_angles_deg(state: WrapState) -> Floats:
 
 
 def tangent_stiffness(states: Sequence[WrapState]) -> Floats:
-    """(P,) Tangent stiffness, N m/rad.
-
-    Returns
-    -------
-    (P,) array
-    """
+    """(P,) Tangent stiffness, N m/rad."""
     return 1e-3 / np.array([state.compliance_rad_per_Nmm for state in states])
 
 

@@ -96,7 +96,6 @@ class ChainOnSprocket(WrappedMechanism):
         states: ChainStates,
         clock: StageClock,
     ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque."""
         with clock.stage("estimate") as account:
             return [
                 error_estimate(scene, assembly, found, torque, account)
@@ -111,7 +110,6 @@ class ChainOnSprocket(WrappedMechanism):
         states: ChainStates,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque."""
         return tuple(
             result_of_chain(scene, assembly, states.found[number], number, estimate)
             for number, estimate in enumerate(estimates)
@@ -130,7 +128,6 @@ class ChainOnSprocket(WrappedMechanism):
         """None: the duration for a chain is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.chain.screening import ChainScreening
 
         return ChainScreening(scene)
