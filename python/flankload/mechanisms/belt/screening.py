@@ -60,15 +60,15 @@ class PieceRates:
 
     Parameters
     ----------
-    strip : Strip
-    elements : int
-        On a flank, of the finer pieces; the coarser ones have `ELEMENTS`.
+    run : BeltRow
+        Belt of the run.
     position_rad : (1,) array
     """
 
-    def __init__(self, strip: Strip, elements: int, position_rad: Floats) -> None:
+    def __init__(self, scene: Scene, run: BeltRow, position_rad: Floats) -> None:
         (few, coarse), (more, finer) = (
-            _measured(strip, count, position_rad) for count in (ELEMENTS, elements)
+            _measured(BeltRow(run.strip, elements, **land_columns_of(scene)), position_rad)
+            for elements in (ELEMENTS, max(MORE_ELEMENTS, run.elements // 2))
         )
         change = _factor_work(more) - _factor_work(few)
         self._factor_s = max(0.0, (finer.cpu_s - coarse.cpu_s) / change)
@@ -83,9 +83,8 @@ class PieceRates:
         )
 
 
-def _measured(strip: Strip, elements: int, position_rad: Floats) -> tuple[list[PieceSize], Account]:
+def _measured(row: BeltRow, position_rad: Floats) -> tuple[list[PieceSize], Account]:
     """Sizes and cost of the pieces of a position."""
-    row = BeltRow(strip, elements, sliding=True, lifting=True)
     sizes = row.sizes(position_rad)
     with Account() as account:
         response_at(row, None, float(position_rad[0]), account)
@@ -134,7 +133,7 @@ class BeltScreening(Screening):
         load_packages()
         self._held = [response_at(self._few, None, float(angle)) for angle in at]
         # after the first pieces, which take the time of what packages do once
-        self._rates = PieceRates(run.strip, max(MORE_ELEMENTS, run.elements // 2), at[:1])
+        self._rates = PieceRates(scene, run, at[:1])
         self._elastic, self._pulley = self._held, Account()
         if not scene.body_1.rigid:
             all_asked = with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
