@@ -44,6 +44,8 @@ class BeltAssembly:
     ----------
     row : BeltRow
         Belt with the discretization of the run.
+    coarse : BeltRow
+        Belt with half as many elements, for the error estimate.
     position_rad : (P,) array
         Angles of the pulley.
     pitches : int or None
@@ -51,6 +53,7 @@ class BeltAssembly:
     """
 
     row: BeltRow
+    coarse: BeltRow
     position_rad: Floats
     pitches: int | None
 
@@ -90,8 +93,9 @@ class BeltStates:
 def assemble(scene: Scene) -> BeltAssembly:
     """Belt, pulley and positions of a scene."""
     strip = build_strip(*bodies_of(scene))
-    row = BeltRow(strip, flank_elements(scene, strip), **land_columns_of(scene))
-    return BeltAssembly(row, *positions_of(scene, strip.pitch_rad))
+    fine = strip, flank_elements(scene, strip)
+    row, coarse = (BeltRow(*own, **land_columns_of(scene)) for own in (fine, coarser(*fine)))
+    return BeltAssembly(row, coarse, *positions_of(scene, strip.pitch_rad))
 
 
 def bodies_of(scene: Scene) -> tuple[Pulley, Belt]:
@@ -117,12 +121,6 @@ def land_columns_of(scene: Scene) -> dict[str, bool]:
         "sliding": scene.effects.land_friction != 0.0,
         "lifting": scene.effects.land_lift or not scene.body_1.rigid,
     }
-
-
-def coarser_row(scene: Scene, row: BeltRow) -> BeltRow:
-    """The belt with half as many elements, for the error estimate."""
-    strip, elements = coarser(row.strip, row.elements)
-    return BeltRow(strip, elements, **land_columns_of(scene))
 
 
 def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
@@ -180,8 +178,7 @@ def error_estimates(
     list of dict or None
         One entry per torque, as the result shows it; None without torque.
     """
-    row, strip = assembly.row, assembly.strip
-    coarse = coarser_row(scene, row)
+    row, coarse, strip = assembly.row, assembly.coarse, assembly.strip
     pulley = None
     if known is not None:
         pulley = solved_pulley(scene, pulley_mesh(scene, coarse.elements), account)
@@ -231,8 +228,7 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
     if elastic:
         counted["compliance body 1"] = work_of_pulley(scene, pulley_mesh(scene))
     if scene.accuracy.estimate and loaded:
-        coarse = coarser_row(scene, row)
-        tried = positions[assembly.tried]
+        coarse, tried = assembly.coarse, positions[assembly.tried]
         states = tried.size * loaded
         work = Counter(work_of_elements(scene, coarse.sizes(tried)))
         work.update(work_of_states(coarse, states * (2 if elastic else 1)))

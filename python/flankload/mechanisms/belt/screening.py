@@ -16,7 +16,6 @@ from flankload.base.rounding import round_down
 from flankload.cost import Account, held_bytes
 from flankload.mechanisms.belt.drive import (
     assemble,
-    coarser_row,
     land_columns_of,
     predicted_work,
     pulley_mesh,
@@ -60,20 +59,19 @@ class PieceRates:
 
     Parameters
     ----------
-    run : BeltRow
-        Belt of the run.
+    run, few : BeltRow
+        Belt of the run, and with few elements; not solved yet.
     position_rad : (1,) array
     """
 
-    def __init__(self, scene: Scene, run: BeltRow, position_rad: Floats) -> None:
-        (few, coarse), (more, finer) = (
-            _measured(BeltRow(run.strip, elements, **land_columns_of(scene)), position_rad)
-            for elements in (ELEMENTS, max(MORE_ELEMENTS, run.elements // 2))
-        )
-        change = _factor_work(more) - _factor_work(few)
+    def __init__(self, scene: Scene, run: BeltRow, few: BeltRow, position_rad: Floats) -> None:
+        elements = max(MORE_ELEMENTS, run.elements // 2)
+        more = BeltRow(run.strip, elements, **land_columns_of(scene))
+        (small, coarse), (large, finer) = (_measured(row, position_rad) for row in (few, more))
+        change = _factor_work(large) - _factor_work(small)
         self._factor_s = max(0.0, (finer.cpu_s - coarse.cpu_s) / change)
-        self._piece_s = max(0.0, coarse.cpu_s - self._factor_s * _factor_work(few)) / len(few)
-        self._bytes_per_entry = coarse.workspace_bytes / _factor_entries(few)
+        self._piece_s = max(0.0, coarse.cpu_s - self._factor_s * _factor_work(small)) / len(small)
+        self._bytes_per_entry = coarse.workspace_bytes / _factor_entries(small)
 
     def price(self, sizes: Sequence[PieceSize]) -> Account:
         """CPU seconds and bytes of pieces."""
@@ -131,9 +129,10 @@ class BeltScreening(Screening):
         at = at[_tried(run.strip, at)]
         self._few = BeltRow(run.strip, min(ELEMENTS, run.elements), sliding=True, lifting=True)
         load_packages()
+        # the first piece takes the time of what packages do once
+        BeltRow(run.strip, self._few.elements).solve_cell(Account())
+        self._rates = PieceRates(scene, run, self._few, at[:1])
         self._held = [response_at(self._few, None, float(angle)) for angle in at]
-        # after the first pieces, which take the time of what packages do once
-        self._rates = PieceRates(scene, run, at[:1])
         self._elastic, self._pulley = self._held, Account()
         if not scene.body_1.rigid:
             all_asked = with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
@@ -179,13 +178,12 @@ class BeltScreening(Screening):
         stages["sweep"].bytes = states * state + positions.size * flanks
         if "estimate" in counted:
             tried = positions[assembly.tried]
-            coarse = coarser_row(scene, row)
-            stages["estimate"] = account = self._rates.price(coarse.sizes(tried))
+            stages["estimate"] = account = self._rates.price(assembly.coarse.sizes(tried))
             loaded = tried.size * sum(torque > 0.0 for torque in scene.torques_Nm)
-            coarse_s = self._seconds_of_state(scene, coarse)
+            coarse_s = self._seconds_of_state(scene, assembly.coarse)
             account.cpu_s += loaded * coarse_s
             if one in counted:
-                pulley = self._pulley_of(scene, coarse.elements)
+                pulley = self._pulley_of(scene, assembly.coarse.elements)
                 again = 2.0 * self._seconds_of_state(scene, row) + coarse_s
                 account.cpu_s += pulley.cpu_s + loaded * again
                 account.workspace_bytes += pulley.workspace_bytes
