@@ -43,8 +43,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Elements on a flank of the screening, and least number of a second row; that one has half as many
-#: as the run, so that a piece costs an eighth of a piece of the run.
+#: Elements on a flank of the screening, and least number of a second piece; that one has two
+#: thirds as many as the run, so that it costs a third of a piece of the run.
 ELEMENTS, MORE_ELEMENTS = 2, 4
 #: Positions of the screening, and one after the next tooth has engaged: lands lift most there.
 POSITIONS = 3
@@ -52,26 +52,28 @@ BYTES = 8
 
 
 class PieceRates:
-    """Cost of pieces with n unknowns, t = t_0 + b n^(3/2), from the pieces of one position twice.
+    """Cost of pieces with n unknowns, t = t_0 + b n^(3/2), from two pieces with the tight strand.
 
     The exponent is that of the factorisation of a plane mesh (George, SIAM J. Numer. Anal. 10,
     1973); t_0 is the time of everything that does not depend on the size of small pieces.
 
     Parameters
     ----------
-    run, few : BeltRow
-        Belt of the run, and with few elements; not solved yet.
-    position_rad : (1,) array
+    few, more : BeltRow
+        With few elements, and with nearly as many as the run; not solved yet.
+    phase : float
+        Advance of the teeth, in pitches.
     """
 
-    def __init__(self, scene: Scene, run: BeltRow, few: BeltRow, position_rad: Floats) -> None:
-        elements = max(MORE_ELEMENTS, run.elements // 2)
-        more = BeltRow(run.strip, elements, **land_columns_of(scene))
-        (small, coarse), (large, finer) = (_measured(row, position_rad) for row in (few, more))
-        change = _factor_work(large) - _factor_work(small)
+    def __init__(self, few: BeltRow, more: BeltRow, phase: float) -> None:
+        with Account() as coarse:
+            small = few.solve_tight_end(phase, coarse)
+        with Account() as finer:
+            large = more.solve_tight_end(phase, finer)
+        change = _factor_work([large]) - _factor_work([small])
         self._factor_s = max(0.0, (finer.cpu_s - coarse.cpu_s) / change)
-        self._piece_s = max(0.0, coarse.cpu_s - self._factor_s * _factor_work(small)) / len(small)
-        self._bytes_per_entry = coarse.workspace_bytes / _factor_entries(small)
+        self._piece_s = max(0.0, coarse.cpu_s - self._factor_s * _factor_work([small]))
+        self._bytes_per_entry = coarse.workspace_bytes / _factor_entries([small])
 
     def price(self, sizes: Sequence[PieceSize]) -> Account:
         """CPU seconds and bytes of pieces."""
@@ -79,14 +81,6 @@ class PieceRates:
             cpu_s=len(sizes) * self._piece_s + self._factor_s * _factor_work(sizes),
             workspace_bytes=round(self._bytes_per_entry * _factor_entries(sizes)),
         )
-
-
-def _measured(row: BeltRow, position_rad: Floats) -> tuple[list[PieceSize], Account]:
-    """Sizes and cost of the pieces of a position."""
-    sizes = row.sizes(position_rad)
-    with Account() as account:
-        response_at(row, None, float(position_rad[0]), account)
-    return sizes, account
 
 
 def _factor_work(sizes: Sequence[PieceSize]) -> float:
@@ -131,7 +125,9 @@ class BeltScreening(Screening):
         load_packages()
         # the first piece takes the time of what packages do once
         BeltRow(run.strip, self._few.elements).solve_cell(Account())
-        self._rates = PieceRates(scene, run, self._few, at[:1])
+        elements = max(MORE_ELEMENTS, 2 * run.elements // 3)
+        more = BeltRow(run.strip, elements, **land_columns_of(scene))
+        self._rates = PieceRates(self._few, more, float(at[0]) / run.strip.pitch_rad)
         self._held = [response_at(self._few, None, float(angle)) for angle in at]
         self._elastic, self._pulley = self._held, Account()
         if not scene.body_1.rigid:
