@@ -250,10 +250,10 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
         assert belt.flank_angle_deg is not None
         angle = radians(belt.flank_angle_deg)
         tooth = Trapezoid(belt.tooth_width_mm, belt.tooth_height_mm, angle)
-        given = pulley.groove_angle_deg
+        cut = pulley.groove_angle_deg
         # flanks meet at the land: the extra width of a groove is rotation of the pulley before
         # contact
-        groove = replace(tooth, angle_rad=radians(given) if given is not None else angle)
+        groove = replace(tooth, angle_rad=radians(cut) if cut is not None else angle)
     else:
         tooth = Round(0.5 * belt.tooth_width_mm, belt.tooth_height_mm)
         # concentric arcs: the extra width of a groove is a gap along the whole flank

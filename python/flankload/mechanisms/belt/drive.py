@@ -93,9 +93,13 @@ class BeltStates:
 def assemble(scene: Scene) -> BeltAssembly:
     """Belt, pulley and positions of a scene."""
     strip = build_strip(*bodies_of(scene))
-    fine = strip, flank_elements(scene, strip)
-    row, coarse = (BeltRow(*own, **land_columns_of(scene)) for own in (fine, coarser(*fine)))
-    return BeltAssembly(row, coarse, *positions_of(scene, strip.pitch_rad))
+    elements, columns = flank_elements(scene, strip), land_columns_of(scene)
+    halved, fewer = coarser(strip, elements)
+    return BeltAssembly(
+        BeltRow(strip, elements, **columns),
+        BeltRow(halved, fewer, **columns),
+        *positions_of(scene, strip.pitch_rad),
+    )
 
 
 def bodies_of(scene: Scene) -> tuple[Pulley, Belt]:

@@ -102,7 +102,7 @@ class PieceSize:
 
     Attributes
     ----------
-    pairs, hats : int
+    pairs, land_functions : int
         Number of contact pairs on its flanks, and of shape functions on its lands.
     held, pulled : int
         Whether the tight strand fixes it, and whether the slack one pulls it: 0 or 1.
@@ -113,7 +113,7 @@ class PieceSize:
     """
 
     pairs: int
-    hats: int
+    land_functions: int
     held: int
     pulled: int
     kept: int
@@ -122,19 +122,19 @@ class PieceSize:
     @classmethod
     def of(cls, mesh: BeltMesh, cuts: tuple[bool, bool]) -> PieceSize:
         """Size of a piece with these cuts on its left and its right."""
-        pairs, hats = (
+        pairs, lands = (
             sum(nodes.size // 2 + 1 for nodes in lines.values())
             for lines in (mesh.flanks, mesh.lands)
         )
         held, pulled = mesh.tight.size, mesh.slack.size
         kept = 2 * (cuts[0] * mesh.left.size + cuts[1] * mesh.right.size)
-        return cls(pairs, hats, held, pulled, kept, 2 * len(mesh.nodes) - kept - hats - held)
+        return cls(pairs, lands, held, pulled, kept, 2 * len(mesh.nodes) - kept - lands - held)
 
     def work(self, *, sliding: bool, lifting: bool) -> dict[str, int]:
         """Counted work of its solution."""
-        normal, along = self.pairs + self.pulled, sliding * self.hats
-        columns = normal + along + self.hats + self.held
-        return condensation_work(self.kept, columns, normal + lifting * self.hats, along)
+        normal, along = self.pairs + self.pulled, sliding * self.land_functions
+        columns = normal + along + self.land_functions + self.held
+        return condensation_work(self.kept, columns, normal + lifting * self.land_functions, along)
 
 
 def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[str, int]:

@@ -209,9 +209,9 @@ class BeltScreening(Screening):
 def _bytes(scene: Scene, row: BeltRow, sizes: Sequence[PieceSize]) -> tuple[int, int, int]:
     """Bytes of the largest response, of a state with contact at most pairs, and of the flanks."""
     teeth, n, columns = row.strip.wrapped_teeth, row.pairs, land_columns_of(scene)
-    inner = sum(size.hats for size in sizes if not size.held and not size.pulled)
+    inner = sum(size.land_functions for size in sizes if not size.held and not size.pulled)
     tight, slack = (
-        [size.hats for size in sizes if getattr(size, end)] for end in ("held", "pulled")
+        [size.land_functions for size in sizes if getattr(size, end)] for end in ("held", "pulled")
     )
     # the longest tight end and the shortest slack end belong to the same position
     h = (teeth - 1) * inner + max(tight) + min(slack)
