@@ -24,6 +24,10 @@ module flankload_circle_pair
         integer, allocatable :: special(:)
         !> First sample from which the radius increases up to the tip
         integer :: first_rising = 1
+        !> A few of the samples, the first rising one and all corners among them; and how far along
+        !> circles about its axis the flank stands off their polygon to both sides [mm], shape (few)
+        integer, allocatable :: few(:)
+        real(wp), allocatable :: bulge(:)
         !> Starts of smooth roundings [mm of arc length], their side (1: towards greater arc length,
         !> -1: towards smaller), and the change of the curvature there [1/mm], shape (roundings)
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
@@ -47,6 +51,8 @@ module flankload_circle_pair
 
     !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
+    !> One in so many samples is one of the few that tell flanks far from each other apart.
+    integer, parameter :: one_in = 12
     !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
     !> undefined.
     real(wp), parameter :: least_rise = 0.02_wp
@@ -96,8 +102,35 @@ contains
                 flank%first_rising = k + 1
             end if
         end do
+        call choose_few(flank)
         call find_roundings(flank)
     end function new_flank
+
+    !> A few samples, and how far the others stand off the chords between them.
+    pure subroutine choose_few(flank)
+        !> The flank with its samples
+        type(flank_type), intent(inout) :: flank
+
+        integer :: k, l, n
+        real(wp) :: chord(2), off, rise
+
+        n = size(flank%s)
+        flank%few = pack([(k, k=1, n)], [(k == 1 .or. k == n .or. flank%special(k) > 0 &
+            & .or. modulo(k - flank%first_rising, one_in) == 0, k=1, n)])
+        allocate (flank%bulge(size(flank%few)), source=0.0_wp)
+        do l = 1, size(flank%few) - 1
+            associate (first => flank%few(l), last => flank%few(l + 1))
+                chord = flank%point(:, last) - flank%point(:, first)
+                ! across the chord it is off/|chord|; along a circle by the chord's rise
+                rise = max(abs(flank%radius(last) - flank%radius(first)), &
+                    & least_rise*norm2(chord), tiny(1.0_wp))
+                do k = first + 1, last - 1
+                    off = abs(cross(chord, flank%point(:, k) - flank%point(:, first)))/rise
+                    flank%bulge(l:l + 1) = max(flank%bulge(l:l + 1), off)
+                end do
+            end associate
+        end do
+    end subroutine choose_few
 
     !> Breaks with a large jump of the curvature: the pressure has a separate peak there.
     pure subroutine find_roundings(flank)
