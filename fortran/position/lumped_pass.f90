@@ -13,6 +13,7 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
+    use flankload_lapack, only: potrf, solve_triangle
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -104,7 +105,7 @@ contains
 
     !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
     pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &
-            & state, stands, error)
+            & state, stands, error, rough)
         !> The position
         type(position_type), intent(in) :: position
         !> Its zones that are looked at, shape (n)
@@ -126,9 +127,11 @@ contains
         logical, intent(out) :: stands
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
+        !> True: forces and rotation alone, without a certificate, where the same places carry
+        logical, intent(in), optional :: rough
 
         integer :: k, n
-        logical :: rubs, through_origin(size(of))
+        logical :: rubs, solved, through_origin(size(of))
         real(wp) :: loads(1)
         real(wp), dimension(size(of)) :: last, line, beside, gaps
         real(wp) :: matrix(size(of), size(of)), motions(size(of), 1), load_rows(size(of), 1)
@@ -169,6 +172,17 @@ contains
                     & - place%lever_along_slope*place%tangential*place%force)
             end if
         end associate
+        if (present(rough)) then
+            solved = .false.
+            if (rough) call keep_places(matrix, gaps, motions(:, 1), load_rows(:, 1), loads(1), &
+                & last, state%rotation, solved)
+            if (solved) then
+                forces(of) = last
+                call count_lumped(0, state)
+                stands = .false.
+                return
+            end if
+        end if
         call solve_contact_problem(matrix, gaps, motions, load_rows, loads, &
             & merge(general_matrix, symmetric_matrix, rubs), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -196,6 +210,52 @@ contains
         state%backward_error = contact%backward_error
         state%margin = contact%margin
     end subroutine solve_pass
+
+    !> Solve for the places that carry; whether just these carry again.
+    pure subroutine keep_places(matrix, gaps, motion, load_row, load, forces, rotation, solved)
+        !> Symmetric compliance of the places [mm/N], their gaps [mm], and their levers of the
+        !> rotation and of the torque row [mm], shape (n, n) and (n)
+        real(wp), intent(in) :: matrix(:, :)
+        real(wp), intent(in) :: gaps(:)
+        real(wp), intent(in) :: motion(:)
+        real(wp), intent(in) :: load_row(:)
+        !> Torque [N mm]
+        real(wp), intent(in) :: load
+        !> Forces [N], those above 0 carry; changed if solved
+        real(wp), intent(inout) :: forces(:)
+        !> Rotation [rad]; changed if solved
+        real(wp), intent(inout) :: rotation
+        !> False if other places carry, too, or one of these does not
+        logical, intent(out) :: solved
+
+        integer :: k, n, info
+        integer, allocatable :: on(:)
+        real(wp), allocatable :: factor(:, :), x(:, :)
+        real(wp) :: turn, found(size(forces))
+
+        on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
+        n = size(on)
+        solved = .false.
+        if (n == 0) return
+        factor = matrix(on, on)
+        x = reshape([motion(on), gaps(on)], [n, 2])
+        call potrf(n, factor, info)
+        if (info /= 0) return
+        call solve_triangle(n, factor, 'L', 'N', 'N', x)
+        call solve_triangle(n, factor, 'L', 'T', 'N', x)
+        ! K F + g = b q and m F = M: F = q K⁻¹b - K⁻¹g
+        turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
+        found = 0.0_wp
+        found(on) = turn*x(:, 1) - x(:, 2)
+        solved = all(found(on) > 0.0_wp)
+        do k = 1, size(forces)
+            if (forces(k) > 0.0_wp) cycle
+            solved = solved .and. dot_product(matrix(:, k), found) + gaps(k) > motion(k)*turn
+        end do
+        if (.not. solved) return
+        forces = found
+        rotation = turn
+    end subroutine keep_places
 
     !> A line for what depends on the force: its tangent, or through the origin.
     elemental subroutine straighten(force, value, tangent, through_origin, line, at_zero)

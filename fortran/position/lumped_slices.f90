@@ -86,7 +86,7 @@ contains
             end if
             last = forces
             call solve_pass(position, of, places, coupling, rubbing, torque, &
-                & pass > newton_passes, forces, state, stands, error)
+                & pass > newton_passes, forces, state, stands, error, rough=.true.)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_look = since_look + change
