@@ -31,11 +31,13 @@ contains
         real(wp), dimension(size(flank_2%few)) :: x_2, y_2, radius_2
 
         gap = huge(gap)
-        call place_few(flank_1, frame_1, x_1, y_1, radius_1)
-        call place_few(flank_2, frame_2, x_2, y_2, radius_2)
+        radius_1 = flank_1%radius(flank_1%few)
+        call place_few(flank_2, frame_2, x_2, y_2)
+        radius_2 = sqrt(x_2**2 + y_2**2)
         first = count(flank_1%few <= flank_1%first_rising)
         n = size(radius_1)
         if (maxval(radius_2) < radius_1(first) .or. minval(radius_2) > radius_1(n)) return
+        call place_few(flank_1, frame_1, x_1, y_1)
         least = huge(least)
         do l = 1, size(radius_2)
             if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
@@ -58,14 +60,13 @@ contains
     end function coarse_gap
 
     !> Place the few points of a flank.
-    pure subroutine place_few(flank, frame, x, y, radius)
+    pure subroutine place_few(flank, frame, x, y)
         !> The flank and its placement
         type(flank_type), intent(in) :: flank
         type(frame_type), intent(in) :: frame
-        !> The points, and their distances from O1 [mm], shape (few)
+        !> The points [mm], shape (few)
         real(wp), intent(out) :: x(:)
         real(wp), intent(out) :: y(:)
-        real(wp), intent(out) :: radius(:)
 
         integer :: k
 
@@ -75,7 +76,6 @@ contains
                 y(k) = frame%origin(2) + frame%sine*point(1) + frame%cosine*point(2)
             end associate
         end do
-        radius = sqrt(x**2 + y**2)
     end subroutine place_few
 
     !> Which part of a chord lies before a circle.

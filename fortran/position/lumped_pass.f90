@@ -22,7 +22,7 @@ module flankload_lumped_pass
     implicit none
     private
 
-    public :: couple, solve_pass
+    public :: couple, keep_places, solve_pass
 
     !> Forces stand when none changes by more than this part of the largest: Newton's next step
     !> would be its square.
@@ -127,7 +127,7 @@ contains
         logical, intent(out) :: stands
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
-        !> True: forces and rotation alone, without a certificate, where the same places carry
+        !> True: forces and rotation alone, without a certificate, if no other places carry
         logical, intent(in), optional :: rough
 
         integer :: k, n
@@ -211,7 +211,8 @@ contains
         state%margin = contact%margin
     end subroutine solve_pass
 
-    !> Solve for the places that carry; whether just these carry again.
+    !> Solve for places that carry, and for fewer of them as long as some would pull; whether the
+    !> others stay open then. The state is the one and only, since K is definite.
     pure subroutine keep_places(matrix, gaps, motion, load_row, load, forces, rotation, solved)
         !> Symmetric compliance of the places [mm/N], their gaps [mm], and their levers of the
         !> rotation and of the torque row [mm], shape (n, n) and (n)
@@ -221,38 +222,41 @@ contains
         real(wp), intent(in) :: load_row(:)
         !> Torque [N mm]
         real(wp), intent(in) :: load
-        !> Forces [N], those above 0 carry; changed if solved
+        !> Forces [N], those above 0 may carry; changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Rotation [rad]; changed if solved
         real(wp), intent(inout) :: rotation
-        !> False if other places carry, too, or one of these does not
+        !> False if others would touch, or K is not definite
         logical, intent(out) :: solved
 
-        integer :: k, n, info
+        integer :: k, info
         integer, allocatable :: on(:)
-        real(wp), allocatable :: factor(:, :), x(:, :)
+        real(wp), allocatable :: factor(:, :), x(:, :), carried(:)
         real(wp) :: turn, found(size(forces))
 
-        on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
-        n = size(on)
         solved = .false.
-        if (n == 0) return
-        factor = matrix(on, on)
-        x = reshape([motion(on), gaps(on)], [n, 2])
-        call potrf(n, factor, info)
-        if (info /= 0) return
-        call solve_triangle(n, factor, 'L', 'N', 'N', x)
-        call solve_triangle(n, factor, 'L', 'T', 'N', x)
-        ! K F + g = b q and m F = M: F = q K⁻¹b - K⁻¹g
-        turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
-        found = 0.0_wp
-        found(on) = turn*x(:, 1) - x(:, 2)
-        solved = all(found(on) > 0.0_wp)
-        do k = 1, size(forces)
-            if (forces(k) > 0.0_wp) cycle
-            solved = solved .and. dot_product(matrix(:, k), found) + gaps(k) > motion(k)*turn
+        on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
+        do
+            if (size(on) == 0) return
+            factor = matrix(on, on)
+            x = reshape([motion(on), gaps(on)], [size(on), 2])
+            call potrf(size(on), factor, info)
+            if (info /= 0) return
+            call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
+            call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
+            ! K F + g = b q and m F = M: F = q K⁻¹b - K⁻¹g
+            turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
+            carried = turn*x(:, 1) - x(:, 2)
+            if (all(carried > 0.0_wp)) exit
+            on = pack(on, carried > 0.0_wp)
         end do
-        if (.not. solved) return
+        found = 0.0_wp
+        found(on) = carried
+        do k = 1, size(forces)
+            if (found(k) > 0.0_wp) cycle
+            if (.not. dot_product(matrix(:, k), found) + gaps(k) > motion(k)*turn) return
+        end do
+        solved = .true.
         forces = found
         rotation = turn
     end subroutine keep_places

@@ -3,7 +3,7 @@
 module flankload_lumped_place
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
-    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_near_field, only: image_recession, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
@@ -78,6 +78,7 @@ contains
             pair = zone%nearest
             do step = 1, max_steps
                 at = x
+                pair%s_2 = guessed_s_2(pair, zone%nearest%s_1 + sense*at)
                 call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
                     & zone%nearest%s_1 + sense*at, [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then

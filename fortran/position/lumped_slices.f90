@@ -10,7 +10,7 @@ module flankload_lumped_slices
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width
-    use flankload_lumped_pass, only: couple, solve_pass
+    use flankload_lumped_pass, only: couple, keep_places, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type
     use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
         & look_at_places
@@ -153,7 +153,8 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z, first, flanks(size(forces))
-        real(wp) :: width, image, unused(2)
+        logical :: solved
+        real(wp) :: width, image, rotation, unused(2)
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
         type(contact_result) :: contact
 
@@ -171,14 +172,22 @@ contains
         forces = merge(position%part*torque/levers(:, 1), 0.0_wp, flanks == flanks(first))
         joins = position%gap <= position%gap(first) &
             & + dot_product(forces, matmul(matrix, forces))/torque
-        call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, [torque], &
-            & symmetric_matrix, method_single, pack([(z, z=1, size(forces))], joins), contact, &
-            & error)
+        forces = merge(1.0_wp, 0.0_wp, joins)
+        call keep_places(matrix, levers(:, 1)*position%gap, levers(:, 1), levers(:, 1), torque, &
+            & forces, rotation, solved)
+        if (.not. solved) then
+            call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, &
+                & [torque], symmetric_matrix, method_single, pack([(z, z=1, size(forces))], &
+                & joins), contact, error)
+            if (.not. allocated(error)) then
+                forces = contact%forces
+                rotation = contact%motion(1)
+            end if
+        end if
         call count_lumped(contact%pivots, state)
         if (allocated(error)) return
-        forces = contact%forces
-        joins = forces > 0.0_wp .or. position%gap < contact%motion(1) &
-            & + joining*(contact%motion(1) - minval(position%gap))
+        joins = forces > 0.0_wp .or. position%gap < rotation &
+            & + joining*(rotation - minval(position%gap))
     end subroutine estimate_forces
 
     !> Places as contacts of parabolas.
