@@ -28,6 +28,8 @@ module flankload_circle_pair
         !> circles about its axis the flank stands off their polygon to both sides [mm], shape (few)
         integer, allocatable :: few(:)
         real(wp), allocatable :: bulge(:)
+        !> The longest chord between them [mm]
+        real(wp) :: longest_chord = 0.0_wp
         !> Starts of smooth roundings [mm of arc length], their side (1: towards greater arc length,
         !> -1: towards smaller), and the change of the curvature there [1/mm], shape (roundings)
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
@@ -121,6 +123,7 @@ contains
         do l = 1, size(flank%few) - 1
             associate (first => flank%few(l), last => flank%few(l + 1))
                 chord = flank%point(:, last) - flank%point(:, first)
+                flank%longest_chord = max(flank%longest_chord, norm2(chord))
                 ! across the chord it is off/|chord|; along a circle by the chord's rise
                 rise = max(abs(flank%radius(last) - flank%radius(first)), &
                     & least_rise*norm2(chord), tiny(1.0_wp))

@@ -14,8 +14,8 @@ contains
     !> An angle below which no gap angle of two flanks lies [rad]; huge if no circle about O1 cuts
     !> both.
     !>
-    !> The gap of two polygons is extreme on a circle through one of their corners, or beside it;
-    !> flanks stand off their polygons by no more than their bulges.
+    !> The gap of two polygons is extreme on a circle through one of their corners, but for the bend
+    !> of straight lines in polar coordinates; flanks stand off their polygons by their bulges.
     pure function coarse_gap(flank_1, frame_1, flank_2, frame_2) result(gap)
         !> Flank of body 1 and its placement (its axis is O1)
         type(flank_type), intent(in) :: flank_1
@@ -25,6 +25,9 @@ contains
         type(frame_type), intent(in) :: frame_2
         real(wp) :: gap
 
+        !> r²φ'' of a line over its slope dr/ds squared, sin ψ (2 - sin² ψ)/cos ψ: below this for
+        !> lines at up to 57 degrees to the radius
+        real(wp), parameter :: bend = 2.0_wp
         integer :: k, l, n, first
         real(wp) :: least, low, high
         real(wp), dimension(size(flank_1%few)) :: x_1, y_1, radius_1
@@ -56,7 +59,8 @@ contains
                     & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
             end do
         end do
-        if (least < huge(least)) gap = 2.0_wp*atan(least)
+        if (least < huge(least)) gap = 2.0_wp*atan(least) - bend*(flank_1%longest_chord**2 &
+            & + flank_2%longest_chord**2)/(8.0_wp*radius_1(first)**2)
     end function coarse_gap
 
     !> Place the few points of a flank.

@@ -94,7 +94,7 @@ module flankload_position_zones
     !> Slices are searched where a bound of their gap exceeds the least one by no more than this
     !> part of flank 1's length: usual loads close less. It decides on time alone, since others are
     !> searched where the load closes more.
-    real(wp), parameter :: usual_part = 0.015_wp
+    real(wp), parameter :: usual_part = 0.02_wp
 
 contains
 
