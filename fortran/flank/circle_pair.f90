@@ -53,8 +53,9 @@ module flankload_circle_pair
 
     !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
-    !> One in so many samples is one of the few that tell flanks far from each other apart.
-    integer, parameter :: one_in = 12
+    !> The few samples that tell flanks far from each other apart: flanks stand off the polygon
+    !> between them by no more than this part of their length.
+    real(wp), parameter :: least_bulge = 1.0e-3_wp
     !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
     !> undefined.
     real(wp), parameter :: least_rise = 0.02_wp
@@ -113,25 +114,35 @@ contains
         !> The flank with its samples
         type(flank_type), intent(inout) :: flank
 
-        integer :: k, l, n
+        integer :: k, l, n, first, last
         real(wp) :: chord(2), off, rise
+        logical, allocatable :: chosen(:)
 
         n = size(flank%s)
-        flank%few = pack([(k, k=1, n)], [(k == 1 .or. k == n .or. flank%special(k) > 0 &
-            & .or. modulo(k - flank%first_rising, one_in) == 0, k=1, n)])
+        allocate (chosen(n), source=flank%special > 0)
+        chosen([1, flank%first_rising, n]) = .true.
+        first = 1
+        do last = 2, n - 1
+            chord = flank%point(:, last + 1) - flank%point(:, first)
+            off = maxval([(abs(cross(chord, flank%point(:, k) - flank%point(:, first))), &
+                & k=first + 1, last)])/norm2(chord)
+            if (off > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
+            if (chosen(last)) first = last
+        end do
+        flank%few = pack([(k, k=1, n)], chosen)
         allocate (flank%bulge(size(flank%few)), source=0.0_wp)
         do l = 1, size(flank%few) - 1
-            associate (first => flank%few(l), last => flank%few(l + 1))
-                chord = flank%point(:, last) - flank%point(:, first)
-                flank%longest_chord = max(flank%longest_chord, norm2(chord))
-                ! across the chord it is off/|chord|; along a circle by the chord's rise
-                rise = max(abs(flank%radius(last) - flank%radius(first)), &
-                    & least_rise*norm2(chord), tiny(1.0_wp))
-                do k = first + 1, last - 1
-                    off = abs(cross(chord, flank%point(:, k) - flank%point(:, first)))/rise
-                    flank%bulge(l:l + 1) = max(flank%bulge(l:l + 1), off)
-                end do
-            end associate
+            first = flank%few(l)
+            last = flank%few(l + 1)
+            chord = flank%point(:, last) - flank%point(:, first)
+            flank%longest_chord = max(flank%longest_chord, norm2(chord))
+            ! across the chord it is off/|chord|; along a circle by the chord's rise
+            rise = max(abs(flank%radius(last) - flank%radius(first)), &
+                & least_rise*norm2(chord), tiny(1.0_wp))
+            do k = first + 1, last - 1
+                off = abs(cross(chord, flank%point(:, k) - flank%point(:, first)))/rise
+                flank%bulge(l:l + 1) = max(flank%bulge(l:l + 1), off)
+            end do
         end do
     end subroutine choose_few
 

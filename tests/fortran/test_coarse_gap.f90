@@ -10,8 +10,8 @@ program test_coarse_gap
 
     integer, parameter :: n_pairs = 40, n_places = 60
     real(wp), parameter :: half_turn = acos(-1.0_wp)
-    !> Gaps beyond this are not closed by any load [rad]
-    real(wp), parameter :: leaning = 0.08_wp
+    !> Several times what loads close [rad]
+    real(wp), parameter :: leaning = 0.02_wp
     integer :: i, k, n_zones, n_seen, n_far
     real(wp) :: bases(2), rounding(2), distance, bound, least, turn, draws(8)
     logical :: conforms, lost
