@@ -22,7 +22,7 @@ module flankload_lumped_pass
     implicit none
     private
 
-    public :: couple, keep_places, solve_pass
+    public :: couple, keep_places, solve_pass, step_places
 
     !> Forces stand when none changes by more than this part of the largest: Newton's next step
     !> would be its square.
@@ -105,7 +105,7 @@ contains
 
     !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
     pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &
-            & state, stands, error, rough)
+            & state, stands, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Its zones that are looked at, shape (n)
@@ -127,11 +127,9 @@ contains
         logical, intent(out) :: stands
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
-        !> True: forces and rotation alone, without a certificate, if no other places carry
-        logical, intent(in), optional :: rough
 
         integer :: k, n
-        logical :: rubs, solved, through_origin(size(of))
+        logical :: rubs, through_origin(size(of))
         real(wp) :: loads(1)
         real(wp), dimension(size(of)) :: last, line, beside, gaps
         real(wp) :: matrix(size(of), size(of)), motions(size(of), 1), load_rows(size(of), 1)
@@ -143,22 +141,10 @@ contains
         through_origin = secant .or. .not. last > 0.0_wp
         matrix = coupling
         associate (place => places(of))
-            gaps = place%lever*position%gap(of)
             motions(:, 1) = place%lever
-            load_rows(:, 1) = place%torque_lever
             loads = torque
-            call straighten(place%force, place%approach, place%approach_slope, through_origin, &
-                & line, beside)
-            ! levers change with the force, too: of the order of what is settled, but in the
-            ! derivatives
-            line = line + place%lever_slope*(position%gap(of) - state%rotation)
-            beside = beside - place%lever_slope*(position%gap(of) - state%rotation)*place%force
-            load_rows(:, 1) = load_rows(:, 1) + place%torque_lever_slope*place%force
-            loads = loads + sum(place%torque_lever_slope*place%force**2)
-            do k = 1, n
-                matrix(k, k) = matrix(k, k) + line(k)
-            end do
-            gaps = gaps + beside
+            call linearise(place, position%gap(of), state%rotation, through_origin, matrix, gaps, &
+                & load_rows(:, 1), loads(1))
             if (rubs) then
                 call straighten(place%force, place%tangential, place%tangential_slope, &
                     & through_origin, line, beside)
@@ -172,17 +158,6 @@ contains
                     & - place%lever_along_slope*place%tangential*place%force)
             end if
         end associate
-        if (present(rough)) then
-            solved = .false.
-            if (rough) call keep_places(matrix, gaps, motions(:, 1), load_rows(:, 1), loads(1), &
-                & last, state%rotation, solved)
-            if (solved) then
-                forces(of) = last
-                call count_lumped(0, state)
-                stands = .false.
-                return
-            end if
-        end if
         call solve_contact_problem(matrix, gaps, motions, load_rows, loads, &
             & merge(general_matrix, symmetric_matrix, rubs), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -210,6 +185,77 @@ contains
         state%backward_error = contact%backward_error
         state%margin = contact%margin
     end subroutine solve_pass
+
+    !> A pass without a certificate: forces and rotation alone, if none but places that carry do so
+    !> again.
+    pure subroutine step_places(position, of, places, coupling, torque, forces, rotation, solved)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> The places, shape (zones)
+        type(place_type), intent(in) :: places(:)
+        !> What they recede by [mm/N], shape (n, n)
+        real(wp), intent(in) :: coupling(:, :)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces of the zones [N], shape (zones); changed if solved
+        real(wp), intent(inout) :: forces(:)
+        !> Rotation [rad]; changed if solved
+        real(wp), intent(inout) :: rotation
+        !> False if others touch: nothing is changed then
+        logical, intent(out) :: solved
+
+        real(wp) :: load
+        real(wp), dimension(size(of)) :: found, gaps, load_row
+        real(wp) :: matrix(size(of), size(of))
+
+        found = forces(of)
+        matrix = coupling
+        load = torque
+        call linearise(places(of), position%gap(of), rotation, .not. found > 0.0_wp, matrix, gaps, &
+            & load_row, load)
+        call keep_places(matrix, gaps, places(of)%lever, load_row, load, found, rotation, solved)
+        if (solved) forces(of) = found
+    end subroutine step_places
+
+    !> The equations of places with what is not linear in their forces as lines.
+    pure subroutine linearise(places, gap_angles, rotation, through_origin, matrix, gaps, &
+            & load_row, load)
+        !> The places, shape (n)
+        type(place_type), intent(in) :: places(:)
+        !> Their gap angles [rad], shape (n)
+        real(wp), intent(in) :: gap_angles(:)
+        !> Last rotation [rad]
+        real(wp), intent(in) :: rotation
+        !> Lines through the origin instead of tangents, shape (n)
+        logical, intent(in) :: through_origin(:)
+        !> What the places recede by [mm/N], then with their near fields, shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> Gaps [mm] and levers of the torque row [mm], shape (n)
+        real(wp), intent(out) :: gaps(:)
+        real(wp), intent(out) :: load_row(:)
+        !> Torque, then what the row equals [N mm]
+        real(wp), intent(inout) :: load
+
+        integer :: k
+        real(wp), dimension(size(places)) :: line, beside
+
+        gaps = places%lever*gap_angles
+        load_row = places%torque_lever
+        call straighten(places%force, places%approach, places%approach_slope, through_origin, &
+            & line, beside)
+        ! levers change with the force, too: of the order of what is settled, but in the
+        ! derivatives
+        line = line + places%lever_slope*(gap_angles - rotation)
+        beside = beside - places%lever_slope*(gap_angles - rotation)*places%force
+        load_row = load_row + places%torque_lever_slope*places%force
+        load = load + sum(places%torque_lever_slope*places%force**2)
+        do k = 1, size(places)
+            matrix(k, k) = matrix(k, k) + line(k)
+        end do
+        gaps = gaps + beside
+    end subroutine linearise
 
     !> Solve for places that carry, and for fewer of them as long as some would pull; whether the
     !> others stay open then. The state is the one and only, since K is definite.

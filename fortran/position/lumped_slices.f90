@@ -10,7 +10,7 @@ module flankload_lumped_slices
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width
-    use flankload_lumped_pass, only: couple, keep_places, solve_pass
+    use flankload_lumped_pass, only: couple, keep_places, solve_pass, step_places
     use flankload_lumped_place, only: near_field_of, place_type
     use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
         & look_at_places
@@ -54,7 +54,7 @@ contains
 
         integer :: pass, k
         integer, allocatable :: of(:)
-        logical :: joins(size(position%zones)), stands
+        logical :: joins(size(position%zones)), stands, solved
         real(wp) :: change, since_look
         real(wp), dimension(size(position%zones)) :: forces, last, full
         real(wp), allocatable :: coupling(:, :), rubbing(:, :)
@@ -85,9 +85,16 @@ contains
                     & places, state%pairs)
             end if
             last = forces
-            call solve_pass(position, of, places, coupling, rubbing, torque, &
-                & pass > newton_passes, forces, state, stands, error, rough=.true.)
-            if (allocated(error)) return
+            solved = .false.
+            if (pass <= newton_passes) call step_places(position, of, places, coupling, torque, &
+                & forces, state%rotation, solved)
+            if (solved) then
+                call count_lumped(0, state)
+            else
+                call solve_pass(position, of, places, coupling, rubbing, torque, &
+                    & pass > newton_passes, forces, state, stands, error)
+                if (allocated(error)) return
+            end if
             change = maxval(abs(forces - last))/maxval(forces)
             since_look = since_look + change
             stands = since_look <= settled

@@ -56,13 +56,10 @@ contains
 
         known = .false.
         do t = 1, size(torques)
-            if (.not. known) then
-                call look(torques(t), .not. allocated(body_1%slices), position)
-                known = .not. (allocated(error) .or. position%conforms)
-            end if
+            if (.not. known) call look(torques(t), .not. allocated(body_1%slices), position)
+            known = .not. (allocated(error) .or. position%conforms)
             call answer(torques(t), position, states(t))
             if (may_miss(position, states(t), allocated(error))) then
-                if (allocated(error)) deallocate (error)
                 call look(torques(t), .true., whole)
                 call answer(torques(t), whole, states(t))
             end if
