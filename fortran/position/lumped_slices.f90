@@ -68,8 +68,7 @@ contains
             if (size(of) /= count(joins)) then
                 of = pack([(k, k=1, size(joins))], joins)
                 call couple(body_1, body_2, position, of, coupling, rubbing)
-                call take_parabolas(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
-                    & places)
+                call take_parabolas(position, of, some_force(forces, full), places)
                 call reserve_pairs(state%pairs, size(of))
                 since_look = huge(1.0_wp)
                 change = huge(1.0_wp)
@@ -81,20 +80,16 @@ contains
                 if (allocated(error)) return
                 since_look = 0.0_wp
             else
-                call follow_places(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
-                    & places, state%pairs)
+                call follow_places(position, of, some_force(forces, full), places, state%pairs)
             end if
             last = forces
-            solved = .false.
-            if (pass <= newton_passes) call step_places(position, of, places, coupling, torque, &
-                & forces, state%rotation, solved)
-            if (solved) then
-                call count_lumped(0, state)
-            else
-                call solve_pass(position, of, places, coupling, rubbing, torque, &
-                    & pass > newton_passes, forces, state, stands, error)
-                if (allocated(error)) return
-            end if
+            solved = pass <= newton_passes
+            if (solved) call step_places(position, of, places, coupling, torque, forces, &
+                & state%rotation, solved)
+            if (solved) call count_lumped(0, state)
+            if (.not. solved) call solve_pass(position, of, places, coupling, rubbing, torque, &
+                & pass > newton_passes, forces, state, stands, error)
+            if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_look = since_look + change
             stands = since_look <= settled
@@ -103,16 +98,25 @@ contains
             if (stands) exit
             joins = joins .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. stands) then
-            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
-            return
-        end if
+        if (.not. stands) call fatal_error(error, code_unsettled_widths, &
+            & 'the half-widths do not settle')
+        if (allocated(error)) return
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
             & stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
+
+    !> A force above 0 under which a place is looked at.
+    elemental function some_force(force, full) result(under)
+        !> Last force of the place, and one that would hold its part of the torque alone [N]
+        real(wp), intent(in) :: force
+        real(wp), intent(in) :: full
+        real(wp) :: under
+
+        under = merge(force, least_part*full, force > 0.0_wp)
+    end function some_force
 
     !> Near fields, and forces that are nearly right.
     pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
