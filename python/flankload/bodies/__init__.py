@@ -89,12 +89,13 @@ def build_body(
         flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
     from flankload.bodies.involute.involute_body import build_involute_body
 
-    body = build_involute_body(
-        spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm
-    )
-    if pair_width_mm is None or body.involute is None or not isinstance(spec, Gear):
-        return body
+    lengths = {"flank_element_mm": flank_element_mm, "flank_nodes_mm": flank_nodes_mm}
+    if pair_width_mm is None or not isinstance(spec, Gear):
+        return build_involute_body(spec, key, **lengths)
     ends = axial_range(spec, pair_width_mm, key)
+    regions = tuple(name for name, _ in spec.regions_of(ends))
+    body = build_involute_body(spec, key, regions=regions, **lengths)
+    assert body.involute is not None
     return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
 
 

@@ -157,6 +157,20 @@ class AxialKeys:
         """How far the helix angle may be from that of the other body."""
         return HELIX_TOLERANCE
 
+    @property
+    def region_key(self) -> str | None:
+        """A key that gives a region of the body a width of its own, if there is one."""
+        return None
+
+    def regions_of(
+        self, range_mm: tuple[float, float]
+    ) -> tuple[tuple[str, tuple[float, float]], ...]:
+        """Names and ends along the axis of regions of other width than the teeth."""
+        return ()
+
+    def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
+        """Check the regions against the ends of the teeth."""
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
@@ -194,7 +208,7 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     Raises
     ------
     SceneError
-        If an end relief is longer than the body.
+        If an end relief is longer than the body, or a region of other width does not fit.
     """
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
@@ -204,7 +218,9 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
                 f"at most the face width of the body, {width:g}",
                 length,
             )
-    return body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    body.check_extents(ends, key)
+    return ends
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
@@ -242,6 +258,8 @@ def three_dimensional_key(
             value = getattr(body, name)
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
+        if body.region_key is not None:
+            return f"body_{number}.{body.region_key}"
         widths.append((number, body.face_width_mm))
     for number, width in widths:
         if width is not None and pair is not None and width != pair.face_width_mm:

@@ -1,0 +1,71 @@
+"""Rings of elements below the rim of a gear's sector: web and hub, which have widths of their own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.involute.sector_breaks import GROWTH, ROW_PART
+from flankload.meshes.blocks import BlockMesh, symmetric_breaks, with_middles
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import SectorMesh
+
+    Floats = NDArray[np.float64]
+
+#: First row beside a circle where the width jumps, relative to the flank element.
+ROW_AT_JUMP = 1.0
+
+
+def with_regions(
+    mesh: SectorMesh, bore_radius_mm: float, below: Sequence[tuple[str, float]], element_mm: float
+) -> SectorMesh:
+    """A sector that is fixed on its inner circle, continued inwards by named regions.
+
+    Parameters
+    ----------
+    mesh : SectorMesh
+        Its fixed nodes lie on a circle, from cut to cut.
+    bore_radius_mm : float
+        Where the continued sector is fixed.
+    below : sequence of (str, float)
+        Names and outer radii of the regions from outside; the first radius is that of the circle.
+    element_mm : float
+        Largest length of an element along the flank.
+
+    Returns
+    -------
+    SectorMesh
+    """
+    blocks = BlockMesh([mesh.nodes], [], len(mesh.nodes))
+    angle = np.arctan2(*mesh.nodes[mesh.fixed_nodes].T[::-1])
+    lowest = mesh.fixed_nodes[np.argsort(-angle)]  # blocks are right-handed
+    directions = mesh.nodes[lowest] / below[0][1]
+    left, right = [mesh.left_nodes, lowest[-1:]], [mesh.right_nodes, lowest[:1]]
+    for outer, inner in pairwise([radius for _, radius in below] + [bore_radius_mm]):
+        size = ROW_PART * 0.5 * (outer + inner)
+        rows = symmetric_breaks(outer - inner, ROW_AT_JUMP * element_mm, GROWTH, size)
+        radii = inner + with_middles(rows) * (outer - inner)
+        numbers = blocks.add(radii[:, None, None] * directions, {"top": lowest})
+        lowest = numbers[0]
+        left.append(numbers[-2::-1, -1])
+        right.append(numbers[-2::-1, 0])
+    return replace(
+        mesh,
+        nodes=np.concatenate(blocks.places),
+        cells=(*mesh.cells, *(("quad9", cells) for cells in blocks.cells)),
+        flank_arc_length=np.append(
+            mesh.flank_arc_length, np.full(blocks._count - len(mesh.nodes), np.nan)
+        ),
+        fixed_nodes=np.unique(lowest),
+        left_nodes=np.concatenate(left)[:-1],
+        right_nodes=np.concatenate(right)[:-1],
+        regions=("",) * len(mesh.cells) + tuple(name for name, _ in below),
+    )
