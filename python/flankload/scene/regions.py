@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta
 
+from flankload.base.rounding import TIE
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import LARGEST_LENGTH, USUAL_SIZE, Length, Text, about
 
@@ -13,11 +14,13 @@ if TYPE_CHECKING:
 
     Extent = tuple[float, float]
 
+#: Usual widths, mm.
+USUAL_WIDTH = (0.05, 5000.0)
 Offset = Annotated[float, Meta(ge=-LARGEST_LENGTH, le=LARGEST_LENGTH)]
 
 WebWidth = Annotated[
     Length | None,
-    about("mm", "width of the web, at most the face width; absent = no web", usual=(0.05, 5000.0)),
+    about("mm", "width of the web, at most the face width; absent = no web", usual=USUAL_WIDTH),
 ]
 WebOuterDiameter = Annotated[
     Length | None,
@@ -29,18 +32,18 @@ RimThickness = Annotated[
         "mm",
         "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces "
         "web_outer_diameter_mm",
-        usual=(0.05, 5000.0),
+        usual=USUAL_WIDTH,
     ),
 ]
 WebOffset = Annotated[
     Offset, about("mm", "axial position of the middle of the web from the middle of the face width")
 ]
-HubDiameter = Annotated[
-    Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)
-]
+HubDiameter = Annotated[Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)]
 HubWidth = Annotated[
     Length | None,
-    about("mm", "width of the hub, over which the bore is held; absent = no hub", usual=(0.05, 5e3)),
+    about(
+        "mm", "width of the hub, over which the bore is held; absent = no hub", usual=USUAL_WIDTH
+    ),
 ]
 HubOffset = Annotated[
     Offset, about("mm", "axial position of the middle of the hub from the middle of the face width")
@@ -51,7 +54,9 @@ RegionSets = Annotated[
 ]
 RegionWidths = Annotated[
     Annotated[tuple[Length, ...], Meta(min_length=1)] | None,
-    about("mm", "width of each of region_sets, about the middle of the face width", usual=(0.05, 5e3)),
+    about(
+        "mm", "width of each of region_sets, about the middle of the face width", usual=USUAL_WIDTH
+    ),
 ]
 
 
@@ -110,33 +115,26 @@ class RegionKeys:
         return tuple(found)
 
     def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
-        width, middle = range_mm[1] - range_mm[0], 0.5 * (range_mm[0] + range_mm[1])
-        for name, own, offset in self._regions():
-            if own == width and not offset:
-                yield name, range_mm
-            else:
-                yield name, (middle + offset - 0.5 * own, middle + offset + 0.5 * own)
+        for name, width, offset in self._regions():
+            yield name, _extent(range_mm, width, offset)
 
     def check_extents(self, range_mm: "Extent", key: str) -> None:
-        """Check that the web is within the face width, and that it and the hub overlap.
+        """Check that the web is within the face width, and that the hub's ends fit.
 
         Raises
         ------
         SceneError
         """
-        about_what, (low, high) = "face width", range_mm
-        for name, (start, end) in self._extents(range_mm):
-            inside = low <= start and end <= high
-            around = start <= low and high <= end
-            if not inside and (name == "web" or not around):
-                allowed = "within" if name == "web" else "that contains or is within"
+        outside, around = "face width", range_mm
+        for name, own in self._extents(range_mm):
+            if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
+                relation = "within" if name == "web" else "that contains or is within"
                 refuse(
                     f"{key}.{name}_width_mm",
-                    f"a {name} {allowed} the {about_what}, which extends from {low:g} to {high:g} "
-                    "mm",
-                    f"{end - start:g}, from {start:g} to {end:g} mm",
+                    f"a {name} {relation} the {outside} ({_shown(around)})",
+                    f"{own[1] - own[0]:g} ({_shown(own)})",
                 )
-            about_what, (low, high) = name, (start, end)
+            outside, around = name, own
 
     def region_diameter_key(self, name: str) -> str:
         """The key that gives the outer circle of web or hub."""
@@ -227,11 +225,22 @@ class MeshRegionKeys:
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
         """Names and ends along the axis of the regions."""
-        low, high = range_mm
-        middle, found = 0.5 * (low + high), []
-        for name, width in zip(self.region_sets or (), self.region_widths_mm or (), strict=True):
-            same = width == high - low
-            found.append(
-                (name, range_mm if same else (middle - 0.5 * width, middle + 0.5 * width))
-            )
-        return tuple(found)
+        regions = zip(self.region_sets or (), self.region_widths_mm or (), strict=True)
+        return tuple((name, _extent(range_mm, width, 0.0)) for name, width in regions)
+
+
+def _extent(range_mm: "Extent", width_mm: float, offset_mm: float) -> "Extent":
+    """Ends of a region; those of the teeth, if they are the same up to rounding."""
+    middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm
+    own = (middle - 0.5 * width_mm, middle + 0.5 * width_mm)
+    same = _is_within(own, range_mm) and _is_within(range_mm, own)
+    return range_mm if same else own
+
+
+def _is_within(inner: "Extent", outer: "Extent") -> bool:
+    rounding = TIE * (outer[1] - outer[0])
+    return outer[0] - rounding <= inner[0] and inner[1] <= outer[1] + rounding
+
+
+def _shown(extent: "Extent") -> str:
+    return f"from {extent[0]:g} to {extent[1]:g} mm"

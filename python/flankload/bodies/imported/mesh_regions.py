@@ -69,8 +69,9 @@ def _check_flank(
 ) -> None:
     """Refuse a region with elements of the flank: it is as wide as the teeth."""
     assert spec.region_sets is not None
+    flank = np.append(mesh.flank_edges, mesh.tip_edges)
     for found, (_, data) in zip(of_elements, mesh.cells, strict=True):
-        touched = (found >= 0) & np.isin(data, mesh.flank_edges).any(axis=1)
+        touched = (found >= 0) & np.isin(data, flank).any(axis=1)
         if touched.any():
             number = int(found[touched].min())
             source.refuse(

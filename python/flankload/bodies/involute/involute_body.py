@@ -105,16 +105,17 @@ def _outward(
             expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
             found=f"{spec.bore_diameter_mm:g}",
         )
-    radii = {}
-    if isinstance(spec, Gear):
-        radii = spec.region_radii(profile.involute.root_radius_mm, key)
+    if not isinstance(spec, Gear):
+        mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
+        return profile, bore_radius, mesh
+    radii = spec.region_radii(profile.involute.root_radius_mm, key)
     if spec.rigid:
         return profile, bore_radius, None
     if not regions:
         return profile, bore_radius, sector_mesh(profile, bore_radius, lengths, key)
     below = [(name, radii[name]) for name in regions]
-    inner = spec.region_diameter_key(regions[0])
-    rim = sector_mesh(profile, below[0][1], lengths, key, inner_key=inner)
+    inner_key = spec.region_diameter_key(regions[0])
+    rim = sector_mesh(profile, radii[regions[0]], lengths, key, inner_key=inner_key)
     return profile, bore_radius, with_regions(rim, bore_radius, below, lengths[0])
 
 

@@ -81,12 +81,12 @@ def section_stiffness(
     SectionStiffness
     """
     places, parts, count = [], [], len(nodes)
-    for region, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):
+    for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):
         parts.append(_element_blocks(nodes, kind, connectivity, material, twist))
         k = connectivity.shape[1]
         row = np.repeat(connectivity, k, axis=1).ravel()
         column = np.tile(connectivity, k).ravel()
-        places.append((region * count + row) * count + column)
+        places.append((number * count + row) * count + column)
     place, part = np.concatenate(places), np.concatenate(parts)
     order = np.argsort(place, kind="stable")
     place = place[order]

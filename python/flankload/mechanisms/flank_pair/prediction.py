@@ -129,7 +129,7 @@ def _sector(
 
 
 def _prism(body: Body, modes: int) -> dict[str, int]:
-    """Work of a three-dimensional sector; one with a plane of symmetry has two parts of half size."""
+    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
     factorisations = 2 if body.axial.symmetric else 1
     return _solved(factorisations, modes, 0, growth=0)
