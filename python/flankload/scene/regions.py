@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     Extent = tuple[float, float]
 
-#: Usual widths, mm.
-USUAL_WIDTH = (0.05, 5000.0)
+#: Usual widths and offsets, mm.
+USUAL_WIDTH, USUAL_OFFSET = (0.05, 5000.0), (1e-3, 5000.0)
 Offset = Annotated[float, Meta(ge=-LARGEST_LENGTH, le=LARGEST_LENGTH)]
 
 WebWidth = Annotated[
@@ -36,7 +36,12 @@ RimThickness = Annotated[
     ),
 ]
 WebOffset = Annotated[
-    Offset, about("mm", "axial position of the middle of the web from the middle of the face width")
+    Offset,
+    about(
+        "mm",
+        "axial position of the middle of the web from the middle of the face width",
+        usual=USUAL_OFFSET,
+    ),
 ]
 HubDiameter = Annotated[Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)]
 HubWidth = Annotated[
@@ -46,11 +51,20 @@ HubWidth = Annotated[
     ),
 ]
 HubOffset = Annotated[
-    Offset, about("mm", "axial position of the middle of the hub from the middle of the face width")
+    Offset,
+    about(
+        "mm",
+        "axial position of the middle of the hub from the middle of the face width",
+        usual=USUAL_OFFSET,
+    ),
 ]
 RegionSets = Annotated[
     Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
-    about("", "sets of elements of regions that are not as wide as the teeth: webs, hubs"),
+    about(
+        "",
+        "sets of elements of regions that are not as wide as the teeth: webs, hubs; groups of the "
+        "file then do not mean materials",
+    ),
 ]
 RegionWidths = Annotated[
     Annotated[tuple[Length, ...], Meta(min_length=1)] | None,
