@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
+import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
+from tests.support.gear_scenes import example
 from tests.support.ring_bodies import gear
 
 WIDTH, WEB = 14.0, (-2.1, 2.1)
@@ -57,3 +60,58 @@ def test_a_thin_web_yields_as_in_another_program(twist: float, degrees: tuple[in
     for name, value in REFERENCE[twist].items():
         limit = (NEIGHBOUR_Z1 if name == "neighbour z1" else LIMITS)[degrees]
         assert values[name] == pytest.approx(value, rel=limit), name
+
+
+THIN = {"web_width_mm": 4.2, "rim_thickness_mm": 8.0}
+HUB = {"hub_diameter_mm": 50.0, "hub_width_mm": 25.0}
+
+
+def _solved(wheel: dict[str, Any], helix: dict[str, Any] | None = None, **keys: Any) -> Any:
+    scene = example("external_gear")
+    scene["body_2"] |= wheel
+    scene["positions"] = {"count": 3}
+    scene["effects"], scene["accuracy"] = {"dimension": 3}, {"slices": 14, "axial_degree": 6}
+    if helix is not None:
+        left = {"right": "left", "left": "right"}
+        for number, hand in ((1, helix["hand"]), (2, left[helix["hand"]])):
+            scene[f"body_{number}"] |= {"helix_angle_deg": 15.0, "hand": hand, "profile_shift": 0.0}
+        scene["body_1"]["tip_diameter_mm"], scene["body_2"]["tip_diameter_mm"] = 83.0, 120.0
+        scene["pair"] = {"center_distance_mm": 93.3, "face_width_mm": 14}
+    return fl.solve(fl.Scene.from_dict(scene | keys))
+
+
+def test_a_web_as_wide_as_the_gear_is_none() -> None:
+    plain, same = _solved({}), _solved(THIN | {"web_width_mm": 14.0})
+    for name in ("rotation_rad", "line_load_N_per_mm", "slice_peak_pressure_MPa"):
+        assert np.array_equal(getattr(same, name), getattr(plain, name))
+
+
+def test_thin_webs_yield_and_one_off_the_middle_tilts() -> None:
+    plain, middle = _solved({}), _solved(THIN)
+    aside = _solved(THIN | {"web_offset_mm": 4.9})
+    mean = [result.transmission_error_um.mean() for result in (plain, middle, aside)]
+    assert mean[0] * 1.1 < mean[1] < mean[2]
+    hub = _solved(THIN | HUB)
+    assert mean[0] < hub.transmission_error_um.mean() < mean[1]
+    # the load is where the web is
+    assert middle.face_load_factor < 1.03
+    assert aside.face_load_factor > 1.1
+    along = aside.line_load_N_per_mm.sum(axis=1)[0]
+    assert along[-3] > 1.2 * along[2]
+    assert any("slower where widths jump" in note for note in aside.warnings)
+    assert not any("slower where widths jump" in note for note in plain.warnings)
+
+
+def test_the_mirror_image_of_a_helical_pair_has_mirrored_loads() -> None:
+    web = THIN | HUB | {"web_offset_mm": 3.0, "hub_offset_mm": -2.0}
+    mirrored = web | {"web_offset_mm": -3.0, "hub_offset_mm": 2.0}
+    right, left = _solved(web, {"hand": "right"}), _solved(mirrored, {"hand": "left"})
+    np.testing.assert_allclose(
+        left.transmission_error_um, right.transmission_error_um, rtol=1e-10, atol=0
+    )
+    largest = np.abs(right.line_load_N_per_mm).max()
+    np.testing.assert_allclose(
+        left.line_load_N_per_mm, right.line_load_N_per_mm[..., ::-1], rtol=0, atol=1e-9 * largest
+    )
+    plain = _solved({}, {"hand": "right"})
+    assert right.transmission_error_um.mean() > 1.1 * plain.transmission_error_um.mean()

@@ -45,6 +45,8 @@ PLANE_EFFECTS = {
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+#: Keys that give regions of a body widths of their own and hence require three dimensions.
+REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
@@ -157,11 +159,6 @@ class AxialKeys:
         """How far the helix angle may be from that of the other body."""
         return HELIX_TOLERANCE
 
-    @property
-    def region_key(self) -> str | None:
-        """A key that gives a region of the body a width of its own, if there is one."""
-        return None
-
     def regions_of(
         self, range_mm: tuple[float, float]
     ) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -254,12 +251,10 @@ def three_dimensional_key(
     for number, body in enumerate(bodies, start=1):
         if not isinstance(body, AxialKeys):
             continue
-        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft"):
-            value = getattr(body, name)
+        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
+            value = getattr(body, name, None)
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
-        if body.region_key is not None:
-            return f"body_{number}.{body.region_key}"
         widths.append((number, body.face_width_mm))
     for number, width in widths:
         if width is not None and pair is not None and width != pair.face_width_mm:

@@ -89,11 +89,6 @@ class RegionKeys:
         hub_width_mm: HubWidth
         hub_offset_mm: HubOffset
 
-    @property
-    def region_key(self) -> str | None:
-        """The key of the first width, if there is one."""
-        return next((f"{name}_width_mm" for name, _, _ in self._regions()), None)
-
     def _regions(self) -> Iterator[tuple[str, float, float]]:
         """Name, width and offset of web and hub, as far as there are any."""
         if self.web_width_mm is not None:
@@ -205,11 +200,6 @@ class MeshRegionKeys:
     if TYPE_CHECKING:
         region_sets: RegionSets
         region_widths_mm: RegionWidths
-
-    @property
-    def region_key(self) -> str | None:
-        """The key of the regions, if there are any."""
-        return None if self.region_sets is None else "region_sets"
 
     def check_regions(self, key: str) -> None:
         """Check that each region has one width.
