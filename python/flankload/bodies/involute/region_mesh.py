@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.involute.sector_breaks import ROW_PART
-from flankload.meshes.blocks import BlockMesh, symmetric_breaks, with_middles
+from flankload.meshes.blocks import BlockMesh, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,19 +52,23 @@ def with_regions(
     directions = mesh.nodes[lowest] / below[0][1]
     left, right = [mesh.left_nodes, lowest[-1:]], [mesh.right_nodes, lowest[:1]]
     for outer, inner in pairwise([radius for _, radius in below] + [bore_radius_mm]):
-        size = ROW_PART * 0.5 * (outer + inner)
-        rows = symmetric_breaks(outer - inner, ROW_AT_JUMP * element_mm, GROWTH, size)
-        radii = inner + with_middles(rows) * (outer - inner)
+        height, first, size = outer - inner, ROW_AT_JUMP * element_mm, ROW_PART * outer
+        if inner > bore_radius_mm or len(below) == 1:
+            rows = symmetric_breaks(height, first, GROWTH, size)
+        else:  # a hub is thick, and nothing jumps at the bore; a web bends there
+            rows = growing_breaks(height, first, GROWTH, np.array([[0.0], [size]]))
+        radii = outer - with_middles(rows)[::-1] * height
         numbers = blocks.add(radii[:, None, None] * directions, {"top": lowest})
         lowest = numbers[0]
         left.append(numbers[-2::-1, -1])
         right.append(numbers[-2::-1, 0])
+    nodes = np.concatenate(blocks.places)
     return replace(
         mesh,
-        nodes=np.concatenate(blocks.places),
+        nodes=nodes,
         cells=(*mesh.cells, *(("quad9", cells) for cells in blocks.cells)),
         flank_arc_length=np.append(
-            mesh.flank_arc_length, np.full(blocks._count - len(mesh.nodes), np.nan)
+            mesh.flank_arc_length, np.full(len(nodes) - len(mesh.nodes), np.nan)
         ),
         fixed_nodes=np.unique(lowest),
         left_nodes=np.concatenate(left)[:-1],
