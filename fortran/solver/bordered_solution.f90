@@ -6,18 +6,18 @@
 module flankload_bordered_solution
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_kept_factor, only: solve_factored, estimate_condition
+    use flankload_updatable_factor, only: solve_factored, estimate_condition
     use flankload_bordered_system, only: bordered_system
-    use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
+    use flankload_regularized_loads, only: restore_motion, regularized_norm, regularized_flexibility
     use flankload_lapack, only: solve_lower, continue_lower
-    use flankload_spanned_columns, only: spanned, span_columns, solve_triangular
+    use flankload_spanned_columns, only: spanned, factor_columns, solve_triangular
     implicit none
     private
 
     public :: solve_bordered, bordered_condition, invert_small
 
     !> Relative pivot below which no active pair constrains a motion.
-    real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+    real(wp), parameter :: singular_motion = 64.0_wp*epsilon(1.0_wp)
     !> With smaller pivots half of the digits are lost; motions separated before lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
@@ -63,14 +63,14 @@ contains
         if (problem%n_motions > 1 .and. solution%least_pivot < small_pivot) then
             call solve_spanned(system, problem, r, s, solution)
         end if
-        solved = solution%least_pivot > loose_motion
+        solved = solution%least_pivot > singular_motion
         if (.not. solved) then
             motion = 0.0_wp*s
             forces = 0.0_wp*r
             return
         end if
         if (problem%spring > 0.0_wp) then
-            call leave_springs(problem, s, solution%motion, solution%inverse)
+            call restore_motion(problem, s, solution%motion, solution%inverse)
         end if
         call move_alloc(solution%forces, forces)
         call move_alloc(solution%motion, motion)
@@ -99,7 +99,7 @@ contains
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        call invert(solution%inverse, singular_motion, solution%least_pivot)
         if (solution%least_pivot <= 0.0_wp) return
         ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
         solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
@@ -124,16 +124,16 @@ contains
         real(wp), allocatable :: columns(:, :), loads(:, :)
 
         q = problem%n_motions
-        of_motions = span_columns(problem%motions(system%pairs, :))
-        of_loads = span_columns(problem%load_rows(system%pairs, :))
+        of_motions = factor_columns(problem%motions(system%pairs, :))
+        of_loads = factor_columns(problem%load_rows(system%pairs, :))
         if (.not. (of_motions%independent .and. of_loads%independent)) return
         allocate (columns(size(system%pairs), q + 1))
         columns(:, :q) = of_motions%columns
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
-        call invert(solution%inverse, loose_motion, solution%least_pivot)
-        if (solution%least_pivot <= loose_motion) return
+        call invert(solution%inverse, singular_motion, solution%least_pivot)
+        if (solution%least_pivot <= singular_motion) return
         ! U⁻ᵀ [s 1]
         allocate (loads(q, q + 1), source=0.0_wp)
         loads(:, 1) = s
@@ -178,7 +178,7 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, loose_motion, solution%least_pivot)
+            call invert(inverse, singular_motion, solution%least_pivot)
             if (solution%least_pivot <= 0.0_wp) return
             solution%motion = matmul(inverse, &
                 & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
@@ -229,7 +229,7 @@ contains
 
         real(wp) :: least_pivot, negligible
 
-        negligible = loose_motion
+        negligible = singular_motion
         if (present(graded)) then
             if (graded) negligible = 0.0_wp
         end if
@@ -318,8 +318,8 @@ contains
         end do
         flexibility = tangent
         if (problem%spring > 0.0_wp) then
-            norm = norm + spring_norm(problem, system%pairs)
-            flexibility = at_far_ends(problem, tangent)
+            norm = norm + regularized_norm(problem, system%pairs)
+            flexibility = regularized_flexibility(problem, tangent)
         end if
         condition = estimate_condition(system%factor, norm)
         stiffness = flexibility
@@ -328,7 +328,7 @@ contains
             condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
                 & *maxval(sum(abs(flexibility), dim=1)))
         else if (problem%n_motions > 1) then
-            condition = max(condition, 1.0_wp/loose_motion)
+            condition = max(condition, 1.0_wp/singular_motion)
         end if
     end function bordered_condition
 

@@ -5,8 +5,9 @@
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew
-    use flankload_load_springs, only: spring_column, spring_row
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, extend, shrink, &
+        & factor_anew
+    use flankload_regularized_loads, only: regularized_column, regularized_row
     use flankload_factor_block, only: extend_block, cut
     implicit none
     private
@@ -17,7 +18,7 @@ module flankload_bordered_system
 
     !> The pairs in contact and the factor of their compliance.
     type :: bordered_system
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         !> The pairs, in the order in which they entered
         integer, allocatable :: pairs(:)
         !> Rows are exchanged at every change
@@ -48,7 +49,7 @@ contains
         logical, intent(in) :: pivoted
         type(bordered_system) :: system
 
-        system%factor = new_kept_factor(symmetric)
+        system%factor = new_updatable_factor(symmetric)
         system%pivoted = pivoted
         allocate (system%pairs(0))
     end function new_bordered_system
@@ -82,14 +83,14 @@ contains
         end if
         diagonal = own**2*compliance(pair, pair)
         if (problem%spring > 0.0_wp) then
-            column = column + spring_column(problem, system%pairs, pair)
-            row = row + spring_row(problem, pair, system%pairs)
-            diagonal = diagonal + sum(spring_column(problem, [pair], pair))
+            column = column + regularized_column(problem, system%pairs, pair)
+            row = row + regularized_row(problem, pair, system%pairs)
+            diagonal = diagonal + sum(regularized_column(problem, [pair], pair))
         end if
         call extend(system%factor, column, row, diagonal, accepted)
         if (accepted) then
             system%pairs = [system%pairs, pair]
-            call watch_growth(system, problem, compliance, accepted)
+            call check_growth(system, problem, compliance, accepted)
             if (accepted) return
             system%pairs = system%pairs(:size(system%pairs) - 1)
             call factor_pairs_anew(system, problem, compliance, accepted)
@@ -143,15 +144,15 @@ contains
         end do
         if (problem%spring > 0.0_wp) then
             do j = 1, b
-                columns(:, j) = columns(:, j) + spring_column(problem, system%pairs, pairs(j))
+                columns(:, j) = columns(:, j) + regularized_column(problem, system%pairs, pairs(j))
             end do
             do j = 1, size(rows, 2)
-                rows(:, j) = rows(:, j) + spring_column(problem, pairs, before(j))
+                rows(:, j) = rows(:, j) + regularized_column(problem, pairs, before(j))
             end do
         end if
         call extend_block(system%factor, columns, rows, accepted)
         if (accepted) then
-            call watch_growth(system, problem, compliance, accepted)
+            call check_growth(system, problem, compliance, accepted)
             if (accepted) return
         else if (.not. problem%symmetric) then
             ! A pivot of zero may only require another order of the rows.
@@ -226,12 +227,12 @@ contains
             call factor_pairs_anew(system, problem, compliance, accepted)
         else
             call shrink(system%factor, index)
-            call watch_growth(system, problem, compliance, accepted)
+            call check_growth(system, problem, compliance, accepted)
         end if
     end subroutine drop_pair
 
     !> Factor with row exchanges if elimination without them has lost too many digits.
-    pure subroutine watch_growth(system, problem, compliance, accepted)
+    pure subroutine check_growth(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem and its K
@@ -245,7 +246,7 @@ contains
         if (system%factor%growth > growth_limit) then
             call factor_pairs_anew(system, problem, compliance, accepted)
         end if
-    end subroutine watch_growth
+    end subroutine check_growth
 
     !> Factor the complete system.
     pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
@@ -282,7 +283,7 @@ contains
         end do
         if (.not. problem%spring > 0.0_wp) return
         do j = 1, k
-            matrix(:, j) = matrix(:, j) + spring_column(problem, system%pairs, system%pairs(j))
+            matrix(:, j) = matrix(:, j) + regularized_column(problem, system%pairs, system%pairs(j))
         end do
     end function gather
 

@@ -8,7 +8,7 @@ module flankload_contact_loads
     use flankload_contact_result, only: contact_result
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_loop_start, only: loop_state
-    use flankload_block_loop, only: settle_blocks
+    use flankload_block_loop, only: iterate_blocks
     use flankload_contact_report, only: report_state, is_in_range
     use flankload_contact_loop, only: solve_and_keep, method_auto, method_block, &
         & method_cascade
@@ -58,7 +58,7 @@ contains
             l = order(step)
             codes(l) = 0
             done = .false.
-            if (kept) call go_on(problem, compliance, loads(:, l), state, results(l), done)
+            if (kept) call continue_from(problem, compliance, loads(:, l), state, results(l), done)
             if (.not. done) then
                 call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads(:, l), &
                     & structure, method, begin, problem, state, results(l), error)
@@ -92,7 +92,7 @@ contains
     end function ascending
 
     !> Continue to another load with the current pairs and factor.
-    pure subroutine go_on(problem, compliance, loads, state, result, done)
+    pure subroutine continue_from(problem, compliance, loads, state, result, done)
         !> The problem, then with these loads
         type(contact_problem), intent(inout) :: problem
         !> K
@@ -115,13 +115,13 @@ contains
         state%pivots = 0
         state%system%refactorisations = 0
         state%system%growth = state%system%factor%growth
-        call settle_blocks(problem, compliance, state, done)
+        call iterate_blocks(problem, compliance, state, done)
         if (.not. done) return
         result%rung = method_block
         call report_state(problem, compliance, state, result)
         ! A new factor recovers the accuracy that the updated factor has lost.
         done = result%backward_error <= row_tolerance
         if (done) done = is_in_range(problem, state%forces, state%motion, result)
-    end subroutine go_on
+    end subroutine continue_from
 
 end module flankload_contact_loads

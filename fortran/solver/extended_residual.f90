@@ -8,12 +8,12 @@ module flankload_extended_residual
     implicit none
     private
 
-    public :: extended_lack
+    public :: find_residual
 
 contains
 
     !> Remaining right-hand sides for given forces and motion.
-    pure subroutine extended_lack(problem, compliance, pairs, forces, motion, r, s)
+    pure subroutine find_residual(problem, compliance, pairs, forces, motion, r, s)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -55,6 +55,6 @@ contains
             end do
             s(c) = rounded(load)
         end do
-    end subroutine extended_lack
+    end subroutine find_residual
 
 end module flankload_extended_residual

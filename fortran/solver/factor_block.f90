@@ -1,7 +1,7 @@
 !> Updates of a factor by several rows and columns at once, by BLAS-3.
 module flankload_factor_block
     use flankload_kinds, only: wp
-    use flankload_kept_factor, only: kept_factor, reserve, dependent
+    use flankload_updatable_factor, only: updatable_factor, reserve, dependent
     use flankload_lapack, only: border_cholesky, border_lu, permute_rows
     implicit none
     private
@@ -16,7 +16,7 @@ contains
     !> Add last rows and columns.
     pure subroutine extend_block(factor, columns, rows, accepted)
         !> The factor
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> New columns, their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
         !> New rows left of their own columns, shape (b, order); not read if the matrix is symmetric
@@ -49,7 +49,7 @@ contains
     !> Add rows and columns to an LU factor, a few at a time.
     pure subroutine extend_lu(factor, columns, rows, accepted)
         !> The factor, with room for the new rows
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> New columns, their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
         !> New rows left of their own columns, shape (b, order)
@@ -119,7 +119,7 @@ contains
     !> Remove the last rows and columns: those before them need no work.
     pure subroutine cut(factor, order)
         !> The factor; rows factored with exchanges must not extend beyond the order that remains
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> Rows that remain
         integer, intent(in) :: order
 

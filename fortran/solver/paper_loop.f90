@@ -9,8 +9,8 @@ module flankload_paper_loop
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & row_tolerance
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, factor_anew, &
-        & solve_factored, estimate_condition
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, extend, &
+        & factor_anew, solve_factored, estimate_condition
     implicit none
     private
 
@@ -20,7 +20,7 @@ module flankload_paper_loop
     !> State of the loop; all scaled.
     type :: paper_state
         !> Factor of the matrix of (32)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         !> Pairs in contact s_1, s_2, … in the order in which they entered
         integer, allocatable :: pairs(:)
         !> Forces (n), gaps (n), motion from the start (1)
@@ -50,7 +50,7 @@ contains
         !> More than one motion, row levers that are not positive, or singular equations
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: first, joining
+        integer :: first, entering
 
         if (problem%n_motions /= 1) then
             call fatal_error(error, invalid_input, 'method paper: expected one motion')
@@ -61,19 +61,19 @@ contains
         end if
         allocate (state%forces(problem%n), state%gaps(problem%n), state%motion(1), source=0.0_wp)
         allocate (state%tangent(1, 1), source=0.0_wp)
-        state%factor = new_kept_factor(symmetric=.false.)
+        state%factor = new_updatable_factor(symmetric=.false.)
         ! The least gap angle, so that (25) holds for the first pair.
         first = minloc(problem%gaps/problem%motions(:, 1), dim=1)
         call shift_gaps(problem, [problem%gaps(first)/problem%motions(first, 1)], [first])
         state%pairs = [first]
-        joining = 0
+        entering = 0
         do
             call extend_equations(problem, compliance, state, error)
             if (allocated(error)) return
             call solve_equations(problem, compliance, state)
-            joining = least_gap_angle(problem, compliance, state)  ! Eq. (30), (31)
-            if (joining == 0) exit
-            state%pairs = [state%pairs, joining]
+            entering = least_gap_angle(problem, compliance, state)  ! Eq. (30), (31)
+            if (entering == 0) exit
+            state%pairs = [state%pairs, entering]
         end do
         call refine(problem, compliance, state)
     end subroutine paper_loop
@@ -176,24 +176,24 @@ contains
     end function rotation
 
     !> The pair with the smallest final gap angle, 0 if none is negative beyond rounding.
-    pure function least_gap_angle(problem, compliance, state) result(joining)
+    pure function least_gap_angle(problem, compliance, state) result(entering)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(paper_state), intent(in) :: state
-        integer :: joining
+        integer :: entering
 
         logical, allocatable :: candidate(:)
 
         candidate = state%gaps < 0.0_wp
         candidate(state%pairs) = .false.
         do
-            joining = minloc(state%gaps/problem%motions(:, 1), dim=1, mask=candidate)
-            if (joining == 0) return
-            if (state%gaps(joining) < -row_tolerance*row_size(problem, compliance, state%forces, &
-                & state%motion, state%pairs, joining)) return
-            candidate(joining) = .false.
+            entering = minloc(state%gaps/problem%motions(:, 1), dim=1, mask=candidate)
+            if (entering == 0) return
+            if (state%gaps(entering) < -row_tolerance*row_size(problem, compliance, state%forces, &
+                & state%motion, state%pairs, entering)) return
+            candidate(entering) = .false.
         end do
     end function least_gap_angle
 

@@ -4,7 +4,7 @@ module flankload_spanned_columns
     implicit none
     private
 
-    public :: spanned, span_columns, solve_triangular
+    public :: spanned, factor_columns, solve_triangular
 
     !> Columns = columns' M, where M is a triangle except for the order of its columns.
     type :: spanned
@@ -25,7 +25,7 @@ module flankload_spanned_columns
 contains
 
     !> Elimination by the largest remaining entry.
-    pure function span_columns(columns) result(span)
+    pure function factor_columns(columns) result(span)
         !> The columns, shape (k, q)
         real(wp), intent(in) :: columns(:, :)
         type(spanned) :: span
@@ -51,7 +51,7 @@ contains
             where (abs(left) <= nothing*terms) left = 0.0_wp
         end do
         span%independent = .true.
-    end function span_columns
+    end function factor_columns
 
     !> a bᵀ
     pure function outer(a, b) result(product)

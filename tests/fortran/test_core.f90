@@ -3,8 +3,8 @@ program test_core
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
         & method_single, symmetric_matrix, general_matrix
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
-        & solve_factored
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, extend, shrink, &
+        & factor_anew, solve_factored
     use flankload_factor_block, only: extend_block, cut
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
@@ -520,12 +520,12 @@ contains
         real(wp), intent(in) :: matrix(:, :)
         !> Which kind
         logical, intent(in) :: symmetric
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
 
         integer :: k
         logical :: accepted
 
-        factor = new_kept_factor(symmetric)
+        factor = new_updatable_factor(symmetric)
         do k = 1, size(matrix, 1)
             call extend(factor, matrix(:k - 1, k), matrix(k, :k - 1), matrix(k, k), accepted)
             call expect(accepted, 'an independent row is accepted')
@@ -535,16 +535,16 @@ contains
     !> Largest relative difference to a fresh factorisation of the same rows, random right sides.
     function distance_to_fresh(factor, matrix) result(distance)
         !> The factor that grew or shrank
-        type(kept_factor), intent(in) :: factor
+        type(updatable_factor), intent(in) :: factor
         !> What it should be the factor of
         real(wp), intent(in) :: matrix(:, :)
         real(wp) :: distance
 
-        type(kept_factor) :: fresh
+        type(updatable_factor) :: fresh
         logical :: accepted
         real(wp), allocatable :: kept(:, :), anew(:, :)
 
-        fresh = new_kept_factor(factor%symmetric)
+        fresh = new_updatable_factor(factor%symmetric)
         call factor_anew(fresh, matrix, accepted)
         call expect(accepted, 'the matrix can be factored')
         allocate (kept(size(matrix, 1), 2))
@@ -576,7 +576,7 @@ contains
         integer, parameter :: leaving(5) = [1, n - 1, 7, 1, 12]
         integer, allocatable :: left(:)
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
 
         matrix = random_matrix(symmetric)
         factor = grown_factor(matrix, symmetric)
@@ -599,11 +599,11 @@ contains
         integer, parameter :: ends(4) = [0, 5, 6, n]
         integer :: b, first, last
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         logical :: accepted
 
         matrix = random_matrix(symmetric)
-        factor = new_kept_factor(symmetric)
+        factor = new_updatable_factor(symmetric)
         do b = 2, size(ends)
             first = ends(b - 1) + 1
             last = ends(b)
@@ -625,7 +625,7 @@ contains
     !> A row that repeats another is refused and leaves the factor as it was.
     subroutine test_dependent_row
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         logical :: accepted
 
         matrix = random_matrix(symmetric=.true.)

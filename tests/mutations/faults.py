@@ -228,7 +228,7 @@ _FORTRAN = (
         ("wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp)", "wrong = merge(abs(rows(i)), 0.0_wp"),
     ),
     *_in(
-        "kept_factor.f90",
+        "updatable_factor.f90",
         "core",
         ("pivot = diagonal - dot_product(left(:, 1), above(:, 1))", "pivot = diagonal"),
         ("cosine*x(i - first + 1) - sine*entry", "cosine*x(i - first + 1) + sine*entry"),
@@ -255,7 +255,7 @@ _FORTRAN = (
         ("open = count(state%gaps < 0.0_wp", "open = count(state%gaps > 0.0_wp"),
     ),
     *_in(
-        "load_path.f90",
+        "lemke_path.f90",
         "unit/contact/test_contact_load_path.py",
         ("distance = max(0.0_wp, line%value(i))/", "distance = max(0.0_wp, 1.1_wp*line%value(i))/"),
     ),

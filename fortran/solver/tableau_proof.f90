@@ -1,13 +1,13 @@
 !> Check whether a row of a tableau proves that a case has no solution.
-module flankload_case_proof
+module flankload_tableau_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_case_table, only: simplex_table, negligible
-    use flankload_sure_proof, only: equation_sum, is_sure
+    use flankload_tableau, only: simplex_tableau, negligible
+    use flankload_infeasibility_proof, only: farkas_multipliers, is_proven
     implicit none
     private
 
-    public :: is_proof
+    public :: proves_infeasibility
 
     !> Accepted rounding error of a sum of the tableau, relative to its terms: only forces larger
     !> than those required by the loads and gaps by the inverse of this factor would make a
@@ -22,12 +22,12 @@ contains
     !> g0 + K F - B q - g with factors y and of 0 = Q - Rᵀ F with factors z, which are the entries
     !> of g and of the load residuals. With v < 0 and no c_j > 0, except for unknowns that are zero
     !> in this case, it has no solution >= 0.
-    pure function is_proof(problem, compliance, table, row, sense) result(proof)
+    pure function proves_infeasibility(problem, compliance, table, row, sense) result(proof)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The tableau
-        type(simplex_table), intent(in) :: table
+        type(simplex_tableau), intent(in) :: table
         !> The row
         integer, intent(in) :: row
         !> 1 as above, -1 with all signs reversed
@@ -72,13 +72,14 @@ contains
                 & + dot_product(abs(problem%load_rows(j, :)), abs(z))
             proof = proof .and. total <= let_pass*terms
         end do
-        if (proof) proof = is_sure(problem, compliance, sum_of_row(table, n, q, row, sense))
-    end function is_proof
+        if (.not. proof) return
+        proof = is_proven(problem, compliance, multipliers_of_row(table, n, q, row, sense))
+    end function proves_infeasibility
 
     !> The sum of equations that a row represents.
-    pure function sum_of_row(table, n, q, row, sense) result(equations)
+    pure function multipliers_of_row(table, n, q, row, sense) result(equations)
         !> The tableau
-        type(simplex_table), intent(in) :: table
+        type(simplex_tableau), intent(in) :: table
         !> Number of pairs and of motions
         integer, intent(in) :: n
         integer, intent(in) :: q
@@ -86,7 +87,7 @@ contains
         integer, intent(in) :: row
         !> 1, or -1 with all signs reversed
         real(wp), intent(in) :: sense
-        type(equation_sum) :: equations
+        type(farkas_multipliers) :: equations
 
         integer :: c
         real(wp), allocatable :: entry(:)
@@ -106,6 +107,6 @@ contains
         equations%motions = [(c, c=1, q)]
         equations%no_force = table%fixed(:n)
         equations%no_gap = table%fixed(n + 1:2*n)
-    end function sum_of_row
+    end function multipliers_of_row
 
-end module flankload_case_proof
+end module flankload_tableau_proof

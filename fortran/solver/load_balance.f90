@@ -1,14 +1,14 @@
 !> Whether forces hold the loads, and the remedy if cancellation has lost them.
-module flankload_held_loads
+module flankload_load_balance
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_bordered_system, only: bordered_system
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_extended_residual, only: extended_lack
+    use flankload_extended_residual, only: find_residual
     implicit none
     private
 
-    public :: holds_loads, hold_loads_again
+    public :: holds_loads, restore_loads
 
     !> Forces that hold the loads less accurately than this are refined before any decision.
     real(wp), parameter :: lost = 1.0e-9_wp
@@ -48,7 +48,7 @@ contains
 
     !> Small loads at large gaps: the motions that close the gaps have no digits for the
     !> displacements under the loads. With several motions, forces computed from them are refined.
-    pure subroutine hold_loads_again(problem, compliance, system, forces, motion)
+    pure subroutine restore_loads(problem, compliance, system, forces, motion)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -66,12 +66,12 @@ contains
         do step = 1, most_steps
             if (holds_loads(problem, system%pairs, forces, lost)) return
             if (.not. allocated(r)) allocate (r(size(forces)), s(size(motion)))
-            call extended_lack(problem, compliance, system%pairs, forces, motion, r, s)
+            call find_residual(problem, compliance, system%pairs, forces, motion, r, s)
             call solve_bordered(system, problem, r, s, more_force, more_motion, solved)
             if (.not. solved) return
             forces = forces + more_force
             motion = motion + more_motion
         end do
-    end subroutine hold_loads_again
+    end subroutine restore_loads
 
-end module flankload_held_loads
+end module flankload_load_balance

@@ -2,18 +2,18 @@
 !>
 !> A force that is small relative to the largest may be significant in a load on which the others
 !> hardly act, for instance if their levers are rounding: without it that load would not be held.
-module flankload_zero_force
+module flankload_roundoff
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, row_tolerance
     implicit none
     private
 
-    public :: pulls, is_noticed
+    public :: is_tensile, is_significant
 
 contains
 
     !> Pairs whose forces are negative beyond rounding.
-    pure function pulls(problem, pairs, forces) result(negative)
+    pure function is_tensile(problem, pairs, forces) result(negative)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact, shape (k)
@@ -27,12 +27,13 @@ contains
         little = abs(forces) <= row_tolerance*maxval(abs(forces))
         negative = forces < 0.0_wp
         if (any(negative .and. little)) then
-            negative = negative .and. (.not. little .or. is_noticed(problem, pairs, forces, little))
+            negative = negative &
+                & .and. (.not. little .or. is_significant(problem, pairs, forces, little))
         end if
-    end function pulls
+    end function is_tensile
 
     !> Small forces that are more than rounding in a load on which the others act.
-    pure function is_noticed(problem, pairs, forces, little) result(noticed)
+    pure function is_significant(problem, pairs, forces, little) result(noticed)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact, shape (k)
@@ -54,6 +55,6 @@ contains
             if (.not. others > 0.0_wp) cycle
             noticed = noticed .or. (little .and. work > row_tolerance*others)
         end do
-    end function is_noticed
+    end function is_significant
 
-end module flankload_zero_force
+end module flankload_roundoff

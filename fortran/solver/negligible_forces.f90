@@ -1,15 +1,15 @@
 !> Removal of forces that are rounding errors at the end of a contact loop.
-module flankload_force_remains
+module flankload_negligible_forces
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
         & row_size, row_tolerance
-    use flankload_zero_force, only: is_noticed
-    use flankload_held_loads, only: holds_loads
+    use flankload_roundoff, only: is_significant
+    use flankload_load_balance, only: holds_loads
     use flankload_loop_start, only: loop_state
     implicit none
     private
 
-    public :: clear_remains, clear_rounding
+    public :: clear_unloaded, clear_roundoff
 
     !> A force below this fraction of the largest (without loads: of the force that closes the
     !> largest gap), times the condition number, is what refinement leaves of zero: rounding of
@@ -20,7 +20,7 @@ module flankload_force_remains
 contains
 
     !> Pairs that only hold a motion in place, without a load on it, carry no force.
-    pure subroutine clear_remains(problem, state)
+    pure subroutine clear_unloaded(problem, state)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The state
@@ -37,15 +37,15 @@ contains
             remains = state%forces(pairs) <= min(no_force*state%condition, no_force_limit)*largest
             if (.not. any(remains)) return
             remains = remains .and. .not. &
-                & is_noticed(problem, pairs, state%forces(pairs), remains)
+                & is_significant(problem, pairs, state%forces(pairs), remains)
             state%forces(pack(pairs, remains)) = 0.0_wp
         end associate
-    end subroutine clear_remains
+    end subroutine clear_unloaded
 
     !> If a load is not held on which only small forces act, these forces are rounding: the loads on
     !> which large forces act, too, cannot resolve them. They are set to zero if the loads are then
     !> held and the pairs still touch, to the rounding of the caller's rows.
-    pure subroutine clear_rounding(problem, compliance, state)
+    pure subroutine clear_roundoff(problem, compliance, state)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -61,7 +61,7 @@ contains
         associate (pairs => state%system%pairs)
             if (holds_loads(problem, pairs, state%forces(pairs), row_tolerance)) return
             little = state%forces(pairs) <= row_tolerance*maxval(state%forces)
-            little = little .and. .not. is_noticed(problem, pairs, state%forces(pairs), little)
+            little = little .and. .not. is_significant(problem, pairs, state%forces(pairs), little)
             old_forces = state%forces
             old_gaps = state%gaps
             state%forces(pack(pairs, little)) = 0.0_wp
@@ -80,6 +80,6 @@ contains
         if (sound) return
         state%forces = old_forces
         state%gaps = old_gaps
-    end subroutine clear_rounding
+    end subroutine clear_roundoff
 
-end module flankload_force_remains
+end module flankload_negligible_forces

@@ -7,32 +7,32 @@
 !> The factor, with row exchanges, is that of an earlier set. It is bordered by the changes since: a
 !> pair that entered adds its force and the condition gap = 0, one that left adds its gap and the
 !> condition force = 0, and the present driving variable replaces the stored one.
-module flankload_path_factor
+module flankload_lemke_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_lapack, only: getrf, permute_rows, solve_triangle
     implicit none
     private
 
-    public :: path_problem, path_factor, path_unknowns
-    public :: change_sides, factor_line, border_line
+    public :: lemke_problem, lemke_factor, lemke_unknowns
+    public :: exchange_pair, factor_line, border_line
 
     !> Number of pairs that may change sides before the present set is factored.
     integer, parameter :: most_changes = 16
     !> Fewer equations than this are factored faster than bordered.
     integer, parameter :: few_equations = 16
     !> Problem along the path: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
-    type :: path_problem
+    type :: lemke_problem
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: cover(:)
         real(wp), allocatable :: base_loads(:)
         real(wp), allocatable :: loads(:)
-    end type path_problem
+    end type lemke_problem
 
     !> The factored equations of an earlier set, and the changes since.
-    type :: path_factor
+    type :: lemke_factor
         !> Problem along the path
-        type(path_problem) :: way
+        type(lemke_problem) :: way
         !> The driving variable, zero at the start of a line and one at a unit from it: 0 for λ,
         !> else force (pair active) or gap of that pair
         integer :: driver = 0
@@ -50,28 +50,28 @@ module flankload_path_factor
         integer :: changed(most_changes) = 0
         real(wp), allocatable :: columns(:, :)
         real(wp), allocatable :: rows(:, :)
-    end type path_factor
+    end type lemke_factor
 
     !> Unknowns at the start of a line and their change along it.
-    type :: path_unknowns
+    type :: lemke_unknowns
         !> Scaled forces, shape (n, 2), and motion, shape (n_motions, 2)
         real(wp), allocatable :: forces(:, :)
         real(wp), allocatable :: motion(:, :)
         !> λ, shape (2)
         real(wp), allocatable :: part(:)
-    end type path_unknowns
+    end type lemke_unknowns
 
 contains
 
     !> Add a pair to the active ones, or remove it.
-    pure subroutine change_sides(problem, compliance, pair, factor)
+    pure subroutine exchange_pair(problem, compliance, pair, factor)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pair
         integer, intent(in) :: pair
         !> The factor
-        type(path_factor), intent(inout) :: factor
+        type(lemke_factor), intent(inout) :: factor
 
         integer :: j, k, m, place
         real(wp), allocatable :: column(:, :)
@@ -107,9 +107,9 @@ contains
             factor%rows(:, j) = 0.0_wp
             factor%rows(place, j) = 1.0_wp
         end if
-        call solve_kept(factor, column)
+        call solve_stored(factor, column)
         factor%columns(:, j) = column(:, 1)
-    end subroutine change_sides
+    end subroutine exchange_pair
 
     !> Factor the equations of the present set and driving variable.
     pure subroutine factor_line(problem, compliance, factor, solved)
@@ -117,7 +117,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(inout) :: factor
+        type(lemke_factor), intent(inout) :: factor
         !> False if the equations are singular
         logical, intent(out) :: solved
 
@@ -156,7 +156,7 @@ contains
             call getrf(m, matrix, factor%swaps, info)
             solved = info == 0
             if (.not. solved) return
-            call solve_kept(factor, right)
+            call solve_stored(factor, right)
         end associate
         solved = all(abs(right) <= huge(1.0_wp))
         factor%solution = right
@@ -171,7 +171,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
-        type(path_problem), intent(in) :: way
+        type(lemke_problem), intent(in) :: way
         !> The pair
         integer, intent(in) :: pair
         !> The pairs with forces
@@ -183,9 +183,9 @@ contains
     end function gap_row
 
     !> Solve with the stored factor.
-    pure subroutine solve_kept(factor, x)
+    pure subroutine solve_stored(factor, x)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> Right-hand sides, then solutions
         real(wp), contiguous, intent(inout) :: x(:, :)
 
@@ -195,7 +195,7 @@ contains
         call permute_rows(x, factor%swaps)
         call solve_triangle(m, factor%matrix, 'L', 'N', 'U', x)
         call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
-    end subroutine solve_kept
+    end subroutine solve_stored
 
     !> The line from the stored factor: z = z0 - C y for the stored unknowns z, where y holds the
     !> stored driving variable, now free, and for each change the force of the pair that entered or
@@ -206,9 +206,9 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> The line
-        type(path_unknowns), intent(out) :: unknowns
+        type(lemke_unknowns), intent(out) :: unknowns
         !> False if the equations are singular
         logical, intent(out) :: solved
 
@@ -252,7 +252,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> D on the stored unknowns, E on those of the changes, s
         real(wp), allocatable, intent(out) :: rows(:, :)
         real(wp), allocatable, intent(out) :: matrix(:, :)
@@ -269,7 +269,7 @@ contains
             associate (pair => factor%changed(j))
                 if (.not. factor%active(pair)) cycle
                 right(j, 1) = -factor%way%gaps(pair)
-                call add_joined(problem, compliance, factor, pair, matrix(j, :s))
+                call add_entered(problem, compliance, factor, pair, matrix(j, :s))
             end associate
         end do
         place = 0
@@ -284,19 +284,19 @@ contains
             else
                 rows(:, s + 1) = gap_row(problem, compliance, factor%way, driver, factor%pairs)
                 right(s + 1, 1) = -factor%way%gaps(driver)
-                call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
+                call add_entered(problem, compliance, factor, driver, matrix(s + 1, :s))
             end if
         end associate
         rows = transpose(rows)
     end subroutine border_rows
 
     !> Contribution of the forces of entered pairs to the gap of a pair.
-    pure subroutine add_joined(problem, compliance, factor, pair, row)
+    pure subroutine add_entered(problem, compliance, factor, pair, row)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> The pair
         integer, intent(in) :: pair
         !> Its row on the unknowns of the changes
@@ -311,6 +311,6 @@ contains
                     & *problem%row_scale(joined)
             end associate
         end do
-    end subroutine add_joined
+    end subroutine add_entered
 
-end module flankload_path_factor
+end module flankload_lemke_factor
