@@ -14,7 +14,7 @@ module flankload_bordered_solution
     implicit none
     private
 
-    public :: solve_bordered, bordered_condition, invert_small
+    public :: solve_bordered, bordered_condition, invert
 
     !> Relative pivot below which no active pair constrains a motion.
     real(wp), parameter :: singular_motion = 64.0_wp*epsilon(1.0_wp)
@@ -99,7 +99,7 @@ contains
         rows = problem%load_rows(system%pairs, :)
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(solution%inverse, singular_motion, solution%least_pivot)
+        call invert(solution%inverse, solution%least_pivot, .false.)
         if (solution%least_pivot <= 0.0_wp) return
         ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
         solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
@@ -132,7 +132,7 @@ contains
         columns(:, q + 1) = r
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
-        call invert(solution%inverse, singular_motion, solution%least_pivot)
+        call invert(solution%inverse, solution%least_pivot, .false.)
         if (solution%least_pivot <= singular_motion) return
         ! U⁻ᵀ [s 1]
         allocate (loads(q, q + 1), source=0.0_wp)
@@ -178,7 +178,7 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, singular_motion, solution%least_pivot)
+            call invert(inverse, solution%least_pivot, .false.)
             if (solution%least_pivot <= 0.0_wp) return
             solution%motion = matmul(inverse, &
                 & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
@@ -218,38 +218,19 @@ contains
         system%n_forward = k
     end subroutine extend_forward
 
-    !> Invert a small matrix unless it is singular to rounding.
-    pure subroutine invert_small(matrix, solved, graded)
-        !> The matrix, then its inverse, shape (q, q)
-        real(wp), intent(inout) :: matrix(:, :)
-        !> False if it is singular to rounding
-        logical, intent(out) :: solved
-        !> The matrix is known to be regular, however small its pivots are
-        logical, intent(in), optional :: graded
-
-        real(wp) :: least_pivot, negligible
-
-        negligible = singular_motion
-        if (present(graded)) then
-            if (graded) negligible = 0.0_wp
-        end if
-        call invert(matrix, negligible, least_pivot)
-        solved = least_pivot > 0.0_wp
-    end subroutine invert_small
-
     !> Invert a small matrix by elimination with complete pivoting (Gauss-Jordan).
-    pure subroutine invert(matrix, negligible, least_pivot)
+    pure subroutine invert(matrix, least_pivot, graded)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
-        !> Pivots no larger than this fraction of the largest entry count as zero
-        real(wp), intent(in) :: negligible
-        !> Smallest pivot relative to the largest entry; unscaled if that is 0
+        !> Smallest pivot relative to the largest entry, 0 if the matrix is singular to rounding
         real(wp), intent(out) :: least_pivot
+        !> The matrix is regular, however small its pivots are
+        logical, intent(in) :: graded
 
         integer :: q, step, at(2), row
         integer, allocatable :: pivot_row(:), pivot_column(:)
         logical, allocatable :: free(:, :)
-        real(wp) :: pivot, largest
+        real(wp) :: pivot, largest, negligible
         real(wp), allocatable :: inverse(:, :)
 
         q = size(matrix, 1)
@@ -262,11 +243,12 @@ contains
         allocate (pivot_row(q), pivot_column(q), free(q, q))
         free = .true.
         largest = maxval(abs(matrix))
+        negligible = merge(0.0_wp, singular_motion*largest, graded)
         least_pivot = 1.0_wp
         do step = 1, q
             at = maxloc(abs(matrix), mask=free)
             pivot = matrix(at(1), at(2))
-            if (abs(pivot) > negligible*largest) then
+            if (abs(pivot) > negligible) then
                 least_pivot = min(least_pivot, abs(pivot)/largest)
             else
                 least_pivot = 0.0_wp
@@ -306,9 +288,8 @@ contains
         real(wp) :: condition
 
         real(wp), allocatable :: stiffness(:, :), flexibility(:, :), scales(:)
-        real(wp) :: norm
+        real(wp) :: norm, least_pivot
         integer :: j
-        logical :: solved
 
         norm = 0.0_wp
         scales = problem%row_scale(system%pairs)
@@ -323,8 +304,8 @@ contains
         end if
         condition = estimate_condition(system%factor, norm)
         stiffness = flexibility
-        call invert_small(stiffness, solved)
-        if (solved) then
+        call invert(stiffness, least_pivot, .false.)
+        if (least_pivot > 0.0_wp) then
             condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
                 & *maxval(sum(abs(flexibility), dim=1)))
         else if (problem%n_motions > 1) then

@@ -12,7 +12,7 @@ module flankload_branch_and_bound
     use flankload_contact_problem, only: contact_problem
     use flankload_tableau, only: simplex_tableau, new_tableau, rebuilt_tableau, exchange, &
         & safety, negligible
-    use flankload_tableau_proof, only: proves_infeasibility
+    use flankload_infeasibility_proof, only: farkas_multipliers, is_proven
     implicit none
     private
 
@@ -172,8 +172,8 @@ contains
             end if
             call entering_column(table, row, sense, lowest, column)
             if (column == 0) then
-                if (proves_infeasibility(problem, compliance, table, row, sense)) &
-                    & outcome = search_infeasible
+                if (is_proven(problem, compliance, multipliers_of_row(table, problem%n, &
+                    & problem%n_motions, row, sense))) outcome = search_infeasible
                 if (outcome == search_infeasible .or. rebuilt_at == cases%pivots) return
             else
                 call exchange(table, row, column)
@@ -252,5 +252,39 @@ contains
             end if
         end do
     end subroutine entering_column
+
+    !> The sum of equations that a row of the tableau, 0 = v + Σ c_j x_j with all unknowns x,
+    !> represents: its factors are the entries of the gaps and of the load residuals.
+    pure function multipliers_of_row(table, n, q, row, sense) result(multipliers)
+        !> The tableau
+        type(simplex_tableau), intent(in) :: table
+        !> Number of pairs and of motions
+        integer, intent(in) :: n
+        integer, intent(in) :: q
+        !> The row
+        integer, intent(in) :: row
+        !> 1, or -1 with all signs reversed
+        real(wp), intent(in) :: sense
+        type(farkas_multipliers) :: multipliers
+
+        integer :: c
+        real(wp), allocatable :: entry(:)
+
+        allocate (entry(2*n + 2*q), source=0.0_wp)
+        entry(table%nonbasic) = sense*table%table(row, :)
+        entry(table%basic(row)) = -sense
+        multipliers%y = -entry(n + 1:2*n)
+        multipliers%z = -entry(2*n + q + 1:)
+        associate (basic => table%basic, nonbasic => table%nonbasic)
+            multipliers%rows = pack(nonbasic, nonbasic > n .and. nonbasic <= 2*n) - n
+            multipliers%loads = pack(nonbasic, nonbasic > 2*n + q) - 2*n - q
+            multipliers%forces = pack(basic, basic <= n)
+        end associate
+        ! A sum with a basic variable is zero except that of the variable's own row.
+        multipliers%known = merge(-sense, 0.0_wp, multipliers%forces == table%basic(row))
+        multipliers%motions = [(c, c=1, q)]
+        multipliers%no_force = table%fixed(:n)
+        multipliers%no_gap = table%fixed(n + 1:2*n)
+    end function multipliers_of_row
 
 end module flankload_branch_and_bound

@@ -121,7 +121,7 @@ contains
         call report_state(problem, compliance, state, result)
         ! A new factor recovers the accuracy that the updated factor has lost.
         done = result%backward_error <= row_tolerance
-        if (done) done = is_in_range(problem, state%forces, state%motion, result)
+        if (done) done = is_in_range(problem, state, result)
     end subroutine continue_from
 
 end module flankload_contact_loads

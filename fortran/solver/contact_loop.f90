@@ -15,9 +15,8 @@ module flankload_contact_loop
     use flankload_contact_cascade, only: run_cascade, cascade_end, method_auto, method_single, &
         & method_paper, method_block, method_load_path, method_pivoted, method_cascade, &
         & method_primal
-    use flankload_paper_loop, only: paper_state, paper_loop
-    use flankload_contact_certificate, only: certify
-    use flankload_contact_report, only: report_state, unscale, is_in_range, same_loads
+    use flankload_paper_loop, only: paper_loop
+    use flankload_contact_report, only: report_state, is_in_range, same_loads
     implicit none
     private
 
@@ -179,7 +178,7 @@ contains
                 call retry(problem, compliance, method, symmetric, state, result, error)
             end if
             if (.not. allocated(error)) then
-                call check_range(problem, state%forces, state%motion, result, error)
+                call check_range(problem, state, result, error)
             end if
             return
         end if
@@ -245,18 +244,17 @@ contains
     end subroutine retry
 
     !> A state that the caller's units cannot represent is an error.
-    pure subroutine check_range(problem, forces, motion, result, error)
+    pure subroutine check_range(problem, state, result, error)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Scaled forces (n) and motion from the start (n_motions)
-        real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: motion(:)
+        !> Final state of the loop
+        type(loop_state), intent(in) :: state
         !> The state in the caller's units, blank if it cannot be represented
         type(contact_result), intent(inout) :: result
         !> The state cannot be represented
         type(error_type), allocatable, intent(out) :: error
 
-        if (is_in_range(problem, forces, motion, result)) return
+        if (is_in_range(problem, state, result)) return
         call blank(result, problem%n, problem%n_motions)
         call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
     end subroutine check_range
@@ -289,20 +287,14 @@ contains
         !> Why there is none, or that a force in it is negative
         type(error_type), allocatable, intent(out) :: error
 
-        type(paper_state) :: state
+        type(loop_state) :: state
 
         call paper_loop(problem, compliance, state, error)
         if (allocated(error)) result%none_proven = error%code == no_contact_state
         if (allocated(error)) return
         result%rung = method_paper
-        result%pivots = size(state%pairs)
-        result%refactorisations = state%refactorisations
-        result%growth = state%factor%growth
-        result%condition = state%condition
-        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
-        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
-            & result)
-        call check_range(problem, state%forces, state%motion, result, error)
+        call report_state(problem, compliance, state, result)
+        call check_range(problem, state, result, error)
         if (allocated(error)) return
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
             call fatal_error(error, negative_force, 'the paper''s final state needs tension')

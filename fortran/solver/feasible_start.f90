@@ -6,7 +6,7 @@
 module flankload_feasible_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_bordered_solution, only: invert_small
+    use flankload_bordered_solution, only: invert
     implicit none
     private
 
@@ -52,7 +52,7 @@ contains
         integer, intent(out) :: outcome
 
         real(wp), allocatable :: touching(:, :)
-        logical :: solved
+        real(wp) :: least_pivot
 
         if (problem%n_motions == 1) then
             call first_pair(problem, pairs, forces, motion, outcome)
@@ -61,9 +61,9 @@ contains
         call first_phase(problem, pairs, forces, motion, outcome)
         if (outcome /= start_found) return
         touching = problem%motions(pairs, :)
-        call invert_small(touching, solved)
+        call invert(touching, least_pivot, .false.)
         motion = 0.0_wp
-        if (solved) motion = matmul(touching, problem%gaps(pairs))
+        if (least_pivot > 0.0_wp) motion = matmul(touching, problem%gaps(pairs))
     end subroutine feasible_start
 
     !> One motion: the pair that it closes first, among those that can carry the load.
@@ -216,7 +216,6 @@ contains
         integer, intent(out) :: outcome
 
         integer :: q, c, j, leaving, step
-        logical :: solved
         real(wp), allocatable :: inverse(:, :), prices(:), entering(:)
 
         q = size(loads)
@@ -225,7 +224,7 @@ contains
         allocate (motion(q), source=0.0_wp)
         outcome = start_unconstrained
         do step = 1, steps_per_row*(size(rows, 1) + q)
-            call basis_inverse(rows, graded, pairs, inverse, solved)
+            inverse = basis_inverse(rows, graded, pairs)
             forces = matmul(inverse, loads)
             if (are_held(inverse, loads, graded, pairs, forces)) then
                 call fill_basis(rows, graded, pairs, inverse, motion, outcome)
@@ -334,7 +333,6 @@ contains
 
         integer :: c, j, best
         real(wp) :: weight, best_weight
-        logical :: solved
 
         outcome = start_found
         do c = 1, size(basis)
@@ -356,24 +354,22 @@ contains
                 return
             end if
             basis(c) = best
-            call basis_inverse(rows, graded, basis, inverse, solved)
+            inverse = basis_inverse(rows, graded, basis)
         end do
     end subroutine fill_basis
 
     !> Inverse of the load rows of a basis.
-    pure subroutine basis_inverse(rows, graded, basis, inverse, solved)
+    pure function basis_inverse(rows, graded, basis) result(inverse)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> Pivots may be small
         logical, intent(in) :: graded
         !> The basis
         integer, intent(in) :: basis(:)
-        !> The inverse, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out) :: inverse(:, :)
-        !> False if singular
-        logical, intent(out) :: solved
+        real(wp), allocatable :: inverse(:, :)
 
         integer :: c
+        real(wp) :: least_pivot
 
         allocate (inverse(size(basis), size(basis)), source=0.0_wp)
         do c = 1, size(basis)
@@ -383,7 +379,7 @@ contains
                 inverse(-basis(c), c) = 1.0_wp
             end if
         end do
-        call invert_small(inverse, solved, graded)
-    end subroutine basis_inverse
+        call invert(inverse, least_pivot, graded)
+    end function basis_inverse
 
 end module flankload_feasible_start

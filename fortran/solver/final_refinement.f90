@@ -3,13 +3,11 @@ module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & least_row_sizes, row_tolerance
-    use flankload_roundoff, only: is_tensile
+    use flankload_roundoff, only: is_tensile, clear_unloaded, clear_roundoff
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
-    use flankload_load_balance, only: holds_loads
-    use flankload_negligible_forces, only: clear_unloaded, clear_roundoff
-    use flankload_extended_residual, only: find_residual
+    use flankload_equation_residual, only: find_residual, holds_loads
     implicit none
     private
 
@@ -187,8 +185,9 @@ contains
             if (state%condition > ill_conditioned .or. .not. met) then
                 call refine_extended(problem, compliance, state)
             end if
-            call clear_unloaded(problem, state)
-            call clear_roundoff(problem, compliance, state)
+            call clear_unloaded(problem, state%system%pairs, state%condition, state%forces)
+            call clear_roundoff(problem, compliance, state%system%pairs, state%motion, &
+                & state%forces, state%gaps)
             return
         end if
         ! A force that was positive before the refinement is negative after it.

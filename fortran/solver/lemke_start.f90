@@ -7,7 +7,7 @@ module flankload_lemke_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, normal_displacement
     use flankload_feasible_start, only: feasible_start, start_found
-    use flankload_bordered_solution, only: invert_small
+    use flankload_bordered_solution, only: invert
     use flankload_lemke_factor, only: lemke_problem
     implicit none
     private
@@ -98,8 +98,7 @@ contains
         integer, intent(out) :: driver
 
         integer :: c, outcome
-        logical :: solved
-        real(wp) :: shared, open
+        real(wp) :: shared, open, least_pivot
         integer, allocatable :: pairs(:)
         real(wp), allocatable :: forces(:), motion(:), displacement(:), drawn(:), less(:)
         real(wp), allocatable :: inverse(:, :)
@@ -115,8 +114,8 @@ contains
         drawn = merge(drawn, 0.0_wp, active)
         ! The pairs of the vertex hold the remainder, which is not negative.
         inverse = transpose(problem%load_rows(pairs, :))
-        call invert_small(inverse, solved)
-        if (.not. solved) then
+        call invert(inverse, least_pivot, .false.)
+        if (.not. least_pivot > 0.0_wp) then
             driver = -1
             return
         end if

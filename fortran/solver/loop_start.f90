@@ -8,7 +8,7 @@ module flankload_loop_start
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
         & append_block, drop_pairs
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_load_balance, only: restore_loads
+    use flankload_equation_residual, only: restore_loads
     use flankload_infeasibility_proof, only: loads_infeasible
     use flankload_feasible_start, only: feasible_start, start_found, start_infeasible
     implicit none

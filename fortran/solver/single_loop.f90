@@ -13,7 +13,7 @@ module flankload_single_loop
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_bordered_system, only: append_pair, drop_pair
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_load_balance, only: restore_loads
+    use flankload_equation_residual, only: restore_loads
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
     use flankload_final_refinement, only: first_leaving, most_penetrating, penetrates, refine_final
     implicit none

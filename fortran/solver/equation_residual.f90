@@ -1,14 +1,15 @@
-!> Whether forces hold the loads, and the remedy if cancellation has lost them.
-module flankload_load_balance
+!> Residuals of the equations of the pairs in contact, and the refinement of forces that do not hold
+!> the loads because of cancellation.
+module flankload_equation_residual
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_bordered_system, only: bordered_system
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_extended_residual, only: find_residual
+    use flankload_twice_precision, only: two_part, add_product, rounded
     implicit none
     private
 
-    public :: holds_loads, restore_loads
+    public :: find_residual, holds_loads, restore_loads
 
     !> Forces that hold the loads less accurately than this are refined before any decision.
     real(wp), parameter :: lost = 1.0e-9_wp
@@ -16,6 +17,52 @@ module flankload_load_balance
     integer, parameter :: most_steps = 3
 
 contains
+
+    !> Residual of the equations (18), (19) for given forces and motion, in twice the working
+    !> precision.
+    pure subroutine find_residual(problem, compliance, pairs, forces, motion, r, s)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> Pairs in contact
+        integer, intent(in) :: pairs(:)
+        !> Their scaled forces
+        real(wp), intent(in) :: forces(:)
+        !> Scaled motion from the start
+        real(wp), intent(in) :: motion(:)
+        !> - K F - g0 + B q for the pairs, Q - Rᵀ F for the loads
+        real(wp), intent(out) :: r(:)
+        real(wp), intent(out) :: s(:)
+
+        integer :: i, j, c
+        real(wp) :: factor
+        type(two_part), allocatable :: row(:)
+        type(two_part) :: load
+
+        allocate (row(size(pairs)))
+        do j = 1, size(pairs)
+            factor = problem%row_scale(pairs(j))*forces(j)
+            do i = 1, size(pairs)
+                call add_product(row(i), &
+                    & -compliance(pairs(i), pairs(j))*problem%row_scale(pairs(i)), factor)
+            end do
+        end do
+        do i = 1, size(pairs)
+            call add_product(row(i), -problem%normal_gaps(pairs(i)), 1.0_wp)
+            do c = 1, problem%n_motions
+                call add_product(row(i), problem%motions(pairs(i), c), problem%start_motion(c))
+                call add_product(row(i), problem%motions(pairs(i), c), motion(c))
+            end do
+        end do
+        r = rounded(row)
+        do c = 1, problem%n_motions
+            load = two_part(problem%loads(c), 0.0_wp)
+            do i = 1, size(pairs)
+                call add_product(load, -problem%load_rows(pairs(i), c), forces(i))
+            end do
+            s(c) = rounded(load)
+        end do
+    end subroutine find_residual
 
     !> Whether forces hold every load to the rounding of its terms.
     pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
@@ -74,4 +121,4 @@ contains
         end do
     end subroutine restore_loads
 
-end module flankload_load_balance
+end module flankload_equation_residual
