@@ -213,7 +213,11 @@ contains
         !> Not zero: the remainder of the new block is not positive definite
         integer, intent(out) :: info
 
-        if (k > 0) then
+        if (b == 1) then
+            ! A single row costs less by BLAS-2.
+            call dtrsv('L', 'N', 'N', k, matrix, lda, matrix(k + 1, 1), lda)
+            matrix(k + 1, k + 1) = matrix(k + 1, k + 1) - sum(matrix(k + 1, :k)**2)
+        else if (k > 0) then
             call dtrsm('R', 'L', 'T', 'N', b, k, 1.0_wp, matrix, lda, matrix(k + 1, 1), lda)
             call dsyrk('L', 'N', b, k, -1.0_wp, matrix(k + 1, 1), lda, &
                 & 1.0_wp, matrix(k + 1, k + 1), lda)
@@ -233,6 +237,13 @@ contains
         real(wp), intent(inout) :: matrix(lda, *)
 
         if (k == 0) return
+        if (b == 1) then
+            call dtrsv('L', 'N', 'U', k, matrix, lda, matrix(1, k + 1), 1)
+            call dtrsv('U', 'T', 'N', k, matrix, lda, matrix(k + 1, 1), lda)
+            matrix(k + 1, k + 1) = matrix(k + 1, k + 1) &
+                & - dot_product(matrix(k + 1, :k), matrix(:k, k + 1))
+            return
+        end if
         call dtrsm('L', 'L', 'N', 'U', k, b, 1.0_wp, matrix, lda, matrix(1, k + 1), lda)
         call dtrsm('R', 'U', 'N', 'N', b, k, 1.0_wp, matrix, lda, matrix(k + 1, 1), lda)
         call dgemm('N', 'N', b, b, k, -1.0_wp, matrix(k + 1, 1), lda, matrix(1, k + 1), lda, &

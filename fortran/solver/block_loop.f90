@@ -8,7 +8,7 @@ module flankload_block_loop
     use flankload_error, only: error_type
     use flankload_contact_problem, only: contact_problem, contact_gaps, least_row_sizes, &
         & row_tolerance
-    use flankload_bordered_system, only: append_block, append_pair
+    use flankload_bordered_system, only: append_pairs
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, drop_tensile
     use flankload_final_refinement, only: refine_final
     use flankload_coarse_problem, only: make_coarse, refine_pairs, cell
@@ -170,14 +170,14 @@ contains
         entering = open
         if (size(open) > most) entering = pack(open, &
             & state%gaps(open) <= nth_least(state%gaps(open), most))
-        call append_block(state%system, problem, compliance, entering, ready)
+        call append_pairs(state%system, problem, compliance, entering, ready)
         if (ready) then
             state%pivots = state%pivots + size(entering)
             return
         end if
         ! Some depend on others: add the independent ones one by one.
         do k = 1, size(entering)
-            call append_pair(state%system, problem, compliance, entering(k), accepted)
+            call append_pairs(state%system, problem, compliance, [entering(k)], accepted)
             if (accepted) state%pivots = state%pivots + 1
             ready = ready .or. accepted
         end do

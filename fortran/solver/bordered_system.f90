@@ -5,15 +5,15 @@
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, extend, shrink, &
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
         & factor_anew
-    use flankload_regularized_loads, only: regularized_column, regularized_row
-    use flankload_factor_block, only: extend_block, cut
+    use flankload_regularized_loads, only: regularized_column
+    use flankload_factor_extension, only: extend, truncate
     implicit none
     private
 
     public :: bordered_system
-    public :: new_bordered_system, append_pair, append_block, drop_pair, drop_pairs
+    public :: new_bordered_system, append_pairs, drop_pair, drop_pairs
     public :: factor_pairs_anew
 
     !> The pairs in contact and the factor of their compliance.
@@ -54,60 +54,8 @@ contains
         allocate (system%pairs(0))
     end function new_bordered_system
 
-    !> Add a pair.
-    pure subroutine append_pair(system, problem, compliance, pair, accepted)
-        !> The system
-        type(bordered_system), intent(inout) :: system
-        !> The problem and its K, shape (n, n)
-        type(contact_problem), intent(in) :: problem
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Number of the pair
-        integer, intent(in) :: pair
-        !> False if its row depends on those of the others; the system is then as before
-        logical, intent(out) :: accepted
-
-        real(wp) :: own, diagonal
-        real(wp), allocatable :: scales(:), column(:), row(:)
-
-        if (system%pivoted) then
-            call append_block(system, problem, compliance, [pair], accepted)
-            return
-        end if
-        own = problem%row_scale(pair)
-        scales = own*problem%row_scale(system%pairs)
-        column = compliance(system%pairs, pair)*scales
-        if (problem%symmetric) then
-            row = column
-        else
-            row = compliance(pair, system%pairs)*scales
-        end if
-        diagonal = own**2*compliance(pair, pair)
-        if (problem%spring > 0.0_wp) then
-            column = column + regularized_column(problem, system%pairs, pair)
-            row = row + regularized_row(problem, pair, system%pairs)
-            diagonal = diagonal + sum(regularized_column(problem, [pair], pair))
-        end if
-        call extend(system%factor, column, row, diagonal, accepted)
-        if (accepted) then
-            system%pairs = [system%pairs, pair]
-            call check_growth(system, problem, compliance, accepted)
-            if (accepted) return
-            system%pairs = system%pairs(:size(system%pairs) - 1)
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            accepted = .false.
-        else if (.not. problem%symmetric) then
-            ! A pivot of zero may only require another order of the rows.
-            system%pairs = [system%pairs, pair]
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            if (accepted) return
-            system%pairs = system%pairs(:size(system%pairs) - 1)
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            accepted = .false.
-        end if
-    end subroutine append_pair
-
-    !> Add several pairs at once.
-    pure subroutine append_block(system, problem, compliance, pairs, accepted)
+    !> Add one or more pairs.
+    pure subroutine append_pairs(system, problem, compliance, pairs, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem and its K, shape (n, n)
@@ -150,7 +98,7 @@ contains
                 rows(:, j) = rows(:, j) + regularized_column(problem, pairs, before(j))
             end do
         end if
-        call extend_block(system%factor, columns, rows, accepted)
+        call extend(system%factor, columns, rows, accepted)
         if (accepted) then
             call check_growth(system, problem, compliance, accepted)
             if (accepted) return
@@ -164,7 +112,7 @@ contains
             call factor_pairs_anew(system, problem, compliance, accepted)
             accepted = .false.
         end if
-    end subroutine append_block
+    end subroutine append_pairs
 
     !> Remove several pairs at once.
     pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
@@ -195,8 +143,8 @@ contains
         else if (work_block < work_single) then
             later = pack(system%pairs(first:), .not. leaving(first:))
             system%pairs = system%pairs(:first - 1)
-            call cut(system%factor, first - 1)
-            if (size(later) > 0) call append_block(system, problem, compliance, later, accepted)
+            call truncate(system%factor, first - 1)
+            if (size(later) > 0) call append_pairs(system, problem, compliance, later, accepted)
         else
             do index = k, first, -1
                 if (.not. leaving(index)) cycle

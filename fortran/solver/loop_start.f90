@@ -5,8 +5,8 @@ module flankload_loop_start
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
     use flankload_roundoff, only: is_tensile
-    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
-        & append_block, drop_pairs
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
+        & drop_pairs
     use flankload_bordered_solution, only: solve_bordered
     use flankload_equation_residual, only: restore_loads
     use flankload_infeasibility_proof, only: loads_infeasible
@@ -98,7 +98,7 @@ contains
         state%forces = 0.0_wp
         ready = .true.
         do k = 1, size(first)
-            if (ready) call append_pair(state%system, problem, compliance, first(k), ready)
+            if (ready) call append_pairs(state%system, problem, compliance, [first(k)], ready)
             state%forces(first(k)) = first_forces(k)
         end do
         state%pivots = state%pivots + size(first)
@@ -119,7 +119,7 @@ contains
         integer :: n_left
 
         state%system = new_bordered_system(problem%symmetric, state%pivoted)
-        call append_block(state%system, problem, compliance, warm_pairs, ready)
+        call append_pairs(state%system, problem, compliance, warm_pairs, ready)
         if (ready) call drop_tensile(problem, compliance, state, n_left, ready)
     end subroutine start_warm
 

@@ -9,7 +9,8 @@ module flankload_paper_loop
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & row_tolerance
-    use flankload_updatable_factor, only: extend, factor_anew, solve_factored, estimate_condition
+    use flankload_updatable_factor, only: factor_anew, solve_factored, estimate_condition
+    use flankload_factor_extension, only: extend
     use flankload_bordered_system, only: new_bordered_system
     use flankload_loop_start, only: loop_state
     implicit none
@@ -118,14 +119,16 @@ contains
 
         integer :: k, r, last
         logical :: accepted
-        real(wp), allocatable :: column(:), row(:)
+        real(wp), allocatable :: columns(:, :), rows(:, :)
 
         k = size(state%system%pairs)
         last = state%system%pairs(k)
-        row = reduced_row(problem, compliance, state, last, state%system%pairs)
-        column = [(reduced_row(problem, compliance, state, state%system%pairs(r), [last]), &
-            & r=1, k - 1)]
-        call extend(state%system%factor, column, row(:k - 1), row(k), accepted)
+        allocate (columns(k, 1), rows(1, k - 1))
+        do r = 1, k
+            columns(r, :) = reduced_row(problem, compliance, state, state%system%pairs(r), [last])
+        end do
+        rows(1, :) = reduced_row(problem, compliance, state, last, state%system%pairs(:k - 1))
+        call extend(state%system%factor, columns, rows, accepted)
         if (.not. accepted .or. state%system%factor%growth > growth_limit) then
             call factor_anew(state%system%factor, reduced_matrix(problem, compliance, state), &
                 & accepted)

@@ -15,7 +15,7 @@ module flankload_regularized_loads
     private
 
     public :: regularize_loads
-    public :: regularized_column, regularized_row, regularized_norm
+    public :: regularized_column, regularized_norm
     public :: restore_motion, regularized_flexibility
 
     !> ρ on the scale of the problem, where K has a diagonal of one and the largest lever is one.
@@ -45,19 +45,6 @@ contains
 
         column = problem%spring*matmul(problem%motions(pairs, :), problem%load_rows(loaded, :))
     end function regularized_column
-
-    !> Contribution of the springs to a row.
-    pure function regularized_row(problem, pair, loaded) result(row)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> The pair that moves
-        integer, intent(in) :: pair
-        !> Pairs that are loaded
-        integer, intent(in) :: loaded(:)
-        real(wp), allocatable :: row(:)
-
-        row = problem%spring*matmul(problem%load_rows(loaded, :), problem%motions(pair, :))
-    end function regularized_row
 
     !> Upper bound of the contribution of the springs to the 1-norm of the matrix.
     pure function regularized_norm(problem, pairs) result(norm)

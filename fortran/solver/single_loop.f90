@@ -11,7 +11,7 @@ module flankload_single_loop
     use flankload_status, only: pivot_limit, singular_contact
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, row_tolerance
-    use flankload_bordered_system, only: append_pair, drop_pair
+    use flankload_bordered_system, only: append_pairs, drop_pair
     use flankload_bordered_solution, only: solve_bordered
     use flankload_equation_residual, only: restore_loads
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
@@ -193,7 +193,7 @@ contains
         !> False if the equations are singular with it, too
         logical, intent(out) :: taken
 
-        call append_pair(state%system, problem, compliance, state%left_last, taken)
+        call append_pairs(state%system, problem, compliance, [state%left_last], taken)
         state%pinned(state%left_last) = taken
         state%waiting(state%left_last) = .false.
         state%left_last = 0
@@ -222,7 +222,7 @@ contains
             return
         end if
         do
-            call append_pair(state%system, problem, compliance, entering, accepted)
+            call append_pairs(state%system, problem, compliance, [entering], accepted)
             state%pivots = state%pivots + 1
             state%left_last = 0
             state%pinned = .false.

@@ -10,7 +10,7 @@ module flankload_updatable_factor
     private
 
     public :: updatable_factor
-    public :: new_updatable_factor, reserve, extend, shrink, factor_anew, solve_factored
+    public :: new_updatable_factor, reserve, shrink, factor_anew, solve_factored
     public :: estimate_condition
     public :: dependent
 
@@ -66,59 +66,6 @@ contains
         larger(:factor%order, :factor%order) = factor%matrix(:factor%order, :factor%order)
         call move_alloc(larger, factor%matrix)
     end subroutine reserve
-
-    !> Add a last row and column, with O(order²) work.
-    pure subroutine extend(factor, column, row, diagonal, accepted)
-        !> The factor
-        type(updatable_factor), intent(inout) :: factor
-        !> New column above the diagonal, shape (order)
-        real(wp), intent(in) :: column(:)
-        !> New row left of the diagonal, shape (order); not read if the matrix is symmetric
-        real(wp), intent(in) :: row(:)
-        !> New entry on the diagonal
-        real(wp), intent(in) :: diagonal
-        !> False if the new row depends on the others to rounding; the factor is then as before
-        logical, intent(out) :: accepted
-
-        integer :: k
-        real(wp) :: pivot
-        real(wp), allocatable :: above(:, :), left(:, :)
-
-        k = factor%order
-        call reserve(factor, k + 1)
-        allocate (above(k, 1), left(k, 1))
-        above(:, 1) = column
-        if (factor%symmetric) then
-            call solve_triangle(k, factor%matrix, 'L', 'N', 'N', above)
-            left = above
-        else
-            if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
-            call solve_triangle(k, factor%matrix, 'L', 'N', 'U', above)
-            left(:, 1) = row
-            call solve_triangle(k, factor%matrix, 'U', 'T', 'N', left)
-        end if
-        pivot = diagonal - dot_product(left(:, 1), above(:, 1))
-        if (factor%symmetric) then
-            accepted = pivot > dependent*diagonal
-        else
-            accepted = abs(pivot) > dependent*max(abs(diagonal), &
-                & maxval(abs(column)), maxval(abs(row)))
-        end if
-        if (.not. accepted) return
-
-        factor%matrix(k + 1, :k) = left(:, 1)
-        if (factor%symmetric) then
-            factor%matrix(k + 1, k + 1) = sqrt(pivot)
-        else
-            factor%matrix(:k, k + 1) = above(:, 1)
-            factor%matrix(k + 1, k + 1) = pivot
-            factor%largest = max(factor%largest, abs(diagonal), &
-                & maxval(abs(column)), maxval(abs(row)))
-            factor%growth = max(factor%growth, maxval(abs(left)), &
-                & max(abs(pivot), maxval(abs(above)))/factor%largest)
-        end if
-        factor%order = k + 1
-    end subroutine extend
 
     !> Remove a row and its column, with O(order²) work.
     !>

@@ -3,15 +3,15 @@ program test_core
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
         & method_single, symmetric_matrix, general_matrix
-    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, extend, shrink, &
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
         & factor_anew, solve_factored
-    use flankload_factor_block, only: extend_block, cut
+    use flankload_factor_extension, only: extend, truncate
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
     use flankload_twice_precision, only: two_part, add_product, rounded
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
-    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
         & mean_strip_kernel, closed_strip_kernel, strip_jump
@@ -527,7 +527,7 @@ contains
 
         factor = new_updatable_factor(symmetric)
         do k = 1, size(matrix, 1)
-            call extend(factor, matrix(:k - 1, k), matrix(k, :k - 1), matrix(k, k), accepted)
+            call extend(factor, matrix(:k, k:k), matrix(k:k, :k - 1), accepted)
             call expect(accepted, 'an independent row is accepted')
         end do
     end function grown_factor
@@ -607,18 +607,18 @@ contains
         do b = 2, size(ends)
             first = ends(b - 1) + 1
             last = ends(b)
-            call extend_block(factor, matrix(:last, first:last), &
+            call extend(factor, matrix(:last, first:last), &
                 & matrix(first:last, :first - 1), accepted)
             call expect(accepted, 'a block joins')
         end do
         call expect(distance_to_fresh(factor, matrix) < round_off, &
             & 'factor by blocks = fresh factor')
-        call cut(factor, 9)
+        call truncate(factor, 9)
         call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'cut = fresh factor')
-        call extend_block(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
+        call extend(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
         call expect(.not. accepted, 'a block with a repeated row is refused')
         call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'and changes nothing')
-        call extend_block(factor, matrix(:, 10:), matrix(10:, :9), accepted)
+        call extend(factor, matrix(:, 10:), matrix(10:, :9), accepted)
         call expect(distance_to_fresh(factor, matrix) < round_off, 'grown again = fresh factor')
     end subroutine test_block
 
@@ -627,10 +627,11 @@ contains
         real(wp) :: matrix(n, n)
         type(updatable_factor) :: factor
         logical :: accepted
+        integer :: i
 
         matrix = random_matrix(symmetric=.true.)
         factor = grown_factor(matrix, symmetric=.true.)
-        call extend(factor, matrix(:, 3), matrix(3, :), matrix(3, 3), accepted)
+        call extend(factor, matrix([(i, i=1, n), 3], [3]), matrix([3], :), accepted)
         call expect(.not. accepted, 'a repeated row is refused')
         call expect(distance_to_fresh(factor, matrix) < round_off, 'a refusal changes nothing')
     end subroutine test_dependent_row
@@ -660,7 +661,7 @@ contains
         call expect(.not. allocated(error), 'the skew problem is legal')
         system = new_bordered_system(symmetric=.false., pivoted=.false.)
         do j = 1, 4
-            call append_pair(system, problem, compliance, j, accepted)
+            call append_pairs(system, problem, compliance, [j], accepted)
             call expect(accepted, 'a pair of the skew problem joins')
         end do
         call expect(system%refactorisations > 0, 'growth is answered by exchange of rows')

@@ -230,9 +230,16 @@ _FORTRAN = (
     *_in(
         "updatable_factor.f90",
         "core",
-        ("pivot = diagonal - dot_product(left(:, 1), above(:, 1))", "pivot = diagonal"),
         ("cosine*x(i - first + 1) - sine*entry", "cosine*x(i - first + 1) + sine*entry"),
         ("pivot = a(j, j) + x(m)*y(m)", "pivot = a(j, j) - x(m)*y(m)"),
+    ),
+    *_in(
+        "factor_extension.f90",
+        "core",
+        (
+            "matrix(p + 1:last, j) - matrix(p, j)*matrix(p + 1:last, p)",
+            "matrix(p + 1:last, j) + matrix(p, j)*matrix(p + 1:last, p)",
+        ),
     ),
     *_in(
         "bordered_solution.f90",
