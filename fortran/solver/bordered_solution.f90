@@ -58,10 +58,10 @@ contains
         if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, solution)
         else
-            call solve_at_once(system, problem, r, s, solution)
+            call solve_at_once(system, problem, r, s, .false., solution)
         end if
         if (problem%n_motions > 1 .and. solution%least_pivot < small_pivot) then
-            call solve_spanned(system, problem, r, s, solution)
+            call solve_at_once(system, problem, r, s, .true., solution)
         end if
         solved = solution%least_pivot > singular_motion
         if (.not. solved) then
@@ -77,8 +77,10 @@ contains
         if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 
-    !> The same for a K that is not symmetric, by the equations above.
-    pure subroutine solve_at_once(system, problem, r, s, solution)
+    !> The same by the equations above, for any K. If motions are nearly dependent, they are
+    !> separated: with B_a = P S and R_a = T U, where the columns of P and of T are independent,
+    !> (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    pure subroutine solve_at_once(system, problem, r, s, separated, solution)
         !> The system
         type(bordered_system), intent(in) :: system
         !> The problem
@@ -86,68 +88,45 @@ contains
         !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
         real(wp), intent(in) :: s(:)
-        !> The solution
-        type(solution_type), intent(out) :: solution
-
-        integer :: q
-        real(wp), allocatable :: columns(:, :), rows(:, :)
-
-        q = problem%n_motions
-        allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = problem%motions(system%pairs, :)
-        columns(:, q + 1) = r
-        rows = problem%load_rows(system%pairs, :)
-        call solve_factored(system%factor, columns)
-        solution%inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(solution%inverse, solution%least_pivot, .false.)
-        if (solution%least_pivot <= 0.0_wp) return
-        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
-        solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
-        solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
-    end subroutine solve_at_once
-
-    !> The same if motions are nearly dependent: with B_a = P S and R_a = T U, where the columns of
-    !> P and of T are independent, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
-    pure subroutine solve_spanned(system, problem, r, s, solution)
-        !> The system
-        type(bordered_system), intent(in) :: system
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
-        real(wp), intent(in) :: r(:)
-        real(wp), intent(in) :: s(:)
+        !> Separate the motions; else S = U = 1
+        logical, intent(in) :: separated
         !> The solution
         type(solution_type), intent(out) :: solution
 
         integer :: c, q
         type(spanned) :: of_motions, of_loads
-        real(wp), allocatable :: columns(:, :), loads(:, :)
+        real(wp), allocatable :: columns(:, :), rows(:, :), loads(:, :)
 
         q = problem%n_motions
-        of_motions = factor_columns(problem%motions(system%pairs, :))
-        of_loads = factor_columns(problem%load_rows(system%pairs, :))
-        if (.not. (of_motions%independent .and. of_loads%independent)) return
-        allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = of_motions%columns
+        allocate (columns(size(system%pairs), q + 1), loads(q, q + 1))
+        columns(:, :q) = problem%motions(system%pairs, :)
         columns(:, q + 1) = r
-        call solve_factored(system%factor, columns)
-        solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
-        call invert(solution%inverse, solution%least_pivot, .false.)
-        if (solution%least_pivot <= singular_motion) return
-        ! U⁻ᵀ [s 1]
-        allocate (loads(q, q + 1), source=0.0_wp)
+        rows = problem%load_rows(system%pairs, :)
         loads(:, 1) = s
         do c = 1, q
+            loads(:, c + 1) = 0.0_wp
             loads(c, c + 1) = 1.0_wp
         end do
-        call solve_triangular(of_loads, .true., loads)
-        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
+        if (separated) then
+            of_motions = factor_columns(columns(:, :q))
+            of_loads = factor_columns(rows)
+            if (.not. (of_motions%independent .and. of_loads%independent)) return
+            columns(:, :q) = of_motions%columns
+            rows = of_loads%columns
+            call solve_triangular(of_loads, .true., loads)
+        end if
+        call solve_factored(system%factor, columns)
+        solution%inverse = matmul(transpose(rows), columns(:, :q))
+        call invert(solution%inverse, solution%least_pivot, .false.)
+        if (solution%least_pivot <= 0.0_wp) return
+        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
         loads = matmul(solution%inverse, loads)
         solution%forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
-        call solve_triangular(of_motions, .false., loads)
+        if (separated) call solve_triangular(of_motions, .false., loads)
         solution%motion = loads(:, 1)
         solution%inverse = loads(:, 2:)
-    end subroutine solve_spanned
+    end subroutine solve_at_once
 
     !> The same if K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no back substitution,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.

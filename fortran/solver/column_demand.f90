@@ -7,6 +7,7 @@
 !> any language can compute the columns; with a `column_source` the core runs the loop.
 module flankload_column_demand
     use flankload_kinds, only: wp
+    use flankload_ordering, only: ascending_order
     use flankload_status, only: invalid_input, no_contact_state, singular_contact, &
         & status_solved, status_degenerate, status_not_unique
     use flankload_error, only: error_type, fatal_error
@@ -311,16 +312,11 @@ contains
         integer, intent(in) :: most
         integer, allocatable :: pairs(:)
 
-        logical, allocatable :: left(:)
-        integer :: k, i
+        integer :: i
 
-        left = candidate
-        allocate (pairs(min(most, count(candidate))))
-        do k = 1, size(pairs)
-            i = minloc(values, dim=1, mask=left)
-            pairs(k) = i
-            left(i) = .false.
-        end do
+        pairs = pack([(i, i=1, size(values))], candidate)
+        pairs = pairs(ascending_order(values(pairs)))
+        pairs = pairs(:min(most, size(pairs)))
     end function least
 
     !> The state of the known pairs in the numbering of all.

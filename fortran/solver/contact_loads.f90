@@ -4,6 +4,7 @@
 !> path few pairs enter or leave between neighbours, and nothing is factored again.
 module flankload_contact_loads
     use flankload_kinds, only: wp
+    use flankload_ordering, only: ascending_order
     use flankload_error, only: error_type
     use flankload_contact_result, only: contact_result
     use flankload_contact_problem, only: contact_problem, row_tolerance
@@ -52,7 +53,7 @@ contains
         integer :: step, l
 
         begin = warm_pairs
-        order = ascending(loads)
+        order = ascending_order(maxval(abs(loads), dim=1))
         kept = .false.
         do step = 1, size(order)
             l = order(step)
@@ -71,25 +72,6 @@ contains
             end if
         end do
     end subroutine solve_contact_loads
-
-    !> Numbers of the loads, from the smallest to the largest.
-    pure function ascending(loads) result(order)
-        !> Q, shape (n_motions, n_loads)
-        real(wp), intent(in) :: loads(:, :)
-        integer, allocatable :: order(:)
-
-        integer :: i, j
-        real(wp), allocatable :: sizes(:)
-
-        sizes = maxval(abs(loads), dim=1)
-        order = [(i, i=1, size(sizes))]
-        do i = 2, size(order)
-            do j = i, 2, -1
-                if (sizes(order(j - 1)) <= sizes(order(j))) exit
-                order(j - 1:j) = order([j, j - 1])
-            end do
-        end do
-    end function ascending
 
     !> Continue to another load with the current pairs and factor.
     pure subroutine continue_from(problem, compliance, loads, state, result, done)
