@@ -5,7 +5,6 @@
 !> within a few steps, it gives up, and the caller continues with single pairs from there.
 module flankload_block_loop
     use flankload_kinds, only: wp
-    use flankload_ordering, only: ascending_order
     use flankload_error, only: error_type
     use flankload_contact_problem, only: contact_problem, contact_gaps, least_row_sizes, &
         & row_tolerance
@@ -164,15 +163,13 @@ contains
         logical, intent(out) :: ready
 
         integer :: k, most
-        integer, allocatable :: entering(:), order(:)
+        integer, allocatable :: entering(:)
         logical :: accepted
 
         most = max(entering_at_least, int(entering_part*size(state%system%pairs)))
         entering = open
-        if (size(open) > most) then
-            order = ascending_order(state%gaps(open))
-            entering = pack(open, state%gaps(open) <= state%gaps(open(order(most))))
-        end if
+        if (size(open) > most) entering = pack(open, &
+            & state%gaps(open) <= nth_least(state%gaps(open), most))
         call append_pairs(state%system, problem, compliance, entering, ready)
         if (ready) then
             state%pivots = state%pivots + size(entering)
@@ -185,5 +182,49 @@ contains
             ready = ready .or. accepted
         end do
     end subroutine add_entering
+
+    !> The n-th number in ascending order (Hoare's choice).
+    pure function nth_least(numbers, n) result(number)
+        !> Any numbers
+        real(wp), intent(in) :: numbers(:)
+        !> Rank, from 1
+        integer, intent(in) :: n
+        real(wp) :: number
+
+        integer :: i, j, low, high
+        real(wp) :: pivot
+        real(wp), allocatable :: part(:)
+
+        part = numbers
+        low = 1
+        high = size(part)
+        do while (low < high)
+            pivot = part((low + high)/2)
+            i = low
+            j = high
+            do
+                do while (part(i) < pivot)
+                    i = i + 1
+                end do
+                do while (pivot < part(j))
+                    j = j - 1
+                end do
+                if (i <= j) then
+                    part([i, j]) = part([j, i])
+                    i = i + 1
+                    j = j - 1
+                end if
+                if (i > j) exit
+            end do
+            if (n <= j) then
+                high = j
+            else if (n >= i) then
+                low = i
+            else
+                exit
+            end if
+        end do
+        number = part(n)
+    end function nth_least
 
 end module flankload_block_loop

@@ -88,7 +88,7 @@ contains
         !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
         real(wp), intent(in) :: s(:)
-        !> Separate the motions; else S = U = 1
+        !> Separate the motions
         logical, intent(in) :: separated
         !> The solution
         type(solution_type), intent(out) :: solution
@@ -98,32 +98,38 @@ contains
         real(wp), allocatable :: columns(:, :), rows(:, :), loads(:, :)
 
         q = problem%n_motions
-        allocate (columns(size(system%pairs), q + 1), loads(q, q + 1))
+        allocate (columns(size(system%pairs), q + 1))
         columns(:, :q) = problem%motions(system%pairs, :)
         columns(:, q + 1) = r
         rows = problem%load_rows(system%pairs, :)
-        loads(:, 1) = s
-        do c = 1, q
-            loads(:, c + 1) = 0.0_wp
-            loads(c, c + 1) = 1.0_wp
-        end do
         if (separated) then
             of_motions = factor_columns(columns(:, :q))
             of_loads = factor_columns(rows)
             if (.not. (of_motions%independent .and. of_loads%independent)) return
             columns(:, :q) = of_motions%columns
             rows = of_loads%columns
-            call solve_triangular(of_loads, .true., loads)
         end if
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(rows), columns(:, :q))
         call invert(solution%inverse, solution%least_pivot, .false.)
         if (solution%least_pivot <= 0.0_wp) return
-        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+        if (.not. separated) then
+            ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+            solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
+            solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
+            return
+        end if
+        ! U⁻ᵀ [s 1]
+        allocate (loads(q, q + 1), source=0.0_wp)
+        loads(:, 1) = s
+        do c = 1, q
+            loads(c, c + 1) = 1.0_wp
+        end do
+        call solve_triangular(of_loads, .true., loads)
         loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
         loads = matmul(solution%inverse, loads)
         solution%forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
-        if (separated) call solve_triangular(of_motions, .false., loads)
+        call solve_triangular(of_motions, .false., loads)
         solution%motion = loads(:, 1)
         solution%inverse = loads(:, 2:)
     end subroutine solve_at_once

@@ -8,7 +8,7 @@ module flankload_bordered_system
     use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
         & factor_anew
     use flankload_regularized_loads, only: regularized_column
-    use flankload_factor_extension, only: extend, truncate
+    use flankload_factor_extension, only: extend
     implicit none
     private
 
@@ -87,9 +87,11 @@ contains
         do j = 1, b
             columns(:, j) = compliance(system%pairs, pairs(j))*scales*scales(k + j)
         end do
-        do j = 1, size(rows, 2)
-            rows(:, j) = compliance(pairs, before(j))*scales(k + 1:)*scales(j)
-        end do
+        if (.not. problem%symmetric) then
+            do j = 1, b
+                rows(j, :) = compliance(pairs(j), before)*scales(k + j)*scales(:k)
+            end do
+        end if
         if (problem%spring > 0.0_wp) then
             do j = 1, b
                 columns(:, j) = columns(:, j) + regularized_column(problem, system%pairs, pairs(j))
@@ -143,7 +145,7 @@ contains
         else if (work_block < work_single) then
             later = pack(system%pairs(first:), .not. leaving(first:))
             system%pairs = system%pairs(:first - 1)
-            call truncate(system%factor, first - 1)
+            system%factor%order = first - 1
             if (size(later) > 0) call append_pairs(system, problem, compliance, later, accepted)
         else
             do index = k, first, -1

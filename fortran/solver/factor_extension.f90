@@ -1,4 +1,4 @@
-!> Extension of a factor by one or more rows and columns, by BLAS-3, and removal of the last ones.
+!> Extension of a factor by one or more rows and columns, by BLAS-3.
 module flankload_factor_extension
     use flankload_kinds, only: wp
     use flankload_updatable_factor, only: updatable_factor, reserve, dependent
@@ -6,7 +6,7 @@ module flankload_factor_extension
     implicit none
     private
 
-    public :: extend, truncate
+    public :: extend
 
     !> Rows of an LU factor that are eliminated one by one inside a block.
     integer, parameter :: lu_block = 32
@@ -63,12 +63,14 @@ contains
 
         k = factor%order
         b = size(columns, 2)
-        above = columns(:k, :)
-        if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
         largest = max(factor%largest, maxval(abs(columns)))
         if (k > 0) largest = max(largest, maxval(abs(rows)))
-        factor%matrix(:k, k + 1:k + b) = above
-        factor%matrix(k + 1:k + b, k + 1:k + b) = columns(k + 1:, :)
+        factor%matrix(:k + b, k + 1:k + b) = columns
+        if (factor%n_exchanged > 0) then
+            above = columns(:k, :)
+            call permute_rows(above, factor%row_swaps)
+            factor%matrix(:k, k + 1:k + b) = above
+        end if
         factor%matrix(k + 1:k + b, :k) = rows
         accepted = .true.
         do first = k + 1, k + b, lu_block
@@ -114,15 +116,5 @@ contains
             end do
         end do
     end subroutine eliminate
-
-    !> Remove the last rows and columns: those before them need no work.
-    pure subroutine truncate(factor, order)
-        !> The factor; rows factored with exchanges must not extend beyond the order that remains
-        type(updatable_factor), intent(inout) :: factor
-        !> Rows that remain
-        integer, intent(in) :: order
-
-        factor%order = order
-    end subroutine truncate
 
 end module flankload_factor_extension

@@ -168,9 +168,9 @@ contains
                 & other_forces, other_motion, other_outcome)
             if (other_outcome == start_found &
                 & .or. (other_outcome == start_infeasible .and. outcome /= start_found)) then
-                pairs = other_pairs
-                forces = other_forces
-                motion = other_motion
+                call move_alloc(other_pairs, pairs)
+                call move_alloc(other_forces, forces)
+                call move_alloc(other_motion, motion)
                 outcome = other_outcome
             end if
         end if

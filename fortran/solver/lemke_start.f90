@@ -41,6 +41,7 @@ contains
         real(wp) :: sense
         integer, allocatable :: pairs(:)
         real(wp), allocatable :: forces(:), motion(:), displacement(:), closing(:)
+        real(wp), allocatable :: start_forces(:)
 
         allocate (active(problem%n), source=.false.)
         allocate (way%cover(problem%n), source=0.0_wp)
@@ -72,9 +73,9 @@ contains
         active(pairs) = .true.
         way%base_loads = problem%loads
         way%loads = 0.0_wp*problem%loads
-        allocate (displacement(problem%n))
-        call normal_displacement(problem, compliance, at_pairs(problem%n, pairs, forces), &
-            & displacement)
+        allocate (displacement(problem%n), start_forces(problem%n), source=0.0_wp)
+        start_forces(pairs) = forces
+        call normal_displacement(problem, compliance, start_forces, displacement)
         ! The pairs of the vertex touch at the motion computed without their displacements.
         way%cover = max(0.0_wp, matmul(problem%motions, motion) - way%gaps - displacement)
         way%cover(pairs) = -displacement(pairs) + matmul(problem%motions(pairs, :), motion) &
@@ -193,19 +194,5 @@ contains
             gaps(i) = gaps(i) + tie_breaker*scale*modulo(i*0.6180339887498949_wp, 1.0_wp)
         end do
     end function untied_gaps
-
-    !> Values of some pairs, zero for all others.
-    pure function at_pairs(n, pairs, numbers) result(all_pairs)
-        !> Number of pairs
-        integer, intent(in) :: n
-        !> Some of them
-        integer, intent(in) :: pairs(:)
-        !> Their values
-        real(wp), intent(in) :: numbers(:)
-        real(wp), allocatable :: all_pairs(:)
-
-        allocate (all_pairs(n), source=0.0_wp)
-        all_pairs(pairs) = numbers
-    end function at_pairs
 
 end module flankload_lemke_start

@@ -5,7 +5,7 @@ program test_core
         & method_single, symmetric_matrix, general_matrix
     use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
         & factor_anew, solve_factored
-    use flankload_factor_extension, only: extend, truncate
+    use flankload_factor_extension, only: extend
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
     use flankload_twice_precision, only: two_part, add_product, rounded
@@ -613,7 +613,7 @@ contains
         end do
         call expect(distance_to_fresh(factor, matrix) < round_off, &
             & 'factor by blocks = fresh factor')
-        call truncate(factor, 9)
+        factor%order = 9
         call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'cut = fresh factor')
         call extend(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
         call expect(.not. accepted, 'a block with a repeated row is refused')

@@ -244,7 +244,7 @@ _FORTRAN = (
     *_in(
         "bordered_solution.f90",
         "core unit/contact/test_contact_general.py",
-        ("loads(:, 1) - matmul(columns", "loads(:, 1) + matmul(columns"),
+        ("inverse, s - matmul(", "inverse, s + matmul("),
         (
             "s(c) - dot_product(forward(:k, first_row + c)",
             "s(c) + dot_product(forward(:k, first_row + c)",
