@@ -1,8 +1,8 @@
-!> The contact loop in blocks: many pairs enter at once, pairs with tensile forces leave at once.
+!> Block active-set method: many pairs enter at once, pairs with tensile forces leave at once.
 !>
-!> It is fast if the contact grows by whole regions, as on flanks. Its energy need not decrease, so
-!> it is monitored: if the number of pairs with tensile forces or penetration has not decreased
-!> within a few steps, it gives up, and the caller continues with single pairs from there.
+!> The stored energy need not decrease. The loop ends without a state if the number of pairs with
+!> tensile forces or penetration does not decrease within `stall_limit` steps; the caller continues
+!> with single pairs from there.
 module flankload_block_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -23,7 +23,7 @@ module flankload_block_loop
     !> Number of pairs that may always enter at once.
     integer, parameter :: entering_at_least = 16
     !> Steps within which the number of wrong pairs must fall
-    integer, parameter :: patience = 5
+    integer, parameter :: stall_limit = 5
     !> Minimum number of pairs of a coarser problem; a larger one is started from a still coarser
     !> one.
     integer, parameter :: least_coarse = 8
@@ -49,7 +49,7 @@ contains
         !> The loads cannot be held, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
-        integer, allocatable :: first(:), begin(:)
+        integer, allocatable :: first(:), start_pairs(:)
         real(wp), allocatable :: first_forces(:)
         logical :: ready
 
@@ -57,11 +57,11 @@ contains
         call start_loop(problem, first, first_forces, state, error)
         if (allocated(error)) return
         ready = .false.
-        begin = warm_pairs
-        if (cascade .and. size(begin) == 0 .and. problem%n >= cell*least_coarse) then
-            begin = coarse_guess(problem, compliance)
+        start_pairs = warm_pairs
+        if (cascade .and. size(start_pairs) == 0 .and. problem%n >= cell*least_coarse) then
+            start_pairs = coarse_guess(problem, compliance)
         end if
-        if (size(begin) > 0) call start_warm(problem, compliance, begin, state, ready)
+        if (size(start_pairs) > 0) call start_warm(problem, compliance, start_pairs, state, ready)
         if (.not. ready) call start_cold(problem, compliance, first, first_forces, state, ready)
         if (ready) call iterate_blocks(problem, compliance, state, converged)
     end subroutine block_loop
@@ -101,7 +101,7 @@ contains
                 fewest = wrong
                 since = 0
             end if
-            if (since >= patience) return
+            if (since >= stall_limit) return
             call add_entering(problem, compliance, entering, state, ready)
         end do
     end subroutine iterate_blocks

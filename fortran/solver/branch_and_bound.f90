@@ -1,4 +1,4 @@
-!> Search through all cases of contact: it finds a state or proves that there is none.
+!> Branch and bound over all cases of contact: it finds a state or proves that there is none.
 !>
 !> Without g F = 0 the problem is a linear program: if no F >= 0 and g >= 0 satisfy its equations,
 !> no state exists for any K. If such F and g exist and a pair has both force and gap, two cases
@@ -38,13 +38,13 @@ module flankload_branch_and_bound
 
     !> Limit of tableau entries, about 20 ms; tableaus whose cube exceeds a part of it are not
     !> started.
-    real(wp), parameter :: most_work = 2.0e7_wp
+    real(wp), parameter :: max_work = 2.0e7_wp
     real(wp), parameter :: part_to_begin = 0.25_wp
     !> A tableau with a larger entry has lost too many digits.
     real(wp), parameter :: too_large = 1.0e8_wp
     !> Pivots of one case, in rows, before the lowest-number rule is used, which cannot cycle
-    integer, parameter :: patience = 3
-    integer, parameter :: most_pivots = 50
+    integer, parameter :: stall_limit = 3
+    integer, parameter :: max_pivots = 50
 
 contains
 
@@ -68,8 +68,8 @@ contains
         outcome = search_undecided
         pivots = 0
         allocate (pairs(0))
-        if (real(problem%n, wp)**3 > part_to_begin*most_work) return
-        cases%work = most_work
+        if (real(problem%n, wp)**3 > part_to_begin*max_work) return
+        cases%work = max_work
         call new_tableau(problem, compliance, table, consistent)
         cases%start = table
         ! The pairs with which the loop starts hold the loads: a statement of this tableau about
@@ -163,8 +163,8 @@ contains
         m = size(table%basic)
         outcome = search_undecided
         rebuilt_at = -m
-        do pivot = 0, most_pivots*m
-            lowest = pivot > patience*m
+        do pivot = 0, max_pivots*m
+            lowest = pivot > stall_limit*m
             call leaving_row(table, lowest, row, sense)
             if (row == 0) then
                 outcome = search_found

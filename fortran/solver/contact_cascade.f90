@@ -1,4 +1,4 @@
-!> Cascade of contact loops: the fastest first, a more careful one if it does not converge.
+!> Cascade of methods: the fastest first, a more robust one if it does not converge.
 !>
 !>     block  →  single  →  single with rows exchanged at every factorisation  →  load path
 !>
@@ -77,36 +77,36 @@ contains
 
         logical :: converged, symmetric
         integer :: pivots
-        integer, allocatable :: begin(:)
+        integer, allocatable :: start_pairs(:)
 
         ending%level = method
         if (method == method_auto) ending%level = choose(problem, compliance, warm_pairs)
         if (method == method_primal) ending%level = method_single
         symmetric = problem%symmetric
-        begin = warm_pairs
+        start_pairs = warm_pairs
         pivots = 0
         converged = .false.
         if (ending%level == method_block .or. ending%level == method_cascade) then
-            call block_loop(problem, compliance, begin, ending%level == method_cascade, state, &
-                & converged, error)
+            call block_loop(problem, compliance, start_pairs, ending%level == method_cascade, &
+                & state, converged, error)
             ! Before the first pair is in contact, a loop can only find that no forces hold the
             ! loads.
             ending%none_proven = state%none_proven
             if (converged .or. allocated(error)) return
-            call next_level(state, method_single, ending%level, pivots, begin)
+            call next_level(state, method_single, ending%level, pivots, start_pairs)
         end if
         if (ending%level == method_single) then
             call measure_from_zero(problem)
-            call single_loop(problem, compliance, begin, .false., state, error)
+            call single_loop(problem, compliance, start_pairs, .false., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
             ! A failure before the first pair is in contact does not depend on the loop.
             ending%none_proven = state%none_proven
             if (.not. allocated(state%system%pairs)) return
-            call next_level(state, method_pivoted, ending%level, pivots, begin)
+            call next_level(state, method_pivoted, ending%level, pivots, start_pairs)
         end if
         if (ending%level == method_pivoted) then
-            call run_pivoted(problem, compliance, begin, pivots, state, ending%level, error)
+            call run_pivoted(problem, compliance, start_pairs, pivots, state, ending%level, error)
             if (.not. allocated(error)) return
         end if
         problem%symmetric = symmetric
@@ -117,12 +117,12 @@ contains
     end subroutine run_cascade
 
     !> Single pairs with row exchanges; if the pairs are singular, with loads through springs.
-    pure subroutine run_pivoted(problem, compliance, begin, pivots, state, level, error)
+    pure subroutine run_pivoted(problem, compliance, start_pairs, pivots, state, level, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with, then to continue with
-        integer, allocatable, intent(inout) :: begin(:)
+        integer, allocatable, intent(inout) :: start_pairs(:)
         !> Pivots so far
         integer, intent(inout) :: pivots
         !> The state
@@ -137,16 +137,16 @@ contains
         symmetric = problem%symmetric
         call measure_from_zero(problem)
         problem%symmetric = .false.
-        call single_loop(problem, compliance, begin, .true., state, error)
+        call single_loop(problem, compliance, start_pairs, .true., state, error)
         state%pivots = pivots + state%pivots
         if (.not. allocated(error)) return
         singular = error%code == singular_contact
-        call next_level(state, method_load_path, level, pivots, begin)
+        call next_level(state, method_load_path, level, pivots, start_pairs)
         if (.not. singular) return
         problem%symmetric = symmetric
         call measure_from_zero(problem)
         call regularize_loads(problem)
-        call single_loop(problem, compliance, begin, .not. problem%symmetric, state, error)
+        call single_loop(problem, compliance, start_pairs, .not. problem%symmetric, state, error)
         state%pivots = pivots + state%pivots
         if (.not. allocated(error)) then
             level = method_pivoted
@@ -173,7 +173,7 @@ contains
     end function choose
 
     !> Pass the pairs on to the next level.
-    pure subroutine next_level(left, next, level, pivots, begin)
+    pure subroutine next_level(left, next, level, pivots, start_pairs)
         !> State left by the previous level
         type(loop_state), intent(in) :: left
         !> The next level
@@ -183,11 +183,11 @@ contains
         !> Pivots so far
         integer, intent(out) :: pivots
         !> Pairs to begin with
-        integer, allocatable, intent(inout) :: begin(:)
+        integer, allocatable, intent(inout) :: start_pairs(:)
 
         level = next
         pivots = left%pivots
-        if (allocated(left%system%pairs)) begin = left%system%pairs
+        if (allocated(left%system%pairs)) start_pairs = left%system%pairs
     end subroutine next_level
 
 end module flankload_contact_cascade

@@ -48,11 +48,11 @@ contains
         type(contact_problem) :: problem
         type(loop_state) :: state
         type(error_type), allocatable :: error
-        integer, allocatable :: begin(:), order(:)
+        integer, allocatable :: start_pairs(:), order(:)
         logical :: kept, done
         integer :: step, l
 
-        begin = warm_pairs
+        start_pairs = warm_pairs
         order = ascending_order(maxval(abs(loads), dim=1))
         kept = .false.
         do step = 1, size(order)
@@ -62,13 +62,13 @@ contains
             if (kept) call continue_from(problem, compliance, loads(:, l), state, results(l), done)
             if (.not. done) then
                 call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads(:, l), &
-                    & structure, method, begin, problem, state, results(l), error)
+                    & structure, method, start_pairs, problem, state, results(l), error)
                 if (allocated(error)) codes(l) = error%code
             end if
             kept = codes(l) == 0 .and. .not. state%pivoted &
                 & .and. any(method == [method_auto, method_block, method_cascade])
             if (codes(l) == 0 .and. size(results(l)%active_pairs) > 0) then
-                begin = results(l)%active_pairs
+                start_pairs = results(l)%active_pairs
             end if
         end do
     end subroutine solve_contact_loads

@@ -28,7 +28,7 @@ module flankload_contact_loop
 
     !> No rounding leaves a residual this large in a row: a state with such a residual is rejected,
     !> whatever method found it.
-    real(wp), parameter :: unmet = 1.0e-8_wp
+    real(wp), parameter :: max_residual = 1.0e-8_wp
 
 contains
 
@@ -237,7 +237,7 @@ contains
         end do
         if (allocated(error)) deallocate (error)
         result%pivots = pivots
-        if (result%backward_error <= unmet) return
+        if (result%backward_error <= max_residual) return
         call blank(result, problem%n, problem%n_motions)
         result%pivots = pivots
         call fatal_error(error, pivot_limit, 'what was found does not meet its equations')

@@ -12,9 +12,9 @@ module flankload_equation_residual
     public :: find_residual, holds_loads, restore_loads
 
     !> Forces that hold the loads less accurately than this are refined before any decision.
-    real(wp), parameter :: lost = 1.0e-9_wp
+    real(wp), parameter :: imbalance_limit = 1.0e-9_wp
     !> Maximum number of refinements
-    integer, parameter :: most_steps = 3
+    integer, parameter :: max_steps = 3
 
 contains
 
@@ -110,8 +110,8 @@ contains
         real(wp), allocatable :: more_force(:), more_motion(:), r(:), s(:)
 
         if (problem%n_motions == 1) return
-        do step = 1, most_steps
-            if (holds_loads(problem, system%pairs, forces, lost)) return
+        do step = 1, max_steps
+            if (holds_loads(problem, system%pairs, forces, imbalance_limit)) return
             if (.not. allocated(r)) allocate (r(size(forces)), s(size(motion)))
             call find_residual(problem, compliance, system%pairs, forces, motion, r, s)
             call solve_bordered(system, problem, r, s, more_force, more_motion, solved)

@@ -1,4 +1,4 @@
-!> The last level of the cascade: the load path, and the fallbacks if it finds no state.
+!> Last level of the cascade: Lemke's path, branch and bound, then generated starts.
 !>
 !> If K (its weighted symmetric part) is positive definite, a state exists whenever forces can hold
 !> the loads. Otherwise an unbounded path proves nothing: the cases of contact are searched, which
@@ -25,8 +25,8 @@ module flankload_fallback
 
     !> Limit of pivots times the square of the number of pairs for other starts, about 0.1 s; this
     !> many pivots are always allowed.
-    integer, parameter :: other_starts = 400
-    real(wp), parameter :: most_work = 4.0e7_wp
+    integer, parameter :: max_starts = 400
+    real(wp), parameter :: max_work = 4.0e7_wp
     integer, parameter :: pivots_at_least = 1000
 
 contains
@@ -201,8 +201,8 @@ contains
             if (converged) return
             pivots = pivots + state%pivots
         end if
-        limit = pivots + pivots_at_least + int(most_work/real(problem%n, wp)**2)
-        do start = 1, other_starts
+        limit = pivots + pivots_at_least + int(max_work/real(problem%n, wp)**2)
+        do start = 1, max_starts
             if (pivots > limit) return
             problem = touching
             call single_loop(problem, compliance, generated_pairs(problem%n, start), .true., &

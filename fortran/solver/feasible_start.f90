@@ -1,4 +1,4 @@
-!> Feasible start of the contact loop: as many pairs as motions, whose forces hold the loads.
+!> Feasible start of the active-set methods: as many pairs as motions, whose forces hold the loads.
 !>
 !> For one motion, this is the pair that touches first among those that can carry the load; for
 !> several, a vertex of {F >= 0, Rᵀ F = Q}, found by the first phase of the simplex method (Bland's

@@ -30,7 +30,7 @@ module flankload_final_refinement
 contains
 
     !> The force that first becomes zero on the way to the target.
-    pure subroutine first_leaving(problem, pairs, forces, target, pinned, leaving, way)
+    pure subroutine first_leaving(problem, pairs, forces, target, pinned, leaving, fraction)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact
@@ -43,7 +43,7 @@ contains
         !> Index of that force, 0 if none is negative at the end
         integer, intent(out) :: leaving
         !> Fraction of the way
-        real(wp), intent(out) :: way
+        real(wp), intent(out) :: fraction
 
         integer :: k
         real(wp) :: part
@@ -51,16 +51,16 @@ contains
 
         negative = is_tensile(problem, pairs, target)
         leaving = 0
-        way = 1.0_wp
+        fraction = 1.0_wp
         do k = 1, size(forces)
             if (.not. negative(k) .or. pinned(k)) cycle
             part = forces(k)/(forces(k) - target(k))
             if (leaving > 0) then
-                if (part > way) cycle
-                if (part >= way .and. target(k) > target(leaving)) cycle
+                if (part > fraction) cycle
+                if (part >= fraction .and. target(k) > target(leaving)) cycle
             end if
             leaving = k
-            way = part
+            fraction = part
         end do
     end subroutine first_leaving
 
@@ -144,7 +144,7 @@ contains
         logical, intent(out) :: done
 
         integer :: step, k, leaving
-        real(wp) :: way
+        real(wp) :: fraction
         real(wp), allocatable :: forces(:), motion(:), sizes(:)
         logical :: solved, met
 
@@ -161,7 +161,7 @@ contains
                     & forces, motion, solved)
                 forces = state%forces(pairs) + forces
                 call first_leaving(problem, pairs, state%forces(pairs), forces, &
-                    & state%pinned(pairs), leaving, way)
+                    & state%pinned(pairs), leaving, fraction)
                 done = leaving == 0
                 if (.not. done) exit
                 state%forces(pairs) = max(forces, 0.0_wp)

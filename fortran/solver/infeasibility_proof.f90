@@ -1,4 +1,4 @@
-!> Proof that the equations of a case of contact have no solution >= 0, beyond rounding.
+!> Farkas' lemma in twice the precision: the equations of a case have no solution >= 0.
 !>
 !> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
 !>
@@ -48,7 +48,7 @@ module flankload_infeasibility_proof
     !> Smaller terms may have lost parts that a double cannot represent.
     real(wp), parameter :: least_terms = 1.0e-240_wp
     !> Refinements, each of which gains the digits that the condition number leaves of sixteen
-    integer, parameter :: most_refinements = 8
+    integer, parameter :: max_refinements = 8
 
 contains
 
@@ -172,7 +172,7 @@ contains
         matrix = matrix/spread(units, 2, m)
         call getrf(m, matrix, swaps, info)
         if (info /= 0) return
-        do step = 1, most_refinements
+        do step = 1, max_refinements
             met = .true.
             do k = 1, m
                 if (k <= n_forces) then

@@ -18,7 +18,7 @@ module flankload_lemke_factor
     public :: exchange_pair, factor_line, border_line
 
     !> Number of pairs that may change sides before the present set is factored.
-    integer, parameter :: most_changes = 16
+    integer, parameter :: max_changes = 16
     !> Fewer equations than this are factored faster than bordered.
     integer, parameter :: few_equations = 16
     !> Problem along the path: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
@@ -32,7 +32,7 @@ module flankload_lemke_factor
     !> The factored equations of an earlier set, and the changes since.
     type :: lemke_factor
         !> Problem along the path
-        type(lemke_problem) :: way
+        type(lemke_problem) :: path
         !> The driving variable, zero at the start of a line and one at a unit from it: 0 for λ,
         !> else force (pair active) or gap of that pair
         integer :: driver = 0
@@ -47,7 +47,7 @@ module flankload_lemke_factor
         !> Pairs that have changed sides since, -1 of them: too many. For each: the effect of a unit
         !> of its new unknown on the stored unknowns, and the row of its condition.
         integer :: n_changed = -1
-        integer :: changed(most_changes) = 0
+        integer :: changed(max_changes) = 0
         real(wp), allocatable :: columns(:, :)
         real(wp), allocatable :: rows(:, :)
     end type lemke_factor
@@ -58,7 +58,7 @@ module flankload_lemke_factor
         real(wp), allocatable :: forces(:, :)
         real(wp), allocatable :: motion(:, :)
         !> λ, shape (2)
-        real(wp), allocatable :: part(:)
+        real(wp), allocatable :: lambda(:)
     end type lemke_unknowns
 
 contains
@@ -86,7 +86,7 @@ contains
             factor%rows(:, j) = factor%rows(:, factor%n_changed)
             factor%n_changed = factor%n_changed - 1
             return
-        else if (factor%n_changed == most_changes) then
+        else if (factor%n_changed == max_changes) then
             factor%n_changed = -1
             return
         end if
@@ -100,7 +100,7 @@ contains
             column(:k, 1) = problem%row_scale(factor%pairs)*problem%row_scale(pair) &
                 & *compliance(factor%pairs, pair)
             column(k + 1:m - 1, 1) = problem%load_rows(pair, :)
-            factor%rows(:, j) = gap_row(problem, compliance, factor%way, pair, factor%pairs)
+            factor%rows(:, j) = gap_row(problem, compliance, factor%path, pair, factor%pairs)
         else
             place = findloc(factor%pairs, pair, dim=1)
             column(place, 1) = -1.0_wp
@@ -130,7 +130,7 @@ contains
         m = k + q + 1
         if (allocated(factor%matrix)) deallocate (factor%matrix, factor%swaps)
         allocate (factor%matrix(m, m), factor%swaps(m), right(m, 2))
-        associate (matrix => factor%matrix, pairs => factor%pairs, way => factor%way, &
+        associate (matrix => factor%matrix, pairs => factor%pairs, path => factor%path, &
             & driver => factor%driver)
             matrix = 0.0_wp
             right = 0.0_wp
@@ -139,18 +139,18 @@ contains
                 matrix(:k, j) = compliance(pairs, pairs(j))*scales*scales(j)
             end do
             matrix(:k, k + 1:k + q) = -problem%motions(pairs, :)
-            matrix(:k, m) = -way%cover(pairs)
-            right(:k, 1) = -way%gaps(pairs)
+            matrix(:k, m) = -path%cover(pairs)
+            right(:k, 1) = -path%gaps(pairs)
             matrix(k + 1:k + q, :k) = transpose(problem%load_rows(pairs, :))
-            matrix(k + 1:k + q, m) = -way%loads
-            right(k + 1:k + q, 1) = way%base_loads
+            matrix(k + 1:k + q, m) = -path%loads
+            right(k + 1:k + q, 1) = path%base_loads
             if (driver == 0) then
                 matrix(m, m) = 1.0_wp
             else if (factor%active(driver)) then
                 matrix(m, findloc(pairs, driver, dim=1)) = 1.0_wp
             else
-                matrix(m, :) = gap_row(problem, compliance, way, driver, pairs)
-                right(m, 1) = -way%gaps(driver)
+                matrix(m, :) = gap_row(problem, compliance, path, driver, pairs)
+                right(m, 1) = -path%gaps(driver)
             end if
             right(m, 2) = 1.0_wp
             call getrf(m, matrix, factor%swaps, info)
@@ -162,16 +162,16 @@ contains
         factor%solution = right
         factor%n_changed = merge(0, -1, m > few_equations)
         if (allocated(factor%columns)) deallocate (factor%columns, factor%rows)
-        allocate (factor%columns(m, most_changes), factor%rows(m, most_changes))
+        allocate (factor%columns(m, max_changes), factor%rows(m, max_changes))
     end subroutine factor_line
 
     !> The gap of a pair as a row on forces of given pairs, motions and λ.
-    pure function gap_row(problem, compliance, way, pair, pairs) result(row)
+    pure function gap_row(problem, compliance, path, pair, pairs) result(row)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
-        type(lemke_problem), intent(in) :: way
+        type(lemke_problem), intent(in) :: path
         !> The pair
         integer, intent(in) :: pair
         !> The pairs with forces
@@ -179,7 +179,7 @@ contains
         real(wp), allocatable :: row(:)
 
         row = [problem%row_scale(pair)*compliance(pair, pairs)*problem%row_scale(pairs), &
-            & -problem%motions(pair, :), -way%cover(pair)]
+            & -problem%motions(pair, :), -path%cover(pair)]
     end function gap_row
 
     !> Solve with the stored factor.
@@ -243,7 +243,7 @@ contains
             end if
         end do
         unknowns%motion = kept(k + 1:m - 1, :)
-        unknowns%part = kept(m, :)
+        unknowns%lambda = kept(m, :)
     end subroutine border_line
 
     !> D, E and s: the conditions of the changes and of the driving variable.
@@ -268,7 +268,7 @@ contains
         do j = 1, s
             associate (pair => factor%changed(j))
                 if (.not. factor%active(pair)) cycle
-                right(j, 1) = -factor%way%gaps(pair)
+                right(j, 1) = -factor%path%gaps(pair)
                 call add_entered(problem, compliance, factor, pair, matrix(j, :s))
             end associate
         end do
@@ -282,8 +282,8 @@ contains
             else if (factor%active(driver)) then
                 rows(findloc(factor%pairs, driver, dim=1), s + 1) = 1.0_wp
             else
-                rows(:, s + 1) = gap_row(problem, compliance, factor%way, driver, factor%pairs)
-                right(s + 1, 1) = -factor%way%gaps(driver)
+                rows(:, s + 1) = gap_row(problem, compliance, factor%path, driver, factor%pairs)
+                right(s + 1, 1) = -factor%path%gaps(driver)
                 call add_entered(problem, compliance, factor, driver, matrix(s + 1, :s))
             end if
         end associate

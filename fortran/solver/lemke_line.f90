@@ -19,7 +19,7 @@ module flankload_lemke_line
     type :: lemke_line
         real(wp), allocatable :: value(:), change(:)
         real(wp), allocatable :: motion(:), motion_change(:)
-        real(wp) :: part = 0.0_wp, part_change = 0.0_wp
+        real(wp) :: lambda = 0.0_wp, lambda_change = 0.0_wp
     end type lemke_line
 
     !> Rounding allowed in a row of the line, relative to the largest term of any row.
@@ -58,7 +58,7 @@ contains
         k = size(factor%pairs)
         unknowns%forces(factor%pairs, :) = factor%solution(:k, :)
         unknowns%motion = factor%solution(k + 1:k + problem%n_motions, :)
-        unknowns%part = factor%solution(k + problem%n_motions + 1, :)
+        unknowns%lambda = factor%solution(k + problem%n_motions + 1, :)
         call complete_line(problem, compliance, factor, unknowns, line, accurate)
     end subroutine find_line
 
@@ -84,19 +84,20 @@ contains
         allocate (gaps(problem%n, 2))
         closed = factor%active
         accurate = .true.
-        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part, &
-            & way => factor%way)
+        associate (forces => unknowns%forces, motion => unknowns%motion, &
+            & lambda => unknowns%lambda, path => factor%path)
             do c = 1, 2
                 call normal_displacement(problem, compliance, forces(:, c), gaps(:, c))
-                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
-                residual = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
+                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) &
+                    & - path%cover*lambda(c)
+                residual = lambda(c)*path%loads - matmul(forces(:, c), problem%load_rows)
                 terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
-                    & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
+                    & + abs(lambda(c))*(maxval(abs(path%cover)) + maxval(abs(path%loads)))
                 if (c == 1) then
-                    gaps(:, c) = gaps(:, c) + way%gaps
-                    residual = residual + way%base_loads
-                    terms = max(terms, maxval(abs(way%gaps), mask=closed), &
-                        & maxval(abs(way%base_loads)))
+                    gaps(:, c) = gaps(:, c) + path%gaps
+                    residual = residual + path%base_loads
+                    terms = max(terms, maxval(abs(path%gaps), mask=closed), &
+                        & maxval(abs(path%base_loads)))
                 end if
                 accurate = accurate .and. maxval(abs(residual)) <= line_tolerance*terms &
                     & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
@@ -105,8 +106,8 @@ contains
             line%change = merge(forces(:, 2), gaps(:, 2), closed)
             line%motion = motion(:, 1)
             line%motion_change = motion(:, 2)
-            line%part = part(1)
-            line%part_change = part(2)
+            line%lambda = lambda(1)
+            line%lambda_change = lambda(2)
         end associate
         if (factor%driver > 0) accurate = accurate &
             & .and. abs(line%value(factor%driver)) <= line_tolerance*terms &

@@ -1,4 +1,4 @@
-!> Lemke's path: the state is followed from a known one to the required loads.
+!> Lemke's complementary pivoting from a known state to the required loads.
 !>
 !> Along g = K F + g0 + (1 - λ) c - B q, Rᵀ F = Q0 + λ Q1 just the active pairs touch. When a force
 !> or a gap becomes zero, its pair changes sides and its complement (gap or force) becomes the
@@ -64,13 +64,14 @@ contains
         type(lemke_line) :: line
         integer :: i, limit, blocking
         logical :: solved
-        real(wp) :: step, part
+        real(wp) :: step, lambda
 
         allocate (path%pairs(0))
         if (start == 0) then
-            call start_from_zero_load(problem, compliance, factor%way, factor%active, factor%driver)
+            call start_from_zero_load(problem, compliance, factor%path, factor%active, &
+                & factor%driver)
         else
-            call start_generated(problem, compliance, start, factor%way, factor%active, &
+            call start_generated(problem, compliance, start, factor%path, factor%active, &
                 & factor%driver)
         end if
         if (factor%driver < 0) return
@@ -80,16 +81,16 @@ contains
             call find_line(problem, compliance, factor, line, solved)
             if (.not. solved) exit
             call ratio_test(line, factor%driver, blocking, step)
-            part = line%part
-            if (blocking > 0) part = line%part + step*line%part_change
-            if (line%part_change > 0.0_wp .and. line%part <= 1.0_wp &
-                & .and. (blocking == 0 .or. part >= 1.0_wp)) then
+            lambda = line%lambda
+            if (blocking > 0) lambda = line%lambda + step*line%lambda_change
+            if (line%lambda_change > 0.0_wp .and. line%lambda <= 1.0_wp &
+                & .and. (blocking == 0 .or. lambda >= 1.0_wp)) then
                 path%outcome = lemke_solved
                 path%largest_part = 1.0_wp
                 exit
             end if
-            if (.not. any(abs(factor%way%cover) > 0.0_wp)) then
-                path%largest_part = max(path%largest_part, part)
+            if (.not. any(abs(factor%path%cover) > 0.0_wp)) then
+                path%largest_part = max(path%largest_part, lambda)
             end if
             if (blocking == 0) then
                 path%outcome = lemke_ray

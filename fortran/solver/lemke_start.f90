@@ -26,12 +26,12 @@ contains
 
     !> A state to begin with and the driving variable: 0 for λ, else force (pair active) or gap of
     !> that pair; negative if nothing holds the loads.
-    pure subroutine start_from_zero_load(problem, compliance, way, active, driver)
+    pure subroutine start_from_zero_load(problem, compliance, path, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
-        type(lemke_problem), intent(out) :: way
+        type(lemke_problem), intent(out) :: path
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
         !> The driving variable
@@ -44,25 +44,25 @@ contains
         real(wp), allocatable :: start_forces(:)
 
         allocate (active(problem%n), source=.false.)
-        allocate (way%cover(problem%n), source=0.0_wp)
-        way%gaps = untied_gaps(problem)
+        allocate (path%cover(problem%n), source=0.0_wp)
+        path%gaps = untied_gaps(problem)
         if (problem%n_motions == 1 .and. abs(problem%loads(1)) > 0.0_wp) then
             ! One motion: it first moves without load as far as the nearest pair permits.
             sense = sign(1.0_wp, problem%loads(1))
             allocate (closing(problem%n), source=huge(1.0_wp))
             where (sense*problem%motions(:, 1) > 0.0_wp)
-                closing = way%gaps/(sense*problem%motions(:, 1))
+                closing = path%gaps/(sense*problem%motions(:, 1))
             end where
             first = minloc(closing, dim=1)
             if (closing(first) < huge(1.0_wp)) then
                 active(first) = .true.
                 driver = first
-                way%base_loads = [0.0_wp]
-                way%loads = problem%loads
-                way%cover = max(0.0_wp, problem%motions(:, 1)*sense*closing(first) - way%gaps)
-                way%cover(first) = 0.0_wp
-                where (way%cover <= tie_breaker*abs(way%gaps)) way%cover = 0.0_wp
-                way%gaps = way%gaps + way%cover
+                path%base_loads = [0.0_wp]
+                path%loads = problem%loads
+                path%cover = max(0.0_wp, problem%motions(:, 1)*sense*closing(first) - path%gaps)
+                path%cover(first) = 0.0_wp
+                where (path%cover <= tie_breaker*abs(path%gaps)) path%cover = 0.0_wp
+                path%gaps = path%gaps + path%cover
                 return
             end if
         end if
@@ -71,28 +71,28 @@ contains
         driver = merge(0, -1, outcome == start_found)
         if (driver < 0) return
         active(pairs) = .true.
-        way%base_loads = problem%loads
-        way%loads = 0.0_wp*problem%loads
+        path%base_loads = problem%loads
+        path%loads = 0.0_wp*problem%loads
         allocate (displacement(problem%n), start_forces(problem%n), source=0.0_wp)
         start_forces(pairs) = forces
         call normal_displacement(problem, compliance, start_forces, displacement)
         ! The pairs of the vertex touch at the motion computed without their displacements.
-        way%cover = max(0.0_wp, matmul(problem%motions, motion) - way%gaps - displacement)
-        way%cover(pairs) = -displacement(pairs) + matmul(problem%motions(pairs, :), motion) &
-            & - way%gaps(pairs)
-        way%gaps = way%gaps + way%cover
+        path%cover = max(0.0_wp, matmul(problem%motions, motion) - path%gaps - displacement)
+        path%cover(pairs) = -displacement(pairs) + matmul(problem%motions(pairs, :), motion) &
+            & - path%gaps(pairs)
+        path%gaps = path%gaps + path%cover
     end subroutine start_from_zero_load
 
     !> A generated start: some pairs share the loads with those of the vertex, all of them touch,
     !> and the others have gaps of the size of the existing ones.
-    pure subroutine start_generated(problem, compliance, number, way, active, driver)
+    pure subroutine start_generated(problem, compliance, number, path, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the start, from 1
         integer, intent(in) :: number
         !> Problem along the path
-        type(lemke_problem), intent(out) :: way
+        type(lemke_problem), intent(out) :: path
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
         !> The driving variable, negative if nothing holds the loads
@@ -129,18 +129,18 @@ contains
         drawn(pairs) = forces - shared*less
         active(pairs) = .true.
         call normal_displacement(problem, compliance, drawn, displacement)
-        way%gaps = untied_gaps(problem)
-        way%base_loads = problem%loads
-        way%loads = 0.0_wp*problem%loads
+        path%gaps = untied_gaps(problem)
+        path%base_loads = problem%loads
+        path%loads = 0.0_wp*problem%loads
         ! The cover turns the gaps of these forces into the generated ones.
-        way%cover = displacement + way%gaps - matmul(problem%motions, motion)
-        open = max(maxval(abs(displacement)), tie_breaker*maxval(abs(way%cover)))
+        path%cover = displacement + path%gaps - matmul(problem%motions, motion)
+        open = max(maxval(abs(displacement)), tie_breaker*maxval(abs(path%cover)))
         where (active)
-            way%cover = -way%cover
+            path%cover = -path%cover
         else where
-            way%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - way%cover)
+            path%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - path%cover)
         end where
-        way%gaps = way%gaps + way%cover
+        path%gaps = path%gaps + path%cover
     end subroutine start_generated
 
     !> Some of the pairs, different ones for each number: first a few of them, then more.
@@ -152,10 +152,10 @@ contains
         integer, allocatable :: pairs(:)
 
         integer :: i
-        real(wp) :: part
+        real(wp) :: lambda
 
-        part = 0.1_wp + 0.2_wp*modulo(number, 4)
-        pairs = pack([(i, i=1, n)], random_numbers(n, number) < part)
+        lambda = 0.1_wp + 0.2_wp*modulo(number, 4)
+        pairs = pack([(i, i=1, n)], random_numbers(n, number) < lambda)
     end function generated_pairs
 
     !> Pseudo-random numbers between 0 and 1, the same in every run.

@@ -1,4 +1,4 @@
-!> Loads that act through springs, for pairs among which K is singular.
+!> Regularization of K by loads that act through springs, for pairs among which K is singular.
 !>
 !> Such pairs may still constrain every motion, as those of rigid bodies on few springs do. With a
 !> spring of compliance ρ between each load and its motion, the far end of the spring moves by q + ρ

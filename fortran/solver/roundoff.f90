@@ -1,4 +1,4 @@
-!> Forces that are only rounding.
+!> Detection and removal of forces that are only rounding.
 !>
 !> A force that is small relative to the largest may be significant in a load on which the others
 !> hardly act, for instance if their levers are rounding: without it that load would not be held.

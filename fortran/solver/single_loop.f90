@@ -1,11 +1,11 @@
-!> The contact loop with single pairs, in which any pair may leave; (20), (30), (31).
+!> Primal active-set method with single pairs, (20), (30), (31).
 !>
-!> The forces hold the loads and are not negative at every step. Each step moves towards the state
-!> in which just the active pairs touch; it stops where a force becomes zero and removes that pair,
-!> or else adds the most penetrating pair. With a symmetric positive definite K the stored energy
-!> decreases at every step, so that no set of pairs occurs twice. With another K the loop may cycle:
-!> it gives up if neither energy nor the number of penetrating pairs has decreased for some steps.
-!> The paper's loop (Fig. 6) is the case in which no pair ever leaves.
+!> At every step the forces hold the loads and are not negative. A step moves towards the state in
+!> which just the active pairs touch. It stops where a force becomes zero and removes that pair, or
+!> else adds the most penetrating pair. If K is symmetric and positive definite, the stored energy
+!> decreases at every step, so that no set of pairs occurs twice. Otherwise the loop may cycle; it
+!> ends if neither energy nor the number of penetrating pairs decreases within `stall_limit` steps.
+!> The paper's loop (Fig. 6) is the case in which no pair leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_status, only: pivot_limit, singular_contact
@@ -38,7 +38,7 @@ module flankload_single_loop
     end type loop_progress
 
     !> Steps within which there must be progress; 20000 problems of gears need 3.
-    integer, parameter :: patience = 10
+    integer, parameter :: stall_limit = 10
 
 contains
 
@@ -84,7 +84,7 @@ contains
                 if (done) exit
             end if
             call update_progress(problem, state, progress)
-            if (progress%steps_without > patience) then
+            if (progress%steps_without > stall_limit) then
                 call fatal_error(error, pivot_limit, 'the loop gets no nearer to a state')
                 return
             end if
@@ -135,7 +135,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), allocatable :: target(:), forces(:), motion(:)
-        real(wp) :: way
+        real(wp) :: fraction
         integer :: leaving, pair
         logical :: solved, rejected
 
@@ -151,7 +151,7 @@ contains
             call restore_loads(problem, compliance, state%system, target, motion)
             forces = state%forces(state%system%pairs)
             call first_leaving(problem, state%system%pairs, forces, target, &
-                & state%pinned(state%system%pairs), leaving, way)
+                & state%pinned(state%system%pairs), leaving, fraction)
             if (leaving == 0) then
                 state%left_last = 0
                 if (.not. rejected) state%waiting = .false.
@@ -164,9 +164,9 @@ contains
                 return
             end if
             pair = state%system%pairs(leaving)
-            state%forces(state%system%pairs) = max(forces + way*(target - forces), 0.0_wp)
+            state%forces(state%system%pairs) = max(forces + fraction*(target - forces), 0.0_wp)
             state%forces(pair) = 0.0_wp
-            if (way > 0.0_wp) then
+            if (fraction > 0.0_wp) then
                 state%waiting = .false.
             else if (leaving == size(forces)) then
                 ! The pair that just entered has a tensile force: without a change it would enter
@@ -214,7 +214,7 @@ contains
 
         real(wp), allocatable :: column(:), change(:), motion(:), forces(:)
         integer :: leaving
-        real(wp) :: way
+        real(wp) :: fraction
         logical :: accepted
 
         if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
@@ -237,12 +237,12 @@ contains
                 leaving = minloc(forces/max(-change, tiny(1.0_wp)), dim=1, &
                     & mask=change < -row_tolerance*maxval(abs(change)))
                 if (.not. accepted .or. leaving == 0) exit
-                way = forces(leaving)/(-change(leaving))
-                state%forces(pairs) = max(forces + way*change, 0.0_wp)
+                fraction = forces(leaving)/(-change(leaving))
+                state%forces(pairs) = max(forces + fraction*change, 0.0_wp)
                 state%forces(pairs(leaving)) = 0.0_wp
-                state%forces(entering) = state%forces(entering) + way
+                state%forces(entering) = state%forces(entering) + fraction
             end associate
-            if (way > 0.0_wp) state%waiting = .false.
+            if (fraction > 0.0_wp) state%waiting = .false.
             call drop_pair(state%system, problem, compliance, leaving, accepted)
             state%pivots = state%pivots + 1
             if (.not. accepted) exit

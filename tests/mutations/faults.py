@@ -224,7 +224,7 @@ _FORTRAN = (
         "contact_certificate.f90",
         "core unit/contact/test_contact.py hard_cases/test_certain_answers.py "
         "unit/contact/test_contact_general.py",
-        ("rows = recession + problem%normal_gaps", "rows = recession"),
+        ("rows = displacement + problem%normal_gaps", "rows = displacement"),
         ("wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp)", "wrong = merge(abs(rows(i)), 0.0_wp"),
     ),
     *_in(
@@ -255,8 +255,8 @@ _FORTRAN = (
         "core unit/contact/test_contact.py unit/contact/test_contact_general.py "
         "hard_cases/test_certain_answers.py",
         (
-            "way = forces(leaving)/(-change(leaving))",
-            "way = 2.0_wp*forces(leaving)/(-change(leaving))",
+            "fraction = forces(leaving)/(-change(leaving))",
+            "fraction = 2.0_wp*forces(leaving)/(-change(leaving))",
             "forces on the way only say which pair leaves next; the last ones solve the equations",
         ),
         ("open = count(state%gaps < 0.0_wp", "open = count(state%gaps > 0.0_wp"),
@@ -269,7 +269,10 @@ _FORTRAN = (
     *_in(
         "paper_loop.f90",
         "regression/test_regression.py::test_reference[contact_gear_paper]",
-        ("x(:, 1) = -problem%gaps(state%pairs)", "x(:, 1) = -1.01_wp*problem%gaps(state%pairs)"),
+        (
+            "x(:, 1) = -problem%gaps(state%system%pairs)",
+            "x(:, 1) = -1.01_wp*problem%gaps(state%system%pairs)",
+        ),
     ),
     *_in(
         "twice_precision.f90",
