@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
+from flankload.bodies.flank_surface import flank_surface
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody
+    from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, Gear, MeshBody
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
@@ -80,7 +81,7 @@ def build_body(
             return body
         _check_hand(body, spec, key)
         ends = axial_range(spec, pair_width_mm, key)
-        return replace(body, axial=axial_shape(spec, ends, spec.helix_radius_mm))
+        return _along_axis(body, spec, key, folder, ends, spec.helix_radius_mm)
     if isinstance(spec, Cam | Follower):
         fineness = DEFAULT_PARTS / flank_element_parts
         return _build_cam_or_follower(spec, key, folder, flank_element_mm, fineness)
@@ -95,7 +96,20 @@ def build_body(
     if pair_width_mm is None or body.involute is None or not isinstance(spec, Gear):
         return body
     ends = axial_range(spec, pair_width_mm, key)
-    return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
+    return _along_axis(body, spec, key, folder, ends, body.involute.reference_radius_mm)
+
+
+def _along_axis(
+    body: Body,
+    spec: Gear | MeshBody,
+    key: str,
+    folder: Path,
+    ends: tuple[float, float],
+    radius_mm: float,
+) -> Body:
+    """The body with its shape along the axis; the helix angle is that at the radius."""
+    surface = flank_surface(spec, key, body, folder=folder, width_mm=ends[1] - ends[0])
+    return replace(body, axial=axial_shape(spec, ends, radius_mm, surface))
 
 
 def _build_imported(spec: ComplianceBody | MeshBody, key: str, folder: Path) -> Body:

@@ -84,5 +84,7 @@ def _may_close(pair: BodyPair) -> bool:
         room = mesh.backlash_mm * cos(mesh.pressure_angle_rad)
     elif fit is not None:
         room = fit.normal_backlash_mm - 2.0 * fit.offset_mm
-    errors_um = sum(max((0.0, *body.pitch_errors_um)) for body in bodies)
-    return room <= errors_um / 1000.0
+    added_mm = sum(max((0.0, *body.pitch_errors_um)) for body in bodies) / 1000.0
+    surfaces = [body.axial.surface for body in bodies if body.axial is not None]
+    added_mm += sum(surface.most_added_mm for surface in surfaces if surface is not None)
+    return room <= added_mm
