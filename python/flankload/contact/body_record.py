@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.flank import FlankCurve
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.flank import FlankCurve
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
