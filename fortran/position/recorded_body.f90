@@ -91,6 +91,7 @@ contains
         do j = 1, size(sections, 3)
             body%flanks(j) = new_flank(new_flank_curve(breaks, &
                 & reshape(sections(:, :, j), extents), corners))
+            body%flanks(j)%curve%stretched = .true.
         end do
     end subroutine read_flanks
 

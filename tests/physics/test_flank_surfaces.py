@@ -281,3 +281,23 @@ def test_rounded_tips_and_active_flanks_alone() -> None:
         assert deviation(found.rotation_rad, plain.rotation_rad) < SOLVER
         twisted = solve(**keys, body_1__profile_twist_um=10.0)
         assert 1e-4 < deviation(twisted.rotation_rad, plain.rotation_rad) < 0.1
+
+
+@pytest.mark.parametrize("twist", [100.0, -150.0])
+def test_places_are_found_where_the_metal_removed_changes_much(twist: float) -> None:
+    """The flank's s is not its arc length: one step along its tangent is no longer exact."""
+    found = solve(body_1__profile_twist_um=twist)
+    assert np.isfinite(found.rotation_rad).all()
+    plain = solve()
+    np.testing.assert_allclose(
+        found.site_force_N.sum(axis=1), plain.site_force_N.sum(axis=1), rtol=3e-3
+    )
+
+
+def test_added_metal_that_takes_up_the_backlash_is_refused(tmp_path: Path) -> None:
+    """80 um on all flanks are a pitch error of all teeth."""
+    grid = write_grid(tmp_path / "thick.csv", lambda _, __: -80.0)
+    for key, value in (("topography_file", grid), ("pitch_errors_um", [80.0] * 25)):
+        with pytest.raises(fl.PremiseError, match="14.8 um of overlap") as caught:
+            solve(load__torque_Nm=1.0, **{f"body_1__{key}": value})
+        assert caught.value.key == f"body_1.{key}"
