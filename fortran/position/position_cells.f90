@@ -174,9 +174,9 @@ contains
                 first = pairs%n + 1
                 normal = contact_normal(flank_1%curve, frames_1(site), flank_2%curve, &
                     & frames_2(site), zones(z), cells%reach(:, z))
-                call append_pairs(flank_1%curve, frames_1(site), flank_2%curve, &
-                    & frames_2(site), zones(z), z, grids(z), normal, &
-                    & body_1%deviations(site) + body_2%deviations(site), pairs, found)
+                call append_pairs(flank_1%curve, frames_1(site), flank_2%curve, frames_2(site), &
+                    & zones(z), z, grids(z), normal, body_1%deviations(site) &
+                    & + body_2%deviations(site), pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -186,9 +186,8 @@ contains
                     call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
                 end if
                 if (allocated(body_1%friction)) then
-                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, &
-                        & flank_1%curve, frames_1(site), flank_2%curve, &
-                        & frames_2(site), zones(z), first, pairs)
+                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, flank_1%curve, &
+                        & frames_1(site), flank_2%curve, frames_2(site), zones(z), first, pairs)
                 end if
                 if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
             end do

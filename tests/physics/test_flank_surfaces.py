@@ -146,6 +146,30 @@ def test_a_topography_of_twist_is_twist(tmp_path: Path) -> None:
     assert deviation(plain.slice_line_load_N_per_mm, one.slice_line_load_N_per_mm) > 0.1
 
 
+# --- plane scenes ---------------------------------------------------------------------------------
+
+
+def test_keys_of_zero_leave_a_plane_scene_as_it_is(tmp_path: Path) -> None:
+    """The same work and the same bits; a topography of zeros is three-dimensional."""
+    coarse = {"accuracy__flank_element_mm": 3.0, "accuracy__modes": 3, "positions__count": 2}
+    zeros = {"body_1__profile_twist_um": 0.0, "body_2__tooth_helix_slope_um": [0.0] * 24}
+    grid = tmp_path / "zeros.csv"
+    grid.write_text("d_mm,0,14\n60,0,0\n90,0,0\n", encoding="utf-8")
+    spatial = {"body_1__topography_file": str(grid), "effects__contact": "lumped"}
+    counted, found = [], []
+    for keys in ({}, zeros, spatial):
+        result = fl.solve(fl.Scene.from_dict(tree_of("external_gear", {**coarse, **keys})))
+        stages = result.cost["stages"].values()
+        counted.append([{**stage["counters"]} for stage in stages])
+        found.append(result)
+    assert counted[1] == counted[0]
+    assert counted[2] != counted[0]
+    np.testing.assert_array_equal(found[1].rotation_rad, found[0].rotation_rad)
+    np.testing.assert_array_equal(found[1].site_force_N, found[0].site_force_N)
+    assert found[0].slices is None
+    assert found[2].slices is not None
+
+
 # --- symmetries -----------------------------------------------------------------------------------
 
 
@@ -298,6 +322,6 @@ def test_added_metal_that_takes_up_the_backlash_is_refused(tmp_path: Path) -> No
     """80 um on all flanks are a pitch error of all teeth."""
     grid = write_grid(tmp_path / "thick.csv", lambda _, __: -80.0)
     for key, value in (("topography_file", grid), ("pitch_errors_um", [80.0] * 25)):
-        with pytest.raises(fl.PremiseError, match="14.8 um of overlap") as caught:
+        with pytest.raises(fl.PremiseError, match=r"14\.8 um of overlap") as caught:
             solve(load__torque_Nm=1.0, **{f"body_1__{key}": value})
         assert caught.value.key == f"body_1.{key}"

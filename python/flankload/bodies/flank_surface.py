@@ -8,6 +8,7 @@ profile diagram, and tip and root keep their circles.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -141,10 +142,7 @@ def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
         CubicSpline(surface.places_mm, -body.outward * removed / radius) for removed in removed_mm
     ]
     knots = np.append(surface.places_mm, surface.range_mm)
-    return [
-        turned_along(body.curve, lambda s, spline=spline: _faded(spline, ends, s), knots)
-        for spline in splines
-    ]
+    return [turned_along(body.curve, partial(_faded, spline, ends), knots) for spline in splines]
 
 
 def _faded(
