@@ -25,7 +25,7 @@ module flankload_flank_curve
         !> True if the curve is cut out of a longer one: contact cannot begin at its ends
         logical :: cut = .false.
         !> True if s is the arc length of another curve, from which this one deviates a little: its
-        !> own differs by the part that the deviation changes along it, up to a percent
+        !> own differs by a part, as much as the deviation changes along it
         logical :: stretched = .false.
     end type flank_curve_type
 

@@ -15,8 +15,8 @@ module flankload_polar_geometry
     !> Excess of the squared radius, relative, below which one step along the tangent is exact: the
     !> curve leaves its tangent by kappa ds²/2, with ds = 1e-11 r far below the last digit.
     real(wp), parameter :: nearly = 1.0e-11_wp
-    !> The same where that step is right to a percent.
-    real(wp), parameter :: nearly_stretched = 1.0e-13_wp
+    !> The same where that step is right to a part only: without it the circle is met to rounding.
+    real(wp), parameter :: nearly_stretched = 1.0e-14_wp
     !> A circle through the end of a flank misses it by several rounding errors.
     real(wp), parameter :: end_tolerance = 256.0_wp*epsilon(1.0_wp)
 
