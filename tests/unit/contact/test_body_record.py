@@ -307,7 +307,8 @@ def test_sections_are_in_place_of_the_flank(z: int) -> None:
     info, found = sweep_info(*records)
     assert info == 0
     records[z - 1] = record_of(coefficients=coefficients)
-    np.testing.assert_array_equal(found, sweep_info(*records)[1])
+    # circles meet sections to rounding, other flanks to one step along their tangent
+    np.testing.assert_allclose(found, sweep_info(*records)[1], rtol=SOLVER)
     assert not np.array_equal(found, sweep_info(record_of(), record_of())[1])
     records[z - 1] = record_of(("sections", np.tile(section[1], 2)))
     assert sweep_info(*records)[0] == (-8 if z == 1 else -10)
