@@ -356,13 +356,17 @@ _PYTHON = (
         "mechanisms/chain/drive.py",
         "unit/mechanisms/test_chain_scene.py",
         ("slack * two) / one", "slack * one) / one"),
+    ),
+    *_in(
+        "mechanisms/chain/description.py",
+        "unit/mechanisms/test_chain_scene.py",
         ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
     ),
     *_in(
         "mechanisms/chain/contact.py",
         "physics/test_chain.py unit/mechanisms/test_chain_scene.py",
-        ("pull[-1] += load.slack_N", "pull[-1] += 0.99 * load.slack_N"),
-        ("load.torque_Nmm + float(drag @ base)", "load.torque_Nmm - float(drag @ base)"),
+        ("pull[-1] += self.slack_N", "pull[-1] += 0.99 * self.slack_N"),
+        ("self.torque_Nmm + float(drag @ base)", "self.torque_Nmm - float(drag @ base)"),
         ("slack_N * two) / one", "slack_N * one) / two"),
         (
             "link_stiffness_N / chain.link_mm * stretch",
@@ -443,6 +447,30 @@ _PYTHON = (
         ("n_modes, tip=body.tip, twist=", "n_modes, twist="),
         ("twisted=prism.twist != 0.0", "twisted=False"),
         ("-_turning(body, twist, s)[0]", "_turning(body, twist, s)[0]"),
+    ),
+    *_in(
+        "elasticity/prism/axial_basis.py",
+        "unit/elasticity/prism/test_axial_regions.py",
+        ("self.bases[code // k**2])", "self.bases[code % k])"),
+        ("(a, slope_b), (slope_a, b)", "(slope_a, b), (a, slope_b)"),
+        ("return share_middle([basis.range_mm for basis in self.bases])", "return True"),
+    ),
+    *_in(
+        "elasticity/prism/regions.py",
+        "unit/elasticity/prism/test_axial_regions.py",
+        ("range(len(ranges) - 1, -1, -1)", "range(len(ranges))"),
+    ),
+    *_in(
+        "bodies/involute/region_mesh.py",
+        "unit/bodies/test_region_mesh.py",
+        ("numbers[-2::-1, -1]", "numbers[-1::-1, -1]"),
+        ("np.argsort(-angle)", "np.argsort(angle)"),
+    ),
+    *_in(
+        "scene/regions.py",
+        "unit/scene/test_axial_keys.py",
+        ("while found and found[0][1] == range_mm:", "while False:"),
+        ("middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm", "middle = offset_mm"),
     ),
     *_in(
         "elasticity/expansion_loads.py",

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.bodies.shaft import Shaft, build_shaft
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.bodies.flank_surface import FlankSurface
@@ -89,6 +92,8 @@ class AxialShape:
         What varies over the height of the flanks.
     shaft : Shaft or None
         Shaft and bearings; None: the bore does not move.
+    regions : tuple of (str, (float, float))
+        Names and ends of regions of other width: web, hub, sets of a mesh.
     """
 
     range_mm: tuple[float, float]
@@ -97,6 +102,7 @@ class AxialShape:
     tooth_slopes_mm: tuple[float, ...] = ()
     surface: FlankSurface | None = None
     shaft: Shaft | None = None
+    regions: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     @property
     def width_mm(self) -> float:
@@ -107,6 +113,12 @@ class AxialShape:
         """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
         return (z_mm - self.range_mm[0]) / self.width_mm
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether a straight body has a plane of symmetry across the axis."""
+        extents = [self.range_mm, *(extent for _, extent in self.regions)]
+        return not self.twist_rad_per_mm and share_middle(extents)
+
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
         return self.lead.at(self.zeta(z_mm), self.width_mm)
@@ -115,6 +127,13 @@ class AxialShape:
         """Metal removed in addition from each tooth with a slope of its own (T, n), mm."""
         zeta = self.zeta(z_mm)
         return np.array([_sloped(slope, zeta) for slope in self.tooth_slopes_mm])
+
+
+def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
+    """Whether extents along the axis have one middle, up to rounding."""
+    middles = [low + high for low, high in extents_mm]
+    widest = max(high - low for low, high in extents_mm)
+    return max(middles) - min(middles) <= TIE * widest
 
 
 def axial_shape(
@@ -155,4 +174,5 @@ def axial_shape(
         tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
         surface,
         None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
+        keys.regions_of(range_mm),
     )
