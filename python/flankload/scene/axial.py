@@ -45,6 +45,7 @@ PLANE_EFFECTS = {
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
@@ -247,7 +248,7 @@ def three_dimensional_key(
         if width is not None and pair is not None and width != pair.face_width_mm:
             return f"body_{number}.face_width_mm"
     if pair is not None:
-        for name in ("inclination_um_per_mm", "deviation_um_per_mm"):
+        for name in MISALIGNMENTS:
             if getattr(pair, name):
                 return f"pair.{name}"
     return None

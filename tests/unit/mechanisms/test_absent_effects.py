@@ -101,6 +101,12 @@ def relieved(run: Run) -> int:
     return build_bodies(run.scene).body_1.curve.labels.count("relief")
 
 
+def uneven_slices(run: Run) -> float:
+    """How much the gaps of the slices of body 1 or 2 differ."""
+    slices = build_bodies(run.scene).slices
+    return 0.0 if slices is None else float(sum(np.ptp(part) for part in slices.removed_mm))
+
+
 def lost(run: Run) -> float:
     """Work that friction takes."""
     friction = run.result.friction
@@ -193,6 +199,27 @@ CASES = {
     ),
     "flank_modifications": Case(
         {"body_1__tip_relief_um": 10, "body_1__tip_relief_start_diameter_mm": 80}, {}, relieved
+    ),
+    "lead_modifications": Case(
+        {"body_1__lead_crowning_um": 5, "effects__dimension": 3},
+        {"body_1__lead_crowning_um": 0, "effects__dimension": 3},
+        uneven_slices,
+        plain=False,
+        more={"effects__contact": "lumped"},
+    ),
+    "misalignment": Case(
+        {"pair__deviation_um_per_mm": 0.5, "effects__dimension": 3},
+        {"pair__deviation_um_per_mm": 0, "effects__dimension": 3},
+        uneven_slices,
+        plain=False,
+        more={"effects__contact": "lumped"},
+    ),
+    "shafts": Case(
+        {"body_1__shaft": SHAFT, "effects__dimension": 3},
+        {"effects__dimension": 3},
+        amount("shaft_1"),
+        plain=False,
+        more={"effects__contact": "lumped"},
     ),
     "pitch_errors": Case(
         {"body_1__pitch_errors_um": [0, 3] * 8, "positions__pitches": 2},

@@ -128,10 +128,11 @@ class TimingBelt:
         """Predict the duration of a run from counted work."""
         return duration_of(scene, assembly)
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.belt.screening import BeltScreening
 
+        del dimension  # a drive is plane
         return BeltScreening(scene, levels=levels)
 
     def default_element_mm(self, scene: Scene) -> float | None:

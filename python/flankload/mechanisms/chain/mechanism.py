@@ -117,10 +117,11 @@ class ChainOnSprocket:
     def duration(self, scene: Scene, assembly: ChainAssembly) -> None:
         """None: the duration for a chain is negligible."""
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.chain.screening import ChainScreening
 
+        del dimension  # a drive is plane
         return ChainScreening(scene, levels=levels)
 
     def default_element_mm(self, scene: Scene) -> None:
