@@ -32,8 +32,14 @@ LEAST_ERROR = 1e-7
 LEAST_SHOWN = 1e-6
 #: The upper edge of this shaded area is the uncertainty of the reference.
 SHADE = "#ececec"
-MARKS = dict(zip(PARAMETER_LABELS, "osD^v", strict=True))
-LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
+#: Colour and mark of each parameter; cells and slices never meet.
+LOOKS = {
+    parameter: (COLOURS[colour], mark)
+    for parameter, colour, mark in zip(
+        PARAMETER_LABELS, (0, 1, 2, 3, 2, 3, 5, 4), "osD^h<>v", strict=True
+    )
+}
+LEVEL_MARKS = {"lumped": "P", "nodes": "X", "plane": "d", "coarse": "p", "default": "*"}
 TITLES = {
     "transmission_error": "Transmission error",
     "transmission_error_mean": "Its mean",
@@ -41,6 +47,7 @@ TITLES = {
     "load_share": "Load share",
     "peak_pressure": "Peak pressure off corners",
     "stiffness": "Stiffness",
+    "face_load_factor": "Face load factor",
 }
 
 
@@ -113,7 +120,7 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     for tolerance in NAMED:
         axes.axhline(tolerance, color=GREY, linewidth=0.7, linestyle=":")
     axes.axhline(study.tolerance, color=GREY, linewidth=1.2, linestyle=(0, (6, 3)))
-    for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False):
+    for parameter, (colour, mark) in LOOKS.items():
         look = {"color": colour, "marker": mark}
         even, adaptive = _ladder(study, parameter, name)
         _points(axes, even, linestyle="-", **look)
@@ -164,13 +171,13 @@ def _legend(study: Study) -> list[Line2D]:
             linewidth=1.4,
             label=PARAMETER_LABELS[parameter],
         )
-        for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False)
+        for parameter, (colour, mark) in LOOKS.items()
         if study.steps.get(parameter)
     ]
     if any(row.run.discretization.adaptive is not None for row in study.steps.get("count", ())):
-        colour = COLOURS[list(MARKS).index("count")]
+        colour, mark = LOOKS["count"]
         handles.append(
-            Line2D([], [], color=colour, marker=MARKS["count"], markerfacecolor="white",
+            Line2D([], [], color=colour, marker=mark, markerfacecolor="white",
                    linestyle="none", label="adaptive positions")
         )  # fmt: skip
     handles += [

@@ -32,6 +32,15 @@ SMALL: dict[str, Any] = {
     "accuracy__flank_element_mm": 3.0,
     "accuracy__modes": 3,
 }
+#: Nothing varies along the axis of three-dimensional bodies.
+SPATIAL: dict[str, Any] = {"effects__dimension": 3}
+SHAFT: dict[str, Any] = {
+    "diameters_mm": [30.0],
+    "lengths_mm": [100.0],
+    "gear_position_mm": 40.0,
+    "bearing_positions_mm": [0.0, 100.0],
+    "radial_stiffness_N_per_um": [200.0, 200.0],
+}
 #: Arguments of the core, in their order.
 ARGUMENTS = _core.flankload_sweep.__doc__.partition("(")[2].partition(")")[0].split(",")
 
@@ -101,7 +110,7 @@ def relieved(run: Run) -> int:
     return build_bodies(run.scene).body_1.curve.labels.count("relief")
 
 
-def uneven_slices(run: Run) -> float:
+def unlike_slices(run: Run) -> float:
     """How much the gaps of the slices of body 1 or 2 differ."""
     slices = build_bodies(run.scene).slices
     return 0.0 if slices is None else float(sum(np.ptp(part) for part in slices.removed_mm))
@@ -201,25 +210,22 @@ CASES = {
         {"body_1__tip_relief_um": 10, "body_1__tip_relief_start_diameter_mm": 80}, {}, relieved
     ),
     "lead_modifications": Case(
-        {"body_1__lead_crowning_um": 5, "effects__dimension": 3},
-        {"body_1__lead_crowning_um": 0, "effects__dimension": 3},
-        uneven_slices,
-        plain=False,
-        more={"effects__contact": "lumped"},
+        {"body_1__lead_crowning_um": 5.0, **SPATIAL},
+        {"body_1__lead_crowning_um": 0.0, **SPATIAL},
+        unlike_slices,
+        more=SPATIAL,
     ),
     "misalignment": Case(
-        {"pair__deviation_um_per_mm": 0.5, "effects__dimension": 3},
-        {"pair__deviation_um_per_mm": 0, "effects__dimension": 3},
-        uneven_slices,
-        plain=False,
-        more={"effects__contact": "lumped"},
+        {"pair__deviation_um_per_mm": 0.5, **SPATIAL},
+        {"pair__deviation_um_per_mm": 0.0, **SPATIAL},
+        unlike_slices,
+        more=SPATIAL,
     ),
     "shafts": Case(
-        {"body_1__shaft": SHAFT, "effects__dimension": 3},
-        {"effects__dimension": 3},
+        {"body_1__shaft": SHAFT, **SPATIAL},
+        SPATIAL,
         amount("shaft_1"),
-        plain=False,
-        more={"effects__contact": "lumped"},
+        more=SPATIAL,
     ),
     "pitch_errors": Case(
         {"body_1__pitch_errors_um": [0, 3] * 8, "positions__pitches": 2},

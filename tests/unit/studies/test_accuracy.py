@@ -74,7 +74,8 @@ def short_ladders() -> Iterator[None]:
         patch.setattr(refinements, "MODES", (3, 5, 8))
         patch.setattr(refinements, "STRIPS", (5.0, 10.0, 20.0))
         patch.setattr(refinements, "ZONES", (2.0, 2.5, 3.0))
-        patch.setattr(refinements, "FINEST", ((0.5, 20.0, 2.0),))
+        finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
+        patch.setattr(refinements, "FINEST", (finest,))
         for room in (refinements, reference, combinations):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
         patch.setattr(run_study, "TOLERANCES", (0.02,))
