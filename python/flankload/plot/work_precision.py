@@ -132,8 +132,9 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
         rows = [row for row in study.rows if row.group == level]
         _points(axes, _errors(rows, name), color="black", marker=mark, markersize=8)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    for axis in (axes.xaxis, axes.yaxis):  # other formatters write powers as formulas
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _ladder(study: Study, parameter: str, name: str) -> tuple[Points, Points]:

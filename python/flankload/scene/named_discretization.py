@@ -29,9 +29,9 @@ class NamedDiscretization:
 
     Attributes
     ----------
-    level : {"pairs", "lumped", "nodes", "plane"}
-        Contact pairs on strips; one unknown for each place of contact (in three dimensions: of each
-        slice); plain nodal loads; the plane section of a three-dimensional scene.
+    level : {"pairs", "lumped", "nodes", "slices", "plane"}
+        Contact pairs on strips; one unknown for each place of contact; plain nodal loads; slices of
+        three-dimensional bodies; contact pairs on the plane section of such.
     flank_element_mm : float or None
     modes : int or None
     strips_per_half_width : float or None
@@ -151,6 +151,8 @@ def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
         scene = plane_section(scene)
     plain = EffectsAsked()
     reset = {key: getattr(plain, key) for key in LEVELS_AND_EXTRAS if hasattr(plain, key)}
+    if discretization.level == "slices":
+        reset.pop("contact")
     quiet = {} if discretization.as_it_stands else reset
     return with_discretization(
         replace(

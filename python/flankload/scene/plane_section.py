@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import atan, cos, degrees, radians, tan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
@@ -14,7 +14,6 @@ from flankload.scene.gear import Gear
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
-    from flankload.scene.scene_file import BodySpec
 
 #: Keys of [accuracy] of three-dimensional and of plane contact.
 OF_SLICES = ("slices", "axial_degree", "load_degree_z")
@@ -56,9 +55,7 @@ def plane_section(scene: Scene) -> Scene:
         scene,
         body_1=_straight(scene.body_1),
         body_2=_straight(scene.body_2),
-        pair=structs.replace(
-            scene.pair, face_width_mm=common, **dict.fromkeys(MISALIGNMENTS, 0.0)
-        ),
+        pair=structs.replace(scene.pair, face_width_mm=common, **dict.fromkeys(MISALIGNMENTS, 0.0)),
         effects=structs.replace(scene.effects, dimension=None, contact=contact),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_SLICES)),
         named_effects=scene.named_effects - {"dimension"},
@@ -77,7 +74,7 @@ def in_three_dimensions(scene: Scene) -> Scene:
     )
 
 
-def _straight(body: BodySpec) -> BodySpec:
+def _straight(body: Any) -> Any:
     """A body without keys along its axis, its rack in the transverse section."""
     keys = dict(STRAIGHT)
     if isinstance(body, Gear) and body.helix_angle_deg:

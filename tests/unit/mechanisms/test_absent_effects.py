@@ -352,6 +352,12 @@ def test_what_is_called_for_is_seen(name: str) -> None:
     assert all(number > 0 for number in run.counted(effect).values())
 
 
+def test_teeth_of_three_dimensional_bodies_can_be_uncoupled() -> None:
+    """Regression: the key was read in plane scenes only."""
+    assert coupling_blocks(run_of(SPATIAL)) > 0
+    assert coupling_blocks(run_of({**SPATIAL, "effects__tooth_coupling": False})) == 0
+
+
 def test_rooms_that_nothing_calls_for_stay_closed() -> None:
     code = (
         "import sys, flankload; flankload.solve; import flankload.mechanisms.flank_pair.mechanism; "

@@ -287,7 +287,7 @@ SPATIAL: dict[str, Any] = {
         "radial_stiffness_N_per_um": [250, 250],
     },
     "body_2__pitch_errors_um": [0, 3, -2, 1] * 4,
-    "pair__deviation_um_per_mm": 0.5,
+    "pair__deviation_um_per_mm": 2.0,
     "positions__count": 4,
     "accuracy__estimate": False,
     "accuracy__flank_element_mm": 2.25,
@@ -371,8 +371,10 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
         )
         curves.append(found)
     assert row.size is not None
-    change_um = 1e3 * build_bodies(scene).body_1.reference_radius_mm * np.abs(
-        curves[1].rotation_rad - curves[0].rotation_rad
+    change_um = (
+        1e3
+        * build_bodies(scene).body_1.reference_radius_mm
+        * np.abs(curves[1].rotation_rad - curves[0].rotation_rad)
     )
     np.testing.assert_allclose(row.size.rotation_um, change_um.max(), rtol=SOLVER, atol=0)
 

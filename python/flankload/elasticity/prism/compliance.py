@@ -171,9 +171,7 @@ def prism_compliance(
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
     unknowns = prism_unknowns(body, prism.degree)
-    account.count(
-        fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
-    )
+    account.count(fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse))
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     laps("near field")

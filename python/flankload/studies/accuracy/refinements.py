@@ -46,7 +46,7 @@ STRIPS_ORDER = 1.4
 SPATIAL_ELEMENTS, AXIAL_DEGREES, LOAD_DEGREES = (2.0, 1.0, 0.5), (4, 6, 8, 10, 12), (0, 2, 4, 6, 8)
 SLICES = (7, 14, 28, 56)
 #: Coarse bodies in three dimensions: elements of the first step, and these.
-COARSE = {"modes": 3, "axial_degree": 6, "load_degree_z": 2, "slices": 14}
+COARSE: dict[str, Any] = {"modes": 3, "axial_degree": 6, "load_degree_z": 2, "slices": 14}
 #: Possible limits of the finest discretization, finest first: elements and positions relative to
 #: the default, all else as it is.
 Fineness = Mapping[str, float]
@@ -153,7 +153,11 @@ def _spatial(ladders: dict[str, tuple[float, ...]], base: NamedDiscretization) -
         ladders["flank_element_mm"] = lengths
     further = {"axial_degree": AXIAL_DEGREES, "load_degree_z": LOAD_DEGREES, "slices": SLICES}
     base = replace(
-        base, level="lumped", axial_degree=AXIAL_DEGREE, load_degree_z=LOAD_DEGREE, slices=DEFAULT_SLICES
+        base,
+        level="slices",
+        axial_degree=AXIAL_DEGREE,
+        load_degree_z=LOAD_DEGREE,
+        slices=DEFAULT_SLICES,
     )
     found = Refinements(_before_count(ladders, further), base, base)
     return finest_within(found, SPATIAL_FINEST[0])
