@@ -9,7 +9,7 @@ from msgspec import structs
 
 from flankload.errors import SceneError
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS
-from flankload.scene.effects import EFFECTS, MODIFICATIONS, effects_of, switches_of
+from flankload.scene.effects import EFFECTS, MODIFICATIONS, is_spatial, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.plane_section import in_three_dimensions, plane_section
 
@@ -159,7 +159,7 @@ def with_rigid(scene: Scene, key: str, *, rigid: bool) -> Scene:
 
 def _without_tables(scene: Scene, keys: dict[str, Any]) -> Scene:
     """A scene without some keys of its bodies and its pair, of the same dimension."""
-    if effects_of(scene).three_dimensions:
+    if is_spatial(scene).on:
         scene = with_keys(scene, dimension=3)
     tables = ("body_1", "body_2", "pair")
     return replace(scene, **{name: _without(getattr(scene, name), keys) for name in tables})

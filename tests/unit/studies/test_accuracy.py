@@ -16,8 +16,8 @@ import flankload as fl
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
-from flankload.scene.plane_section import plane_section
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
+from flankload.scene.plane_section import plane_section
 from flankload.studies.accuracy import (
     Study,
     accuracy,

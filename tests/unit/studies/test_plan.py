@@ -17,8 +17,8 @@ import flankload as fl
 from flankload.cli import main
 from flankload.elasticity.compliance import flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
-from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair import screening
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.prism_rates import coarse_compliance
 from flankload.mechanisms.flank_pair.screened_nodes import nodal_size
 from flankload.mechanisms.flank_pair.stages import sweep_of

@@ -32,7 +32,7 @@ from flankload.pairing.coast_sites import coast_sites
 from flankload.pairing.expansion import growth_of
 from flankload.pairing.friction import friction_of
 from flankload.scene.discretization import Discretization, Grid
-from flankload.scene.effects import effects_of
+from flankload.scene.effects import effects_of, is_spatial
 from flankload.scene.effects.rules import check_coast_kinds
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ class PairModels:
             if z not in self._meshes:
                 (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
             body = replace(body, mesh=self._meshes[z].mesh)
-        spatial = effects_of(scene).three_dimensions
+        spatial = is_spatial(scene).on
         if body.axial is not None and not spatial:  # its transverse section
             body = replace(body, axial=None)
         elif _unplaced(spec) != _unplaced(mine) or (spatial and body.axial is None):
@@ -135,7 +135,7 @@ class PairModels:
         asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
         if not asked:
             return
-        spatial = [scene for scene in asked if effects_of(scene).three_dimensions]
+        spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
         if spatial:
@@ -205,7 +205,7 @@ class PairModels:
         """What is built of a sector: in three dimensions or not, so many of them, growing so."""
         growth = self.assembly(scene).growth[z]
         grows = growth if growth is not None and growth.needs_elements else None
-        return effects_of(scene).three_dimensions, scene.sectors, grows
+        return is_spatial(scene).on, scene.sectors, grows
 
     def sections(self, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
         """Plane compliances on the elements of coarse three-dimensional bodies."""

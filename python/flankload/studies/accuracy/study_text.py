@@ -20,7 +20,7 @@ PARAMETER_LABELS = {
     "strips_per_half_width": "strips on the half-width",
     "zone_half_widths": "half-width of the zone",
     "axial_degree": "degree along the axis",
-    "load_degree_z": "degree of the loads along it",
+    "load_degree_z": "load degree along it",
     "slices": "slices of the width",
     "count": "positions",
 }
@@ -161,9 +161,9 @@ def _label(row: Row) -> str:
     if discretization.zone_half_widths is not None:
         parts.append(f"{discretization.zone_half_widths:g} z")
     if discretization.axial_degree is not None:
-        parts.append(f"degrees {discretization.axial_degree}, {discretization.load_degree_z}")
+        parts.append(f"{discretization.axial_degree}/{discretization.load_degree_z} deg")
     if discretization.slices is not None:
-        parts.append(f"{discretization.slices} slices")
+        parts.append(f"{discretization.slices} sl")
     if discretization.count is not None:
         even = discretization.adaptive is None
         parts.append(
