@@ -51,7 +51,7 @@ ENOUGH = 1e6
 #: one power of the step.
 POWER = 1e-7
 #: The near field of three-dimensional bodies is integrated at other places for other modes.
-QUADRATURE = 1e-7
+QUADRATURE = 1e-6
 #: Knobs that chains and belts have not.
 NOT_OF_DRIVES = {"flank_element_mm", "modes", "strips_per_half_width", "zone_half_widths"}
 QUANTITIES = ("transmission_error", "load_share", "peak_pressure", "stiffness")
