@@ -123,7 +123,7 @@ def test_pressure_is_held_against_the_softer_body_that_yields() -> None:
 
 def test_pressures_of_slices_are_not_divided_by_the_width() -> None:
     """Regression: a pressure of 14 times the limit passed on gears 14 mm wide."""
-    scene = gears(effects__dimension=3, body_1__rigid=True, accuracy__slices=4)
+    scene = gears(effects__dimension=3, body_1__rigid=True)
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
     (found,) = sweep(
