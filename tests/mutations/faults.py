@@ -428,6 +428,30 @@ _PYTHON = (
         ("-_turning(body, twist, s)[0]", "_turning(body, twist, s)[0]"),
     ),
     *_in(
+        "elasticity/prism/axial_basis.py",
+        "unit/elasticity/prism/test_axial_regions.py",
+        ("self.bases[code // k**2])", "self.bases[code % k])"),
+        ("(a, slope_b), (slope_a, b)", "(slope_a, b), (a, slope_b)"),
+        ("return share_middle([basis.range_mm for basis in self.bases])", "return True"),
+    ),
+    *_in(
+        "elasticity/prism/regions.py",
+        "unit/elasticity/prism/test_axial_regions.py",
+        ("range(len(ranges) - 1, -1, -1)", "range(len(ranges))"),
+    ),
+    *_in(
+        "bodies/involute/region_mesh.py",
+        "unit/bodies/test_region_mesh.py",
+        ("numbers[-2::-1, -1]", "numbers[-1::-1, -1]"),
+        ("np.argsort(-angle)", "np.argsort(angle)"),
+    ),
+    *_in(
+        "scene/regions.py",
+        "unit/scene/test_axial_keys.py",
+        ("while found and found[0][1] == range_mm:", "while False:"),
+        ("middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm", "middle = offset_mm"),
+    ),
+    *_in(
         "elasticity/expansion_loads.py",
         "unit/pairing/test_growth.py",
         ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),

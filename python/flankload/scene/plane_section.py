@@ -28,6 +28,15 @@ STRAIGHT = {
     "end_relief_length_mm": None,
     "end_relief_shape": "linear",
     "shaft": None,
+    "web_width_mm": None,
+    "web_outer_diameter_mm": None,
+    "rim_thickness_mm": None,
+    "web_offset_mm": 0.0,
+    "hub_diameter_mm": None,
+    "hub_width_mm": None,
+    "hub_offset_mm": 0.0,
+    "region_sets": None,
+    "region_widths_mm": None,
 }
 
 
@@ -76,7 +85,9 @@ def in_three_dimensions(scene: Scene) -> Scene:
 
 def _straight(body: Any) -> Any:
     """A body without keys along its axis, its rack in the transverse section."""
-    keys = dict(STRAIGHT)
+    keys = {key: value for key, value in STRAIGHT.items() if key in body.__struct_fields__}
+    if getattr(body, "region_sets", None):  # groups of elements do not mean materials
+        keys["one_material"] = True
     if isinstance(body, Gear) and body.helix_angle_deg:
         c = cos(body.helix_rad)
         keys |= {

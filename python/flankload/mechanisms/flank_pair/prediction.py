@@ -130,9 +130,9 @@ def _sector(
 
 
 def _prism(body: Body, modes: int, degree: int, load_degree: int) -> dict[str, int]:
-    """Work of a three-dimensional sector; without a helix it has two parts of half the size."""
+    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
-    factorisations = 1 if body.axial.twist_rad_per_mm else 2
+    factorisations = 2 if body.axial.symmetric else 1
     work = _solved(factorisations, modes * (load_degree + 1), 0, growth=0)
     return work | {"fe_unknowns": prism_unknowns(body, degree)}
 

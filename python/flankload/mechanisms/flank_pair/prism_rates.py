@@ -65,6 +65,7 @@ def coarse_compliance(scene: Scene, z: int) -> tuple[Body, BodyCompliance]:
         load_degree=LOAD_DEGREE,
         cut_degree=CUT_DEGREE,
         screening=True,
+        regions=body.axial.regions,
     )
     return body, prism_compliance(body, prism, n_modes=modes_of(body, scene, COARSE))
 

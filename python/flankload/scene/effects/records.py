@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, REGION_KEYS
 from flankload.scene.effects.record import Effect, Switch, Work
 from flankload.scene.effects.switches import (
     MODIFICATIONS,
@@ -73,7 +73,8 @@ class Effects:
         keys=(
             "effects.dimension",
             "body_*.helix_angle_deg",
-            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm", "shaft")),
+            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm")),
+            *(f"body_*.{key}" for key in (*REGION_KEYS, "shaft")),
             *(f"pair.{key}" for key in MISALIGNMENTS),
         ),
         called_for=is_spatial,
