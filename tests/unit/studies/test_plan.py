@@ -430,8 +430,9 @@ def test_a_section_is_as_wide_as_both_bodies() -> None:
         scene_of(effects__dimension=3),
         scene_of(**SPATIAL | {"accuracy__estimate": True, "load__torque_Nm": [0, 100, 200]}),
         fl.read_scene(SCENES / "helical_gear.toml"),
+        scene_of(body_1__web_width_mm=6, body_1__rim_thickness_mm=6),
     ],
-    ids=["spur", "on a shaft", "helical"],
+    ids=["spur", "on a shaft", "helical", "web"],
 )
 def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) -> None:
     scene = replace(scene, positions=type(scene.positions)(count=2))
