@@ -43,9 +43,9 @@ STRAIGHT = {
 def plane_section(scene: Scene) -> Scene:
     """The transverse section of a scene: straight teeth on rigid parallel axes, over all the width.
 
-    Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a helical gear has its
-    transverse keys, so that flanks are the same; only the root fillet is that of a round tip of the
-    rack in the transverse section, not of an ellipse.
+    Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a
+    helical gear has its transverse keys, so that flanks are the same; only the root fillet is that
+    of a round tip of the rack in the transverse section, not of an ellipse.
 
     Parameters
     ----------
