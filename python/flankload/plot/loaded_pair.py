@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
+from flankload.plot.loaded_pair_3d import plot_loaded_pair_3d
 from flankload.plot.style import (
     COLOURS,
     GREY,
@@ -38,17 +39,22 @@ HERTZ_POINTS = 41
 def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
 
+    Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
+
     Parameters
     ----------
     result : Result
     position : int, optional
         Index of the position; by default one with most pairs in contact and the most even load
-        sharing, with a cam the one of the largest pressure.
+        sharing, with a cam the one of the largest pressure, in three dimensions the one of the
+        largest line load.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
+    if result.slices is not None:
+        return plot_loaded_pair_3d(result, position)
     p = _representative_position(result) if position is None else position
     table = result.pairs(p)
     carrying = [

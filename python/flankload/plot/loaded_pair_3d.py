@@ -1,4 +1,8 @@
-"""The loaded pair in three dimensions: teeth over the face width, line load on their flanks."""
+"""The loaded pair in three dimensions: teeth over the face width, line load on their flanks.
+
+Bodies are drawn in frames on their own axes with the teeth in mesh at positive x: that of body 2 is
+the world turned by 180° about z. Loaded flanks then have positive normals y in both.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +23,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.axial_shape import AxialShape
-    from flankload.result import PairTable, Result
+    from flankload.result import Result
 
     Floats = NDArray[np.float64]
 
 LOAD_MAP = "YlOrRd"
 #: Facets of a tooth along its contour at most, and along z.
 CONTOUR_FACETS, AXIAL_FACETS = 40, 10
-#: Width of the coloured contact lines and depth of the rim below the root, in heights of the teeth.
-LINE_WIDTH, RIM = 0.12, 0.7
+#: Width of the coloured bands and depth of the rim below the root, in heights of the teeth.
+BAND, RIM = 0.12, 0.7
 EDGE = "#404040"
 
 
@@ -42,15 +46,15 @@ def _view(elevation: float, azimuth: float) -> Floats:
     return np.array([right, up, np.cross(right, up)])
 
 
-#: Loaded flanks are seen from above and from the end of larger z.
-VIEW = _view(np.radians(35.0), np.radians(25.0))
+#: Loaded flanks are seen down to the root, and from the end of larger z.
+VIEW = _view(np.radians(48.0), np.radians(25.0))
 #: Direction to the light.
 LIGHT = np.array([-0.3, 0.5, 0.8]) @ VIEW
 
 
 @dataclass(frozen=True)
-class _Teeth:
-    """Teeth of a body around its loaded flanks, in a frame on its axis with the mate at positive x.
+class Teeth:
+    """Teeth of a body around its loaded flanks.
 
     Attributes
     ----------
@@ -100,7 +104,7 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
     assert slices is not None
     load = slices.line_load_N_per_mm
     p = int(load.max(axis=(1, 2)).argmax()) if position is None else position
-    pair = _teeth(result, p, 1), _teeth(result, p, 2)
+    pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.4))
         figure.suptitle(
@@ -131,8 +135,22 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
         return figure
 
 
-def _teeth(result: Result, p: int, body: int) -> _Teeth:
-    """The teeth of a body that carry load at position p, and their neighbours."""
+def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
+    """The teeth of a body that carry load at position p, and their neighbours.
+
+    Parameters
+    ----------
+    result : Result
+        Three-dimensional result.
+    p : int
+        Index of the position.
+    body : int
+        1 or 2.
+
+    Returns
+    -------
+    Teeth
+    """
     drawing = result.drawing
     shape = drawing.axial[body - 1]
     assert shape is not None
@@ -147,18 +165,17 @@ def _teeth(result: Result, p: int, body: int) -> _Teeth:
     turns = np.rint((around if around.size else np.array([-middle])) / pitch)
     low, high = (float(end(np.hypot(*outline.T))) for end in (np.min, np.max))
     few = _fewer(outline)
-    return _Teeth(
-        tuple(
-            _turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)
-        ),
+    return Teeth(
+        tuple(_turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)),
         max(low - RIM * (high - low), bore or 0.0),
         shape,
     )
 
 
 def _loaded_places(result: Result, p: int, body: int) -> Floats:
-    """(n, 3) Contacts with load, in the frame of a body's teeth."""
+    """(n, 3) Contacts with load at position p, in the frame of a body."""
     table = result.pairs(p)
+    assert table.z_mm is not None
     places = np.column_stack([table.x_mm, table.y_mm, table.z_mm])[table.force_N > 0]
     return places if body == 1 else _other_axis(result, places)
 
@@ -185,7 +202,7 @@ def _fewer(contour: Floats) -> Floats:
     return np.asarray(contour[np.unique(np.rint(places).astype(int))])
 
 
-def _draw_teeth(axes: Axes, teeth: _Teeth, colour: str) -> None:
+def _draw_teeth(axes: Axes, teeth: Teeth, colour: str) -> None:
     """Sides of the teeth from back to front, then the end face."""
     count = 1 + (AXIAL_FACETS if teeth.shape.twist_rad_per_mm else 1)
     closing = teeth.face()[len(np.vstack(teeth.contours)) :]
@@ -207,7 +224,7 @@ def _draw_teeth(axes: Axes, teeth: _Teeth, colour: str) -> None:
                 facecolors=colours,
                 edgecolors=colours,
                 linewidths=0.4,
-                zorder=2 + order,
+                zorder=2.0 + order / (1 + len(teeth.contours)),
             )
         )
     axes.add_collection(
@@ -216,12 +233,12 @@ def _draw_teeth(axes: Axes, teeth: _Teeth, colour: str) -> None:
             facecolors=[colour],
             edgecolors=EDGE,
             linewidths=0.8,
-            zorder=50,
+            zorder=5,
         )
     )
 
 
-def _draw_mate(axes: Axes, result: Result, mate: _Teeth, colour: str) -> None:
+def _draw_mate(axes: Axes, result: Result, mate: Teeth, colour: str) -> None:
     """End faces of the mate: the far one filled, the near one as a contour."""
     far, near = _other_axis(result, mate.sections(mate.face(), 2)) @ VIEW[:2].T
     axes.add_collection(
@@ -229,17 +246,17 @@ def _draw_mate(axes: Axes, result: Result, mate: _Teeth, colour: str) -> None:
     )
     contour = near[: sum(map(len, mate.contours))]
     axes.add_collection(
-        LineCollection([contour], colors=GREY, linewidths=0.8, linestyles="dotted", zorder=60)
+        LineCollection([contour], colors=GREY, linewidths=0.8, linestyles="dotted", zorder=6)
     )
 
 
 def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
-    """The line load of each contact, as a band along its contact line; a ring at the largest."""
+    """The line load of each contact, as a band along its contact line, never hidden by a tooth."""
     table, slices, shape = result.pairs(p), result.slices, result.drawing.axial[0]
     assert slices is not None
     assert shape is not None
     carries = table.force_N > 0
-    place = np.column_stack([table.x_mm, table.y_mm, table.z_mm])[carries]
+    place = _loaded_places(result, p, 1)
     normal = np.column_stack([table.normal_x, table.normal_y])[carries]
     width = slices.width_mm[np.searchsorted(slices.z_mm, place[:, 2])]
     load = table.force_N[carries] / width
@@ -249,42 +266,54 @@ def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     along *= 0.5 * width[:, None]
     radii = np.hypot(*result.drawing.outline_1.T)
     across = np.column_stack([-normal[:, 1], normal[:, 0], np.zeros(len(place))])
-    across *= 0.5 * LINE_WIDTH * (radii.max() - radii.min())
+    across *= 0.5 * BAND * (radii.max() - radii.min())
     corners = (-along - across, along - across, along + across, across - along)
     bands = place[:, None, :] + np.stack(corners, axis=1)
     if body == 2:
         bands = _other_axis(result, bands)
     bands = bands @ VIEW[:2].T
     shown = PolyCollection(
-        list(bands), array=load, cmap=LOAD_MAP, edgecolors=EDGE, linewidths=0.25, zorder=40
+        list(bands), array=load, cmap=LOAD_MAP, edgecolors=EDGE, linewidths=0.25, zorder=4
     )
     shown.set_clim(0.0, float(load.max(initial=0.0)) or 1.0)
     axes.add_collection(shown)
     if load.size:
-        row = int(load.argmax())
-        axes.annotate(
-            f"{load[row]:.0f} N/mm\nat z = {place[row, 2]:.1f} mm".replace("-", "−"),
-            bands[row].mean(axis=0),
-            xytext=(0.98, 0.98),
-            textcoords="axes fraction",
-            ha="right",
-            va="top",
-            zorder=70,
-            arrowprops={"arrowstyle": "-", "color": EDGE, "linewidth": 0.8},
-        )
+        _mark_largest(axes, bands.mean(axis=1), place[:, 2], load)
     return shown
 
 
-def _mark_ends(axes: Axes, teeth: _Teeth) -> None:
+def _mark_largest(axes: Axes, middle: Floats, z_mm: Floats, load: Floats) -> None:
+    """A ring with a label; middles of the bands (n, 2) in the picture."""
+    row = int(load.argmax())
+    axes.annotate(
+        f"largest {load[row]:.0f} N/mm\nat z = {z_mm[row]:.1f} mm".replace("-", "−"),
+        tuple(middle[row]),
+        xytext=(0.98, 0.98),
+        textcoords="axes fraction",
+        ha="right",
+        va="top",
+        arrowprops={"arrowstyle": "-", "color": EDGE, "linewidth": 0.8, "shrinkB": 4.5},
+    )
+    axes.plot(
+        *middle[row],
+        marker="o",
+        markersize=9,
+        markerfacecolor="none",
+        markeredgecolor=EDGE,
+        zorder=7,
+    )
+
+
+def _mark_ends(axes: Axes, teeth: Teeth) -> None:
     """Axial positions of both end faces, below the front edge."""
     edge = teeth.sections(teeth.face()[len(np.vstack(teeth.contours))][None], 2)[:, 0]
-    for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "left"), strict=True):
+    for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "center"), strict=True):
         axes.annotate(
             f"z = {z:g} mm".replace("-", "−"),
             (x, y),
             xytext=(0, -3),
             textcoords="offset points",
-            ha="center",
+            ha=side,
             va="top",
             fontsize=8,
             color=GREY,
