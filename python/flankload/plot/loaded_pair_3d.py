@@ -121,9 +121,14 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
             _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])
             shown = _draw_load(axes, result, p, body)
             _mark_ends(axes, pair[body - 1])
-            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_aspect("equal")
             axes.set_axis_off()
             axes.set_title(_words(result, body), color=EDGE, fontsize=10)
+        # the same scale for both
+        size = np.max([axes.dataLim.size for axes in panels], axis=0)
+        for axes in panels:
+            low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         figure.colorbar(
             shown,
             ax=panels,
