@@ -42,7 +42,7 @@ static void pack_roller(double x, double y, double r, double a, const double *ga
 {
     const int breaks = BREAKS, degree = DEGREE, sites = SLICES, one = 1, six = 6, length = RECORD;
     const int axial_part = FLANKLOAD_PART_AXIAL;
-    /* One polynomial over the width; end faces; no twist; no images, as far from the ends. */
+    /* One polynomial over the width; end faces; no twist; no images: the contact ends before. */
     const double axial[6] = {1, -0.5 * width, 0.5 * width, 0, 0, 0}, smooth = 0;
     double s[BREAKS], c[BREAKS - 1][2][DEGREE + 1], angles[SLICES] = {0}, early[SLICES];
     int corners[BREAKS] = {0}, block[SLICES * SLICES], i, j, info;
@@ -109,10 +109,10 @@ int main(void)
 {
     const int positions = 1, torques = TORQUES, slices = SLICES, length = RECORD, columns = 11;
     const int edge_count = SLICES + 1, none = 0, slices_part = FLANKLOAD_PART_SLICES;
-    /* Angles of both bodies, and speeds, which only friction needs. */
+    /* Angles of both bodies; their speeds are for friction. */
     const double motion[4] = {0, PI, 1, -1};
     const double torque[TORQUES] = {1e6, 4e6};
-    /* Cells, which lumped contact does not have; lumped contact; small displacements. */
+    /* Three numbers for cells, which slices do not have; lumped contact; small forces. */
     const double settings[5] = {10, 30, 2.5, 1, 0};
     double one[RECORD], two[RECORD], edges[SLICES + 1], gaps[SLICES], straight[SLICES] = {0};
     double rotation[TORQUES], tangent[TORQUES], certificate[TORQUES][3], table[11];
@@ -140,17 +140,17 @@ int main(void)
     for (t = 0; t < TORQUES; t++) {
         double a, b;
         hertz(torque[t] / lever, &a, &b);
-        printf("force %.0f N, status %d, approach %.6f um\n", torque[t] / lever, status[t],
-               1e3 * lever * rotation[t]);
-        printf("    z mm  line load N/mm       Hertz   pressure MPa       Hertz\n");
+        printf("force %.0f N, status %d, rotation %.9f mrad\n", torque[t] / lever, status[t],
+               1e3 * rotation[t]);
+        printf("    z mm   line load N/mm      Hertz   pressure MPa      Hertz\n");
         for (j = 0; j < SLICES; j++) {
-            /* The ellipse is where the gap is least; its line load is a parabola. */
+            /* The middle of the ellipse is where the gap is least; its line load is a parabola. */
             const double z = 0.5 * (edges[j] + edges[j + 1]), zeta = (z + slope * crown) / a;
             const double inside = fmax(0, 1 - zeta * zeta);
             const double peak = 3 * torque[t] / lever / (2 * PI * a * b);
             if (!(force[t][j] > 0))
                 continue;
-            printf("%8.2f %15.6f %11.2f %14.6f %11.2f\n", z, force[t][j] / step,
+            printf("%8.2f %16.9f %10.2f %14.3f %10.2f\n", z, force[t][j] / step,
                    0.5 * PI * b * peak * inside, pressure[t][j], peak * sqrt(inside));
         }
     }
