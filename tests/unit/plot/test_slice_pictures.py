@@ -200,15 +200,23 @@ def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> N
 
 
 def test_loads_of_the_loaded_pair_are_on_its_teeth(result: fl.Result) -> None:
-    """Each contact is within the depth of a band of a tooth of both bodies."""
+    """Each contact is between two points of the contour of both bodies; bands form lines."""
     table = result.pairs(2)
+    assert table.z_mm is not None
+    carries = table.force_N > 0
+    number = np.searchsorted(result.slice_z_mm, table.z_mm)
     for body, (x, y) in ((1, (table.x_mm, table.y_mm)), (2, (132.0 - table.x_mm, -table.y_mm))):
         teeth = teeth_in_mesh(result, 2, body)
-        for k in np.flatnonzero(table.force_N > 0):
-            turn = teeth.shape.twist_rad_per_mm * table.z_mm[k]
-            c, s = np.cos(turn), np.sin(turn)
-            section = np.vstack(teeth.contours) @ np.array([[c, s], [-s, c]])
-            assert np.hypot(*(section - [x[k], y[k]]).T).min() < 0.4
+        sections = teeth.sections(np.vstack(teeth.contours), 21)[1::2]
+        for k in np.flatnonzero(carries):
+            apart = sections[number[k]] - [x[k], y[k], table.z_mm[k]]
+            assert np.linalg.norm(apart, axis=1).min() < 0.4
+        bands = bands_of(plot_loaded_pair(result, 2).axes[body - 1])
+        corners = np.array([path.vertices[:4] for path in bands.get_paths()])
+        site, j = table.site[carries], number[carries]
+        (one,), (two,) = (np.nonzero((site == 0) & (j == at)) for at in (4, 5))
+        end, start = corners[one, 1:3].mean(axis=1), corners[two][:, [0, 3]].mean(axis=1)
+        np.testing.assert_allclose(end, start, atol=0.02)
 
 
 def test_loaded_pair_has_few_facets(result: fl.Result) -> None:
