@@ -133,7 +133,7 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
             shown,
             ax=panels,
             orientation="horizontal",
-            label="line load in N per mm face width",
+            label="line load in N per mm face width" + _largest(result, p),
             shrink=0.6,
             aspect=40,
         )
@@ -283,30 +283,9 @@ def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     shown.set_clim(0.0, float(load.max(initial=0.0)) or 1.0)
     axes.add_collection(shown)
     if load.size:
-        _mark_largest(axes, bands.mean(axis=1), place[:, 2], load)
+        ring = bands[load.argmax()].mean(axis=0)
+        axes.plot(*ring, marker="o", markersize=9, mfc="none", mec=EDGE, zorder=7)
     return shown
-
-
-def _mark_largest(axes: Axes, middle: Floats, z_mm: Floats, load: Floats) -> None:
-    """A ring with a label; middles of the bands (n, 2) in the picture."""
-    row = int(load.argmax())
-    axes.annotate(
-        f"largest {load[row]:.0f} N/mm\nat z = {z_mm[row]:.1f} mm".replace("-", "−"),
-        tuple(middle[row]),
-        xytext=(0.98, 0.98),
-        textcoords="axes fraction",
-        ha="right",
-        va="top",
-        arrowprops={"arrowstyle": "-", "color": EDGE, "linewidth": 0.8, "shrinkB": 4.5},
-    )
-    axes.plot(
-        *middle[row],
-        marker="o",
-        markersize=9,
-        markerfacecolor="none",
-        markeredgecolor=EDGE,
-        zorder=7,
-    )
 
 
 def _mark_ends(axes: Axes, teeth: Teeth) -> None:
@@ -323,6 +302,16 @@ def _mark_ends(axes: Axes, teeth: Teeth) -> None:
             fontsize=8,
             color=GREY,
         )
+
+
+def _largest(result: Result, p: int) -> str:
+    """The meaning of the ring; nothing without load."""
+    assert result.slices is not None
+    load = result.slices.line_load_N_per_mm[p]
+    if not load.any():
+        return ""
+    z = result.slices.z_mm[load.max(axis=0).argmax()]
+    return f"; ○ largest: {load.max():.0f} at z = {z:.1f} mm".replace("-", "−")
 
 
 def _words(result: Result, body: int) -> str:

@@ -181,7 +181,9 @@ def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> N
     table = result.pairs(int(p))
     carries = table.force_N > 0
     one, two, colours = plot_loaded_pair(result).axes
-    assert colours.get_xlabel() == "line load in N per mm face width"
+    largest = f"; ○ largest: {load.max():.0f} at z = {result.slice_z_mm[j]:.1f} mm"
+    said = "line load in N per mm face width" + largest.replace("-", "−")
+    assert colours.get_xlabel() == said
     for body, axes in ((1, one), (2, two)):
         bands = bands_of(axes)
         assert bands.get_clim() == (0.0, load.max())
@@ -192,8 +194,10 @@ def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> N
         place = np.column_stack([x, y, z] if body == 1 else [132.0 - x, -y, z])
         middles = [path.vertices[:4].mean(axis=0) for path in bands.get_paths()]
         np.testing.assert_allclose(middles, place @ VIEW[:2].T, atol=1e-9)
-        largest = f"largest {load.max():.0f} N/mm\nat z = {result.slice_z_mm[j]:.1f} mm"
-        assert largest.replace("-", "−") in words(axes)
+        (ring,) = axes.lines
+        np.testing.assert_allclose(
+            np.ravel(ring.get_data()), middles[np.asarray(bands.get_array()).argmax()], atol=1e-9
+        )
         assert {"z = −12.5 mm", "z = 12.5 mm"} < words(axes)
     assert "Body 1, 25 teeth, right hand" in words(one)
     assert "Body 2, 60 teeth, left hand" in words(two)
