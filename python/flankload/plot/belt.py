@@ -16,7 +16,7 @@ from flankload.plot.style import (
     STYLE,
     draw_forces,
     new_figure,
-    subtitle,
+    write_heading,
 )
 from flankload.result.belt import BeltDrive
 
@@ -193,5 +193,4 @@ def _turn(angle: float) -> Floats:
 
 
 def _title(figure: Figure, result: Result, title: str) -> None:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+    write_heading(figure, title, result)

@@ -16,7 +16,7 @@ from flankload.plot.style import (
     STYLE,
     draw_forces,
     new_figure,
-    subtitle,
+    write_heading,
 )
 from flankload.result.drive import ChainDrive
 
@@ -149,5 +149,4 @@ def _turn(angle: float) -> NDArray[np.float64]:
 
 
 def _title(figure: Figure, result: Result, title: str) -> None:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+    write_heading(figure, title, result)

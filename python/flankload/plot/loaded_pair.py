@@ -14,7 +14,6 @@ from matplotlib.path import Path
 from flankload.plot.loaded_pair_3d import plot_loaded_pair_3d
 from flankload.plot.style import (
     COLOURS,
-    GREY,
     STEEL,
     STYLE,
     at_corner,
@@ -23,7 +22,7 @@ from flankload.plot.style import (
     loaded_sites,
     new_figure,
     pair_name,
-    subtitle,
+    write_heading,
 )
 
 if TYPE_CHECKING:
@@ -64,14 +63,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     ]
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
-        figure.suptitle(
-            f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
-            x=0.01,
-            ha="left",
-            fontsize=11,
-            fontweight="bold",
-        )
-        figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+        write_heading(figure, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°", result)
         if result.whole_circle:
             _draw_whole_circle(figure.add_subplot(), result, p, carrying)
             return figure

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from flankload.plot.style import GREY, STEEL, STYLE, new_figure, subtitle
+from flankload.plot.style import GREY, STEEL, STYLE, new_figure, write_heading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,13 +75,19 @@ class Teeth:
         turned = [_turned(points, self.shape.twist_rad_per_mm * height) for height in z]
         return np.dstack([np.array(turned), np.broadcast_to(z[:, None], (count, len(points)))])
 
+    def contour(self) -> Floats:
+        """(n, 2) Toothed contour."""
+        return np.vstack(self.contours)
+
+    def rim(self) -> Floats:
+        """(n, 2) Inner end, from the last tooth to the first."""
+        first, last = (np.arctan2(*self.contours[k][k, ::-1]) for k in (0, -1))
+        around = np.linspace(last, last - (last - first) % (2 * pi), 10 * len(self.contours))
+        return self.rim_mm * np.column_stack([np.cos(around), np.sin(around)])
+
     def face(self) -> Floats:
         """(n, 2) Closed contour of the end face."""
-        contour = np.vstack(self.contours)
-        first, last = (np.arctan2(*contour[k, ::-1]) for k in (0, -1))
-        around = np.linspace(last, first, 10 * len(self.contours))
-        rim = self.rim_mm * np.column_stack([np.cos(around), np.sin(around)])
-        return np.vstack([contour, rim])
+        return np.vstack([self.contour(), self.rim()])
 
 
 def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
@@ -107,14 +113,7 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
     pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.4))
-        figure.suptitle(
-            f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
-            x=0.01,
-            ha="left",
-            fontsize=11,
-            fontweight="bold",
-        )
-        figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+        write_heading(figure, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°", result)
         panels = figure.subplots(1, 2)
         for body, axes in zip((1, 2), panels, strict=True):
             _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
@@ -208,11 +207,10 @@ def _fewer(contour: Floats) -> Floats:
 
 
 def _draw_teeth(axes: Axes, teeth: Teeth, colour: str) -> None:
-    """Sides of the teeth from back to front, then the end face."""
+    """Sides of the teeth and the cut behind the last one, from back to front; the end face."""
     count = 1 + (AXIAL_FACETS if teeth.shape.twist_rad_per_mm else 1)
-    closing = teeth.face()[len(np.vstack(teeth.contours)) :]
-    front = np.vstack([teeth.contours[-1][-1], closing[0]])
-    for order, contour in enumerate((*teeth.contours, front)):
+    cut = np.vstack([teeth.contour()[-1], teeth.rim()[0]])
+    for order, contour in enumerate((*teeth.contours, cut)):
         grid = teeth.sections(contour, count)
         corners = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
         facets = np.stack(corners, axis=2).reshape(-1, 4, 3)
@@ -245,13 +243,13 @@ def _draw_teeth(axes: Axes, teeth: Teeth, colour: str) -> None:
 
 def _draw_mate(axes: Axes, result: Result, mate: Teeth, colour: str) -> None:
     """End faces of the mate: the far one filled, the near one as a contour."""
-    far, near = _other_axis(result, mate.sections(mate.face(), 2)) @ VIEW[:2].T
+    far, _ = _other_axis(result, mate.sections(mate.face(), 2)) @ VIEW[:2].T
+    _, near = _other_axis(result, mate.sections(mate.contour(), 2)) @ VIEW[:2].T
     axes.add_collection(
         PolyCollection([far], facecolors=[colour], edgecolors=GREY, linewidths=0.6, zorder=1)
     )
-    contour = near[: sum(map(len, mate.contours))]
     axes.add_collection(
-        LineCollection([contour], colors=GREY, linewidths=0.8, linestyles="dotted", zorder=6)
+        LineCollection([near], colors=GREY, linewidths=0.8, linestyles="dotted", zorder=6)
     )
 
 
@@ -290,7 +288,7 @@ def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
 
 def _mark_ends(axes: Axes, teeth: Teeth) -> None:
     """Axial positions of both end faces, below the front edge."""
-    edge = teeth.sections(teeth.face()[len(np.vstack(teeth.contours))][None], 2)[:, 0]
+    edge = teeth.sections(teeth.rim()[:1], 2)[:, 0]
     for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "center"), strict=True):
         axes.annotate(
             f"z = {z:g} mm".replace("-", "−"),

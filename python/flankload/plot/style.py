@@ -98,6 +98,12 @@ def png_of(figure: Figure) -> bytes:
     return out.getvalue()
 
 
+def write_heading(figure: Figure, title: str, result: Result) -> None:
+    """Title of a figure on the left, name and torque on the right."""
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+
+
 def subtitle(result: Result) -> str:
     """Name and torque."""
     return f"{short(result.name)}, {result.torque_Nm:g} N m"

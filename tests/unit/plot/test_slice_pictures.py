@@ -211,7 +211,7 @@ def test_loads_of_the_loaded_pair_are_on_its_teeth(result: fl.Result) -> None:
     number = np.searchsorted(result.slice_z_mm, table.z_mm)
     for body, (x, y) in ((1, (table.x_mm, table.y_mm)), (2, (132.0 - table.x_mm, -table.y_mm))):
         teeth = teeth_in_mesh(result, 2, body)
-        sections = teeth.sections(np.vstack(teeth.contours), 21)[1::2]
+        sections = teeth.sections(teeth.contour(), 21)[1::2]
         for k in np.flatnonzero(carries):
             apart = sections[number[k]] - [x[k], y[k], table.z_mm[k]]
             assert np.linalg.norm(apart, axis=1).min() < 0.4
@@ -237,9 +237,10 @@ def test_a_left_hand_mirrors_a_right_hand(result: fl.Result) -> None:
     left = solved(body_1={"hand": "left"}, body_2={"hand": "right"})
     for body in (1, 2):
         right_teeth, left_teeth = (teeth_in_mesh(found, 1, body) for found in (result, left))
-        contour = np.vstack(right_teeth.contours)
-        mirrored = left_teeth.sections(np.vstack(left_teeth.contours), 5)[::-1] * [1.0, 1.0, -1.0]
-        np.testing.assert_allclose(mirrored, right_teeth.sections(contour, 5), atol=1e-9)
+        mirrored = left_teeth.sections(left_teeth.contour(), 5)[::-1] * [1.0, 1.0, -1.0]
+        np.testing.assert_allclose(
+            mirrored, right_teeth.sections(right_teeth.contour(), 5), atol=1e-9
+        )
         assert np.ptp(mirrored[:, 0, 1]) > 1.0  # twisted
     for axes, hand in zip(plot_loaded_pair(left).axes, ("left", "right"), strict=False):
         assert any(f"teeth, {hand} hand" in word for word in words(axes))
