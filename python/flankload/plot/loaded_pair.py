@@ -22,7 +22,8 @@ from flankload.plot.style import (
     loaded_sites,
     new_figure,
     pair_name,
-    write_heading,
+    set_title,
+    turned,
 )
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     ]
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
-        write_heading(figure, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°", result)
+        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
         if result.whole_circle:
             _draw_whole_circle(figure.add_subplot(), result, p, carrying)
             return figure
@@ -141,7 +142,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
     )
     rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
-        sectors = [_turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
+        sectors = [turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
         shape = [np.vstack(sectors)]
         if z == 1 and drawing.is_around:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: the toothed contour is a hole
@@ -200,17 +201,12 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
 def _whole_window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of the drawing: both bodies, with space for their names below."""
     drawing = result.drawing
-    one = _turned(drawing.outline_1, drawing.angle_1[p])
-    two = _turned(drawing.outline_2, drawing.angle_2[p])
+    one = turned(drawing.outline_1, drawing.angle_1[p])
+    two = turned(drawing.outline_2, drawing.angle_2[p])
     places = np.concatenate([one, two + np.array([drawing.center_distance_mm, 0.0])])
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.06 * float((high - low).max())
     return low - np.array([room, 3 * room]), high + room
-
-
-def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
 def _rows_of_pair(table: PairTable, site: int) -> NDArray[np.int64]:

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from flankload.plot.style import GREY, STEEL, STYLE, new_figure, write_heading
+from flankload.plot.style import GREY, STEEL, STYLE, new_figure, set_title, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,8 +72,8 @@ class Teeth:
     def sections(self, points: Floats, count: int) -> Floats:
         """(count, k, 3) Points of z = 0 in sections from end to end."""
         z = np.linspace(*self.shape.range_mm, count)
-        turned = [_turned(points, self.shape.twist_rad_per_mm * height) for height in z]
-        return np.dstack([np.array(turned), np.broadcast_to(z[:, None], (count, len(points)))])
+        planes = [turned(points, self.shape.twist_rad_per_mm * height) for height in z]
+        return np.dstack([np.array(planes), np.broadcast_to(z[:, None], (count, len(points)))])
 
     def contour(self) -> Floats:
         """(n, 2) Toothed contour."""
@@ -113,7 +113,7 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
     pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.4))
-        write_heading(figure, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°", result)
+        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
         panels = figure.subplots(1, 2)
         for body, axes in zip((1, 2), panels, strict=True):
             _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
@@ -170,7 +170,7 @@ def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
     low, high = (float(end(np.hypot(*outline.T))) for end in (np.min, np.max))
     few = _fewer(outline)
     return Teeth(
-        tuple(_turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)),
+        tuple(turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)),
         max(low - RIM * (high - low), bore or 0.0),
         shape,
     )
@@ -189,11 +189,6 @@ def _other_axis(result: Result, points: Floats) -> Floats:
     return np.asarray(
         np.array([result.drawing.center_distance_mm, 0.0, 0.0]) + points * [-1.0, -1.0, 1.0]
     )
-
-
-def _turned(points: Floats, angle: float) -> Floats:
-    c, s = cos(angle), sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
 def _fewer(contour: Floats) -> Floats:
