@@ -1,4 +1,4 @@
-"""Shape of a body along its axis: width, twist of the helix, lead modifications."""
+"""Shape of a body along its axis: width, twist of the helix, metal removed from its flanks."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.bodies.shaft import Shaft, build_shaft
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from flankload.bodies.flank_surface import FlankSurface
     from flankload.scene.axial import AxialKeys
 
     Floats = NDArray[np.float64]
@@ -55,13 +59,18 @@ class LeadModifications:
             >= 0.
         """
         removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
-        removed += self.slope_mm * zeta if self.slope_mm > 0 else -self.slope_mm * (1.0 - zeta)
+        removed += _sloped(self.slope_mm, zeta)
         for amount, length, from_end in zip(
             self.end_relief_mm, self.end_relief_length_mm, (zeta, 1.0 - zeta), strict=True
         ):
             rest = np.maximum(0.0, 1.0 - from_end * width_mm / length)
             removed += amount * rest**self.end_relief_power
         return removed
+
+
+def _sloped(slope_mm: float, zeta: Floats) -> Floats:
+    """Metal removed (n,) by a helix slope; none is ever added."""
+    return slope_mm * zeta if slope_mm > 0 else -slope_mm * (1.0 - zeta)
 
 
 @dataclass(frozen=True)
@@ -76,27 +85,62 @@ class AxialShape:
         Rotation of the transverse section per length along z, counter-clockwise: tan(beta)/r on
         the reference circle, positive for a right-hand helix.
     lead : LeadModifications
+        What is removed from all flanks, alike over their height.
+    tooth_slopes_mm : tuple of float
+        Empty, or a helix slope like that of `lead` for each tooth, in the order of pitch errors.
+    surface : FlankSurface or None
+        What varies over the height of the flanks.
     shaft : Shaft or None
         Shaft and bearings; None: the bore does not move.
+    regions : tuple of (str, (float, float))
+        Names and ends of regions of other width: web, hub, sets of a mesh.
     """
 
     range_mm: tuple[float, float]
     twist_rad_per_mm: float = 0.0
     lead: LeadModifications = LeadModifications()
+    tooth_slopes_mm: tuple[float, ...] = ()
+    surface: FlankSurface | None = None
     shaft: Shaft | None = None
+    regions: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     @property
     def width_mm(self) -> float:
         """Face width, mm."""
         return self.range_mm[1] - self.range_mm[0]
 
+    def zeta(self, z_mm: Floats) -> Floats:
+        """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
+        return (z_mm - self.range_mm[0]) / self.width_mm
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a straight body has a plane of symmetry across the axis."""
+        extents = [self.range_mm, *(extent for _, extent in self.regions)]
+        return not self.twist_rad_per_mm and share_middle(extents)
+
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
-        return self.lead.at((z_mm - self.range_mm[0]) / self.width_mm, self.width_mm)
+        return self.lead.at(self.zeta(z_mm), self.width_mm)
+
+    def tooth_gaps_mm(self, z_mm: Floats) -> Floats:
+        """Metal removed in addition from each tooth with a slope of its own (T, n), mm."""
+        zeta = self.zeta(z_mm)
+        return np.array([_sloped(slope, zeta) for slope in self.tooth_slopes_mm])
+
+
+def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
+    """Whether extents along the axis have one middle, up to rounding."""
+    middles = [low + high for low, high in extents_mm]
+    widest = max(high - low for low, high in extents_mm)
+    return max(middles) - min(middles) <= TIE * widest
 
 
 def axial_shape(
-    keys: AxialKeys, range_mm: tuple[float, float], reference_radius_mm: float
+    keys: AxialKeys,
+    range_mm: tuple[float, float],
+    reference_radius_mm: float,
+    surface: FlankSurface | None = None,
 ) -> AxialShape:
     """Shape along the axis from the keys of a body.
 
@@ -107,6 +151,8 @@ def axial_shape(
         Positions of both ends.
     reference_radius_mm : float
         Radius of the cylinder on which the helix angle is given.
+    surface : FlankSurface, optional
+        What varies over the height of the flanks.
 
     Returns
     -------
@@ -125,5 +171,8 @@ def axial_shape(
         range_mm,
         keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
         lead,
+        tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
+        surface,
         None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
+        keys.regions_of(range_mm),
     )

@@ -9,11 +9,13 @@ from msgspec import Meta
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
+    USUAL_ERRORS,
     USUAL_MODIFICATION,
     Deviation,
     Length,
     Relief,
     Table,
+    Text,
     about,
 )
 
@@ -44,7 +46,16 @@ PLANE_EFFECTS = {
     "coast_flank": "slices on working flanks only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
-LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+LEAD_KEYS = (
+    "lead_crowning_um",
+    "helix_slope_um",
+    "tooth_helix_slope_um",
+    "end_relief_um",
+    "profile_twist_um",
+    "topography_file",
+)
+#: Keys that give regions of a body widths of their own and hence require three dimensions.
+REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
@@ -94,6 +105,33 @@ HelixSlope = Annotated[
         usual=USUAL_MODIFICATION,
     ),
 ]
+ToothHelixSlopes = Annotated[
+    tuple[Deviation, ...],
+    about(
+        "um",
+        "one helix slope per tooth, with the sign of helix_slope_um, which is added; in the order "
+        "of pitch_errors_um: that in which the teeth come into contact, from the tooth of pair 0",
+        usual=USUAL_ERRORS,
+    ),
+]
+ProfileTwist = Annotated[
+    Deviation | None,
+    about(
+        "um",
+        "twist of the flank: half of a positive amount is removed at the root at the end of "
+        "smaller z and at the tip at the end of larger z, half is added at the two other corners; "
+        "bilinear over the arc length of the active flank and the face width",
+        usual=USUAL_MODIFICATION,
+    ),
+]
+TopographyFile = Annotated[
+    Text | None,
+    about(
+        "",
+        ".csv file with the metal removed in um, relative to the folder of the scene file: first "
+        "row = distances from the end of smaller z in mm, first column = diameters in mm",
+    ),
+]
 EndRelief = Annotated[
     BothEnds | None,
     about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
@@ -128,10 +166,16 @@ class AxialKeys:
         axial_offset_mm: AxialOffset
         lead_crowning_um: LeadCrowning
         helix_slope_um: HelixSlope
+        tooth_helix_slope_um: ToothHelixSlopes
+        profile_twist_um: ProfileTwist
+        topography_file: TopographyFile
         end_relief_um: EndRelief
         end_relief_length_mm: EndReliefLength
         end_relief_shape: EndReliefShape
         shaft: OnShaft
+
+        @property
+        def number_of_teeth(self) -> int: ...
 
     @property
     def helix_rad(self) -> float:
@@ -157,11 +201,20 @@ class AxialKeys:
         """How far the helix angle may be from that of the other body."""
         return HELIX_TOLERANCE
 
+    def regions_of(
+        self, range_mm: tuple[float, float]
+    ) -> tuple[tuple[str, tuple[float, float]], ...]:
+        """Names and ends along the axis of regions of other width than the teeth."""
+        return ()
+
+    def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
+        """Check the regions against the ends of the teeth."""
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
-        """Check that a helix has a hand, an end relief has lengths and a shaft is held.
+        """Check that a helix has a hand, an end relief lengths, all teeth a slope, a shaft a hold.
 
         Raises
         ------
@@ -177,6 +230,13 @@ class AxialKeys:
             )
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
+        slopes = self.tooth_helix_slope_um
+        if slopes and len(slopes) != self.number_of_teeth:
+            refuse(
+                f"{key}.tooth_helix_slope_um",
+                f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth",
+                f"{len(slopes)} entries",
+            )
         if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
             there, missing = "end_relief_um", "end_relief_length_mm"
             if self.end_relief_um is None:
@@ -194,7 +254,7 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     Raises
     ------
     SceneError
-        If an end relief is longer than the body.
+        If an end relief is longer than the body, or a region of other width does not fit.
     """
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
@@ -204,7 +264,9 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
                 f"at most the face width of the body, {width:g}",
                 length,
             )
-    return body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    body.check_extents(ends, key)
+    return ends
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
@@ -238,8 +300,8 @@ def three_dimensional_key(
     for number, body in enumerate(bodies, start=1):
         if not isinstance(body, AxialKeys):
             continue
-        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft"):
-            value = getattr(body, name)
+        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
+            value = getattr(body, name, None)
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
         widths.append((number, body.face_width_mm))

@@ -240,7 +240,13 @@ def _prism_compliance(body: Body, scene: Scene, discretization: Discretization) 
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
-    prism = Prism(axial.range_mm, axial.twist_rad_per_mm, degree=degree, load_degree=load_degree)
+    prism = Prism(
+        axial.range_mm,
+        axial.twist_rad_per_mm,
+        degree=degree,
+        load_degree=load_degree,
+        regions=axial.regions,
+    )
     return prism_compliance(body, prism, n_modes=modes_of(body, scene, discretization))
 
 
