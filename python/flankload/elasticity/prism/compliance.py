@@ -171,11 +171,13 @@ def prism_compliance(
     along = mode_norms_z(axial.width_mm, prism.load_degree)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
-    log.account.count(fe_solutions=len(inverse), unit_loads_normal=len(inverse))
+    unknowns = prism_unknowns(body, prism.degree)
+    log.account.count(
+        fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
+    )
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     log.end_step("near field")
-    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
         near=NearField(kernel, wedge=surface.wedge),
@@ -190,8 +192,27 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
-        job=log.cost(asymmetry, COMPONENTS * axial.count * (len(mesh.nodes) - held)),
+        job=log.cost(asymmetry, unknowns),
     )
+
+
+def prism_unknowns(body: Body, degree: int) -> int:
+    """Number of unknowns of the elements of a sector with displacements of a degree along z.
+
+    Parameters
+    ----------
+    body : Body
+        With the mesh of a sector.
+    degree : int
+        p.
+
+    Returns
+    -------
+    int
+    """
+    mesh = _sector_of(body)
+    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
+    return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)
 
 
 def flank_surface(body: Body, prism: Prism) -> FlankSurface:

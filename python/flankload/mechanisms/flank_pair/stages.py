@@ -82,7 +82,8 @@ def compliance_of(
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     if effects.three_dimensions:
-        return _prism_compliance(body, scene, discretization)
+        found = _prism_compliance(body, scene, discretization)
+        return found if scene.effects.tooth_coupling else found.without_coupling()
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if body.given is not None:
