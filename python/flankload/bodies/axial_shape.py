@@ -90,6 +90,10 @@ class AxialShape:
         """Face width, mm."""
         return self.range_mm[1] - self.range_mm[0]
 
+    def without_lead(self) -> AxialShape:
+        """The section along the axis alone: no lead modifications and no shaft."""
+        return AxialShape(self.range_mm, self.twist_rad_per_mm)
+
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
         return self.lead.at((z_mm - self.range_mm[0]) / self.width_mm, self.width_mm)

@@ -14,7 +14,7 @@ from flankload.scene.effects.keys import EffectsAsked
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from flankload.scene import Scene
+    from flankload.scene import BodySpec, Scene
 
 #: Effects that keys of [effects] decide on; power loss comes with friction and changes no state.
 RECORDS = {row.name: row for row in EFFECTS if row.on and row.name != "power_loss"}
@@ -38,6 +38,8 @@ REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
     "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
 }
+#: Keys that modify a flank by micrometres.
+OF_MICROMETRES = ("tip_relief_um", "tip_relief_start_diameter_mm", "profile_crowning_um")
 
 
 @dataclass(frozen=True)
@@ -151,6 +153,12 @@ def without_keys(scene: Scene, *keys: str) -> Scene:
 def with_rigid(scene: Scene, key: str, *, rigid: bool) -> Scene:
     """A scene with a rigid or an elastic body."""
     return replace(scene, **{key: structs.replace(getattr(scene, key), rigid=rigid)})
+
+
+def without_modifications(body: BodySpec) -> BodySpec:
+    """The table of a body without tip relief and profile crowning."""
+    plain: BodySpec = _without(body, dict.fromkeys(OF_MICROMETRES))
+    return plain
 
 
 def _without(body: Any, keys: dict[str, Any]) -> Any:

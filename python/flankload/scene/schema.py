@@ -68,9 +68,10 @@ def scene_paths() -> list[KeyPath]:
 def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
     """Paths of the keys of a table and of the tables in it."""
     for name, field in fields_of(form).items():
-        bare, extra = field.type, dict[str, Any]()
+        bare: inspect.Type = field.type
+        extra: dict[str, Any] = {}
         if isinstance(bare, inspect.Metadata):
-            bare, extra = bare.type, bare.extra_json_schema or {}
+            extra, bare = bare.extra_json_schema or {}, bare.type
         members = bare.types if isinstance(bare, inspect.UnionType) else (bare,)
         tables = [part for part in members if isinstance(part, inspect.StructType)]
         path = f"{before}{name}"
@@ -78,6 +79,7 @@ def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
             meaning = f"kind of body: {extra.get('description', '')}"
             yield KeyPath(f"{path}.kind", "", " or ".join(tags), meaning, kind)
         for table in tables:
+            assert issubclass(table.cls, Table)
             yield from _paths_of(table.cls, f"{path}.", str(table.tag or kind))
         if not tables:
             meaning = str(extra.get("description", ""))

@@ -74,9 +74,12 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
         ("effects", scene.effects),
         ("accuracy", scene.accuracy),
     ):
-        named = {key.partition(".")[2] for key in scene.named_knobs if key.startswith(f"{name}.")}
-        named = scene.named_effects if name == "effects" else frozenset(named)
-        found = tree_of(table, frozenset(named))
+        prefix = f"{name}."
+        knobs = (key for key in scene.named_knobs if key.startswith(prefix))
+        named = frozenset(key.removeprefix(prefix) for key in knobs)
+        if name == "effects":
+            named = scene.named_effects
+        found = tree_of(table, named)
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
     return {name: part for name, part in tree.items() if part != {}}
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.mechanisms.belt.drive import BeltAssembly, BeltCompliances, BeltStates
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Mechanism
     from flankload.mechanisms.screening import Screening
@@ -42,7 +43,11 @@ class TimingBelt:
     without_flanks: str | None = "'belt', which lies on its pulley as a strip"
 
     def build(
-        self, scene: Scene, discretization: Discretization | None, account: Account
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
     ) -> BeltAssembly:
         """Assemble belt and pulley; the element size follows from the scene."""
         return assemble(scene)
@@ -56,7 +61,12 @@ class TimingBelt:
         return 1
 
     def compliances(
-        self, scene: Scene, assembly: BeltAssembly, clock: StageClock, kept: Kept
+        self,
+        scene: Scene,
+        assembly: BeltAssembly,
+        clock: StageClock,
+        kept: Kept,
+        parts: Parts | None = None,
     ) -> tuple[BeltAssembly, BeltCompliances]:
         """Solve the elements of both bodies."""
         return assembly, compliances_of(scene, assembly.strip, clock)

@@ -174,7 +174,7 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     lumped = pair.effects.lumped_contact
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
     torques = {"sweep": len(scene.torques_Nm)}
-    if not lumped:
+    if scene.accuracy.tangents and not lumped:
         torques["tangent"] = len(SIDES) * loaded
     if scene.accuracy.estimate:
         sweeps = n_sweeps(
