@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from msgspec import NODEFAULT
-from msgspec.structs import fields
 
+from flankload.scene.form import fields_of
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import Table
 
@@ -39,11 +39,11 @@ def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
     """
     tag = table.__struct_config__.tag_field
     tree: Tree = {} if tag is None else {tag: table.__struct_config__.tag}
-    for field in fields(table):
-        value = getattr(table, field.name)
+    for name, field in fields_of(type(table)).items():
+        value = getattr(table, name)
         is_default = field.default is not NODEFAULT and value == field.default
-        if value is not None and (not is_default or field.name in named):
-            tree[field.name] = _plain(value)
+        if value is not None and (not is_default or name in named):
+            tree[name] = _plain(value)
     return tree
 
 

@@ -27,7 +27,7 @@ from flankload.bodies.profile.involute import (
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, Place, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve, Place, fit_flank_curve, fit_tolerance_mm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,8 +157,14 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     )
     _check_tooth(involute, rack, start, spec, key)
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
+
+    def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
+        return [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)]
+
     curve = fit_flank_curve(
-        [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
+        pieces(flank),
+        # the same for all modifications, which then share what they have in common
+        tolerance_mm=fit_tolerance_mm(pieces(plain)),
         corner_at_end=spec.tip_radius_mm is None,
     )
     return GearProfile(

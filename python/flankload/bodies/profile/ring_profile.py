@@ -23,11 +23,12 @@ from flankload.bodies.profile.gear_tip import (
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
+    Modifications,
     involute_function,
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve, fit_tolerance_mm
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,8 +158,14 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     )
     end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
     start = FormPoint(arc.roll, end, False)
+
+    def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
+        return [_fillet_piece(arc, flank, start), *flank_and_tip(flank, involute, start, spec, key)]
+
     curve = fit_flank_curve(
-        [_fillet_piece(arc, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
+        pieces(flank),
+        # the same for all modifications, which then share what they have in common
+        tolerance_mm=fit_tolerance_mm(pieces(replace(flank, modifications=Modifications.none()))),
         corner_at_end=spec.tip_radius_mm is None,
     )
     return RingProfile(
