@@ -82,11 +82,11 @@ def _filled(changes: dict[str, Any], name: str, table: Table) -> dict[str, Any]:
     found = {path.replace("{}", name): value for path, value in changes.items()}
     if f"{name}.START" in found:
         del found[f"{name}.START"]
-        inwards = -1.0 if "ring" in type(table).__name__.lower() or "Hub" in str(type(table)) else 1
+        inwards = -1.0 if hasattr(table, "outer_diameter_mm") else 1.0
         size = table.tip_diameter_mm - 0.4 * inwards * table.module_mm  # type: ignore[attr-defined]
         found[f"{name}.tip_relief_start_diameter_mm"] = size
     if f"{name}.pitch_errors_um" in found:
-        rest = [0.0] * (table.number_of_teeth - 1)  # type: ignore[attr-defined]
+        rest = [0.0] * (getattr(table, "number_of_teeth", 24) - 1)
         found[f"{name}.pitch_errors_um"] = [3.0, *rest]
     return found
 

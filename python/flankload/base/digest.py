@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import partial
 from hashlib import blake2b
@@ -59,7 +59,7 @@ def _parts(data: Any) -> Iterator[bytes | memoryview]:
         for key, value in data.items():
             yield from _parts(key)
             yield from _parts(value)
-    elif isinstance(data, list | tuple):
+    elif isinstance(data, Sequence):
         yield f"{type(data).__name__}{len(data)}".encode()
         for item in data:
             yield from _parts(item)

@@ -89,7 +89,7 @@ def elements_call(
         coast_flanks=scene.effects.coast_flank,
         fillets=fillets,
         sectors=scene.sectors,
-        growth=growth,
+        growth=growth if growth is not None and growth.needs_elements else None,
         estimate=estimate,
     )
 
@@ -134,8 +134,8 @@ def compliance_of(
 def _in_scene(
     found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
 ) -> BodyCompliance:
-    """What of a compliance needs no elements: imported bodies grow, flanks are modified."""
-    if body.given is not None and growth is not None:
+    """What of a compliance needs no elements: bodies grow as a whole, flanks are modified."""
+    if growth is not None and (body.given is not None or not growth.needs_elements):
         found = replace(found, expansion=growth.strain)
     if body.elements is not None:
         found = found.on_flank(body)
