@@ -6,6 +6,8 @@ more than in the ratios.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from time import process_time
 
 import numpy as np
@@ -52,7 +54,7 @@ def _lines() -> list[str]:
         scene = fl.read_scene(SCENES / f"{file}.toml").replace(beside)
         values = np.linspace(low, high, count)
         fl.solve(scene)  # imports
-        singles = [_seconds(lambda x=x: fl.solve(scene.replace({key: x}))) for x in values[:SINGLES]]
+        singles = [_seconds(partial(_solve_single, scene, {key: x})) for x in values[:SINGLES]]
         prepared = fl.prepare(scene)
         solved, spent = 0, 0.0
         for x in values:
@@ -71,7 +73,11 @@ def _lines() -> list[str]:
     return lines
 
 
-def _seconds(call: object) -> float:
+def _solve_single(scene: fl.Scene, changes: dict[str, float]) -> None:
+    fl.solve(scene.replace(changes))
+
+
+def _seconds(call: Callable[[], None]) -> float:
     begin = process_time()
-    call()  # type: ignore[operator]
+    call()
     return process_time() - begin

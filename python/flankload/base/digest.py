@@ -15,6 +15,8 @@ from msgspec import Struct
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+#: Types whose text identifies the value.
+PLAIN = (str, float, int, type(None), bytes, PurePath, np.generic)
 #: Bytes of a digest: two of 1e12 pieces of data share one with a probability of 1e-24.
 SIZE = 20
 
@@ -44,13 +46,21 @@ def digest_of(data: object) -> bytes:
     return found.digest()
 
 
-def _parts(data: Any) -> Iterator[bytes | memoryview]:
+def _parts(data: Any) -> Iterator[bytes]:
     """Bytes of data, each piece after its type."""
     if isinstance(data, np.ndarray) and data.dtype.kind in "biufcU":
         yield f"{data.dtype.str}{data.shape}".encode()
-        yield np.ascontiguousarray(data).tobytes()
-    elif data is None or isinstance(data, bool | int | float | str | bytes | PurePath | np.generic):
+        yield data.tobytes()
+    elif isinstance(data, PLAIN) or _is_plain(data):
         yield f"{type(data).__name__}{data!r}".encode("utf-8", "surrogatepass")
+    elif is_dataclass(data) and not isinstance(data, type):
+        yield type(data).__qualname__.encode()
+        for item in fields(data):
+            yield from _parts(getattr(data, item.name))
+    elif isinstance(data, Struct):
+        yield type(data).__qualname__.encode()
+        for name in data.__struct_fields__:
+            yield from _parts(getattr(data, name))
     elif isinstance(data, partial):
         yield f"call{data.func.__module__}.{data.func.__qualname__}".encode()
         yield from _parts((data.args, data.keywords))
@@ -63,13 +73,10 @@ def _parts(data: Any) -> Iterator[bytes | memoryview]:
         yield f"{type(data).__name__}{len(data)}".encode()
         for item in data:
             yield from _parts(item)
-    elif is_dataclass(data) and not isinstance(data, type):
-        yield type(data).__qualname__.encode()
-        for item in fields(data):
-            yield from _parts(getattr(data, item.name))
-    elif isinstance(data, Struct):
-        yield type(data).__qualname__.encode()
-        for name in data.__struct_fields__:
-            yield from _parts(getattr(data, name))
     else:
         raise TypeError(f"data: expected numbers, text, arrays and tables, found {type(data)}")
+
+
+def _is_plain(data: object) -> bool:
+    """Whether a sequence holds numbers and words alone, which its own text tells apart."""
+    return isinstance(data, tuple | list) and all(isinstance(item, PLAIN) for item in data)

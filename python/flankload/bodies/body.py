@@ -278,6 +278,7 @@ class Body:
             named_teeth=(),
             flank_nodes=None,
             active_range_mm=None,
+            turns_clockwise=False,
             axial=None if axial is None else axial.without_lead(),
         )
 

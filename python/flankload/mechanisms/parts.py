@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from flankload.base.digest import digest_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from functools import partial
 
     T = TypeVar("T")

@@ -75,7 +75,7 @@ def test_replaced_keys_are_those_of_a_file_with_other_values() -> None:
     }
     assert scene == Scene.from_dict(expected, file="a.toml")
     assert scene.named_effects == {"friction_coefficient"}
-    assert PAIR == Scene.from_dict(SCENE, file="a.toml")  # the scene itself is unchanged
+    assert Scene.from_dict(SCENE, file="a.toml") == PAIR  # the scene itself is unchanged
 
 
 def test_whole_tables_entries_of_lists_and_absent_keys() -> None:
@@ -97,8 +97,10 @@ def test_whole_tables_entries_of_lists_and_absent_keys() -> None:
     [
         (
             {"body_1.tip_releif_um": 3},
-            "a.toml: body_1.tip_releif_um: expected a known key (did you mean tip_relief_um?), "
-            "found the unknown key 'tip_releif_um'",
+            (
+                "a.toml: body_1.tip_releif_um: expected a known key (did you mean tip_relief_um?), "
+                "found the unknown key 'tip_releif_um'"
+            ),
         ),
         (
             {"laod.torque_Nm": 3},
@@ -118,8 +120,10 @@ def test_whole_tables_entries_of_lists_and_absent_keys() -> None:
         ),
         (
             {"body_1.tip_relief_um": 25},
-            "a.toml: body_1.tip_relief_start_diameter_mm: expected a number > 0, since there is a "
-            "body_1.tip_relief_um, found nothing",
+            (
+                "a.toml: body_1.tip_relief_start_diameter_mm: expected a number > 0, since there "
+                "is a body_1.tip_relief_um, found nothing"
+            ),
         ),
         (
             {"load.torque_Nm": [1.0, 2.0], "load.torque_Nm[2]": 3.0},
@@ -131,13 +135,17 @@ def test_whole_tables_entries_of_lists_and_absent_keys() -> None:
         ),
         (
             {"body_1..teeth": 3},
-            "a.toml: body_1..teeth: expected a path such as body_1.tip_relief_um or "
-            "body_1.pitch_errors_um[3], found 'body_1..teeth'",
+            (
+                "a.toml: body_1..teeth: expected a path such as body_1.tip_relief_um or "
+                "body_1.pitch_errors_um[3], found 'body_1..teeth'"
+            ),
         ),
         (
             {3: 4},
-            "a.toml: changes: expected a path such as body_1.tip_relief_um or "
-            "body_1.pitch_errors_um[3], found 3",
+            (
+                "a.toml: changes: expected a path such as body_1.tip_relief_um or "
+                "body_1.pitch_errors_um[3], found 3"
+            ),
         ),
         (3, "a.toml: changes: expected a mapping of paths to values, found 3"),
     ],

@@ -159,7 +159,10 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
 
     def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
-        return [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)]
+        return [
+            _fillet_piece(rack, flank, start),
+            *flank_and_tip(flank, involute, start, spec, key),
+        ]
 
     curve = fit_flank_curve(
         pieces(flank),

@@ -88,7 +88,9 @@ def bodies_of(
     try:
         if effects_of(scene).nodal_near_field:
             element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike, parts)
-        bodies = tuple(_body(scene, discretization, z, (element_mm, nodes_mm), parts) for z in which)
+        bodies = tuple(
+            _body(scene, discretization, z, (element_mm, nodes_mm), parts) for z in which
+        )
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
