@@ -16,19 +16,18 @@ from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.gear_tip import (
     FlankGeometry,
     FormPoint,
-    flank_and_tip,
     following_fillet,
     modifications_of,
+    profile_curve,
 )
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
-    Modifications,
     involute_function,
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve, fit_tolerance_mm
+from flankload.flank import CurvePiece, FlankCurve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -158,15 +157,8 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     )
     end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
     start = FormPoint(arc.roll, end, False)
-
-    def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
-        return [_fillet_piece(arc, flank, start), *flank_and_tip(flank, involute, start, spec, key)]
-
-    curve = fit_flank_curve(
-        pieces(flank),
-        # the same for all modifications, which then share what they have in common
-        tolerance_mm=fit_tolerance_mm(pieces(replace(flank, modifications=Modifications.none()))),
-        corner_at_end=spec.tip_radius_mm is None,
+    curve = profile_curve(
+        lambda flank: _fillet_piece(arc, flank, start), flank, involute, start, spec, key
     )
     return RingProfile(
         curve=curve,
