@@ -172,7 +172,18 @@ def test_elements_follow_the_modified_flank_unless_the_scene_says_otherwise() ->
         assert bits(found) == bits(fl.solve(one.replace({"body_1.tip_relief_um": 25})))
 
 
-@pytest.mark.parametrize("more", [{}, {"body_1.tip_radius_mm": 0.4}, {"effects.root_stress": True}])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"body_1.tip_radius_mm": 0.4},
+        {"effects.root_stress": True},
+        {"effects.near_field": "nodes", "accuracy.flank_element_mm": 0.3},
+        {"effects.temperature_rise_K": 40.0, "effects.coast_flank": True},
+        {"effects.speed_rpm": 5000.0},
+        {"effects.dimension": 3, **COARSE_3D},
+    ],
+)
 def test_unmodified_elements_change_little(more: dict[str, Any]) -> None:
     scene = fl.Scene.from_dict(example("external_gear")).replace(
         {**RELIEF, **more, "accuracy.estimate": False, "positions": {"count": 4}}

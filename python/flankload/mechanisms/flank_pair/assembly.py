@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -357,9 +358,13 @@ def _built(stamps: tuple[tuple[int, int], ...], spec: BodySpec, key: str, **keys
 
 def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
     """Time of change and size of the files of a body, as far as they exist."""
-    files = [path for name, path in scene.files.items() if name.startswith(f"{key}.")]
-    stats = [path.stat() for path in files if path.exists()]
-    return tuple((stat.st_mtime_ns, stat.st_size) for stat in stats)
+    stamps = []
+    for name, path in scene.files.items():
+        if name.startswith(f"{key}."):
+            with suppress(OSError, ValueError):  # whoever reads the file says what is wrong
+                stat = path.stat()
+                stamps.append((stat.st_mtime_ns, stat.st_size))
+    return tuple(stamps)
 
 
 def without_ends(body: Body) -> Body:
