@@ -24,6 +24,12 @@ module flankload_circle_pair
         integer, allocatable :: special(:)
         !> First sample from which the radius increases up to the tip
         integer :: first_rising = 1
+        !> A few of the samples, the first rising one and all corners among them; and how far along
+        !> circles about its axis the flank stands off their polygon to both sides [mm], shape (few)
+        integer, allocatable :: few(:)
+        real(wp), allocatable :: bulge(:)
+        !> The longest chord between them [mm]
+        real(wp) :: longest_chord = 0.0_wp
         !> Starts of smooth roundings [mm of arc length], their side (1: towards greater arc length,
         !> -1: towards smaller), and the change of the curvature there [1/mm], shape (roundings)
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
@@ -47,6 +53,9 @@ module flankload_circle_pair
 
     !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
+    !> The few samples that tell flanks far from each other apart: flanks stand off the polygon
+    !> between them by no more than this part of their length.
+    real(wp), parameter :: least_bulge = 1.0e-3_wp
     !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
     !> undefined.
     real(wp), parameter :: least_rise = 0.02_wp
@@ -96,8 +105,46 @@ contains
                 flank%first_rising = k + 1
             end if
         end do
+        call choose_few(flank)
         call find_roundings(flank)
     end function new_flank
+
+    !> A few samples, and how far the others stand off the chords between them.
+    pure subroutine choose_few(flank)
+        !> The flank with its samples
+        type(flank_type), intent(inout) :: flank
+
+        integer :: k, l, n, first, last
+        real(wp) :: chord(2), off, rise
+        logical, allocatable :: chosen(:)
+
+        n = size(flank%s)
+        allocate (chosen(n), source=flank%special > 0)
+        chosen([1, flank%first_rising, n]) = .true.
+        first = 1
+        do last = 2, n - 1
+            chord = flank%point(:, last + 1) - flank%point(:, first)
+            off = maxval([(abs(cross(chord, flank%point(:, k) - flank%point(:, first))), &
+                & k=first + 1, last)])/norm2(chord)
+            if (off > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
+            if (chosen(last)) first = last
+        end do
+        flank%few = pack([(k, k=1, n)], chosen)
+        allocate (flank%bulge(size(flank%few)), source=0.0_wp)
+        do l = 1, size(flank%few) - 1
+            first = flank%few(l)
+            last = flank%few(l + 1)
+            chord = flank%point(:, last) - flank%point(:, first)
+            flank%longest_chord = max(flank%longest_chord, norm2(chord))
+            ! across the chord it is off/|chord|; along a circle by the chord's rise
+            rise = max(abs(flank%radius(last) - flank%radius(first)), &
+                & least_rise*norm2(chord), tiny(1.0_wp))
+            do k = first + 1, last - 1
+                off = abs(cross(chord, flank%point(:, k) - flank%point(:, first)))/rise
+                flank%bulge(l:l + 1) = max(flank%bulge(l:l + 1), off)
+            end do
+        end do
+    end subroutine choose_few
 
     !> Breaks with a large jump of the curvature: the pressure has a separate peak there.
     pure subroutine find_roundings(flank)

@@ -116,30 +116,27 @@ contains
         real(wp), intent(out), optional :: curvature
 
         integer :: interval, power, degree
-        real(wp) :: x, first(2), second(2), speed
+        real(wp) :: x, along, across, first(2), second(2), speed
 
         x = s
         if (curve%closed) x = modulo(s, curve_length(curve))
         interval = interval_of(curve%breaks, x)
         degree = ubound(curve%coefficients, 1)
         x = x - curve%breaks(interval - 1)
-        associate (c => curve%coefficients(:, :, interval))
-            point = c(degree + 1, :)
+        associate (c => curve%coefficients)
+            along = c(degree, 1, interval)
+            across = c(degree, 2, interval)
             first = 0.0_wp
             second = 0.0_wp
-            if (present(curvature)) then
-                do power = degree, 1, -1
-                    second = second*x + 2.0_wp*first
-                    first = first*x + point
-                    point = point*x + c(power, :)
-                end do
-            else
-                do power = degree, 1, -1
-                    first = first*x + point
-                    point = point*x + c(power, :)
-                end do
-            end if
+            do power = degree - 1, 0, -1
+                if (present(curvature)) second = second*x + 2.0_wp*first
+                first(1) = first(1)*x + along
+                first(2) = first(2)*x + across
+                along = along*x + c(power, 1, interval)
+                across = across*x + c(power, 2, interval)
+            end do
         end associate
+        point = [along, across]
         speed = sqrt(first(1)**2 + first(2)**2)
         tangent = first/speed
         if (present(curvature)) then
@@ -179,16 +176,16 @@ contains
         integer :: interval
 
         integer :: low, high, middle
+        logical :: before
 
         low = 0
         high = ubound(breaks, 1)
         do while (high - low > 1)
             middle = (low + high)/2
-            if (s < breaks(middle)) then
-                high = middle
-            else
-                low = middle
-            end if
+            ! without a branch that a processor would guess wrong half of the time
+            before = s < breaks(middle)
+            high = merge(middle, high, before)
+            low = merge(low, middle, before)
         end do
         interval = low + 1
     end function interval_of

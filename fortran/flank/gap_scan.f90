@@ -2,7 +2,7 @@
 module flankload_gap_scan
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, frame_type
-    use flankload_polar_geometry, only: circle_meets_flank, cross
+    use flankload_polar_geometry, only: circle_meets_flank
     use flankload_circle_pair, only: flank_type
     implicit none
     private
@@ -129,22 +129,32 @@ contains
         !> The segment, 0 if the circle misses flank 2
         integer, contiguous, intent(inout) :: segment(:)
 
-        integer :: l, k
-        real(wp) :: point(2), weight, half_tangent, low, high
+        integer :: l, k, start
+        real(wp) :: x, y, weight, half_tangent, low, high
 
+        start = 1
         do l = 1, size(radius_2) - 1
             low = min(radius_2(l), radius_2(l + 1))
             high = max(radius_2(l), radius_2(l + 1))
             if (high < radius(1) .or. low > radius(size(radius))) cycle
-            do k = first_beyond(radius, low), size(radius)
+            ! the first circle that the segment meets is near that of the last segment
+            do while (radius(start) < low)
+                start = start + 1
+            end do
+            do while (start > 1)
+                if (radius(start - 1) < low) exit
+                start = start - 1
+            end do
+            do k = start, size(radius)
                 if (radius(k) > high) exit
                 weight = 0.5_wp
                 if (radius_2(l + 1) /= radius_2(l)) then
                     weight = (radius(k) - radius_2(l))/(radius_2(l + 1) - radius_2(l))
                 end if
-                point = (1.0_wp - weight)*place_2(:, l) + weight*place_2(:, l + 1)
-                half_tangent = cross(place_1(:, k), point) &
-                    & /max(radius(k)**2 + dot_product(place_1(:, k), point), tiny(1.0_wp))
+                x = (1.0_wp - weight)*place_2(1, l) + weight*place_2(1, l + 1)
+                y = (1.0_wp - weight)*place_2(2, l) + weight*place_2(2, l + 1)
+                half_tangent = (place_1(1, k)*y - place_1(2, k)*x) &
+                    & /max(radius(k)**2 + (place_1(1, k)*x + place_1(2, k)*y), tiny(1.0_wp))
                 if (half_tangent < gap(k)) then
                     gap(k) = half_tangent
                     segment(k) = l
@@ -166,27 +176,5 @@ contains
         places(2, :) = frame%origin(2) + frame%sine*flank%point(1, :) &
             & + frame%cosine*flank%point(2, :)
     end function placed_samples
-
-    !> First entry of an ascending list that is not below a value.
-    pure function first_beyond(list, value) result(index)
-        !> Ascending values
-        real(wp), intent(in) :: list(:)
-        !> The value; some entry is not below it
-        real(wp), intent(in) :: value
-        integer :: index
-
-        integer :: below, middle
-
-        below = 0
-        index = size(list)
-        do while (index - below > 1)
-            middle = (below + index)/2
-            if (list(middle) < value) then
-                below = middle
-            else
-                index = middle
-            end if
-        end do
-    end function first_beyond
 
 end module flankload_gap_scan

@@ -13,6 +13,7 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
+    use flankload_lapack, only: potrf, solve_triangle
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -21,7 +22,7 @@ module flankload_lumped_pass
     implicit none
     private
 
-    public :: couple, solve_pass
+    public :: couple, keep_places, solve_pass, step_places
 
     !> Forces stand when none changes by more than this part of the largest: Newton's next step
     !> would be its square.
@@ -140,22 +141,10 @@ contains
         through_origin = secant .or. .not. last > 0.0_wp
         matrix = coupling
         associate (place => places(of))
-            gaps = place%lever*position%gap(of)
             motions(:, 1) = place%lever
-            load_rows(:, 1) = place%torque_lever
             loads = torque
-            call straighten(place%force, place%approach, place%approach_slope, through_origin, &
-                & line, beside)
-            ! levers change with the force, too: of the order of what is settled, but in the
-            ! derivatives
-            line = line + place%lever_slope*(position%gap(of) - state%rotation)
-            beside = beside - place%lever_slope*(position%gap(of) - state%rotation)*place%force
-            load_rows(:, 1) = load_rows(:, 1) + place%torque_lever_slope*place%force
-            loads = loads + sum(place%torque_lever_slope*place%force**2)
-            do k = 1, n
-                matrix(k, k) = matrix(k, k) + line(k)
-            end do
-            gaps = gaps + beside
+            call linearise(place, position%gap(of), state%rotation, through_origin, matrix, gaps, &
+                & load_rows(:, 1), loads(1))
             if (rubs) then
                 call straighten(place%force, place%tangential, place%tangential_slope, &
                     & through_origin, line, beside)
@@ -196,6 +185,127 @@ contains
         state%backward_error = contact%backward_error
         state%margin = contact%margin
     end subroutine solve_pass
+
+    !> A pass without a certificate: forces and rotation alone, if none but places that carry do so
+    !> again.
+    pure subroutine step_places(position, of, places, coupling, torque, forces, rotation, solved)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its zones that are looked at, shape (n)
+        integer, intent(in) :: of(:)
+        !> The places, shape (zones)
+        type(place_type), intent(in) :: places(:)
+        !> What they recede by [mm/N], shape (n, n)
+        real(wp), intent(in) :: coupling(:, :)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces of the zones [N], shape (zones); changed if solved
+        real(wp), intent(inout) :: forces(:)
+        !> Rotation [rad]; changed if solved
+        real(wp), intent(inout) :: rotation
+        !> False if others touch: nothing is changed then
+        logical, intent(out) :: solved
+
+        real(wp) :: load
+        real(wp), dimension(size(of)) :: found, gaps, load_row
+        real(wp) :: matrix(size(of), size(of))
+
+        found = forces(of)
+        matrix = coupling
+        load = torque
+        call linearise(places(of), position%gap(of), rotation, .not. found > 0.0_wp, matrix, gaps, &
+            & load_row, load)
+        call keep_places(matrix, gaps, places(of)%lever, load_row, load, found, rotation, solved)
+        if (solved) forces(of) = found
+    end subroutine step_places
+
+    !> The equations of places with what is not linear in their forces as lines.
+    pure subroutine linearise(places, gap_angles, rotation, through_origin, matrix, gaps, &
+            & load_row, load)
+        !> The places, shape (n)
+        type(place_type), intent(in) :: places(:)
+        !> Their gap angles [rad], shape (n)
+        real(wp), intent(in) :: gap_angles(:)
+        !> Last rotation [rad]
+        real(wp), intent(in) :: rotation
+        !> Lines through the origin instead of tangents, shape (n)
+        logical, intent(in) :: through_origin(:)
+        !> What the places recede by [mm/N], then with their near fields, shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
+        !> Gaps [mm] and levers of the torque row [mm], shape (n)
+        real(wp), intent(out) :: gaps(:)
+        real(wp), intent(out) :: load_row(:)
+        !> Torque, then what the row equals [N mm]
+        real(wp), intent(inout) :: load
+
+        integer :: k
+        real(wp), dimension(size(places)) :: line, beside
+
+        gaps = places%lever*gap_angles
+        load_row = places%torque_lever
+        call straighten(places%force, places%approach, places%approach_slope, through_origin, &
+            & line, beside)
+        ! levers change with the force, too: of the order of what is settled, but in the
+        ! derivatives
+        line = line + places%lever_slope*(gap_angles - rotation)
+        beside = beside - places%lever_slope*(gap_angles - rotation)*places%force
+        load_row = load_row + places%torque_lever_slope*places%force
+        load = load + sum(places%torque_lever_slope*places%force**2)
+        do k = 1, size(places)
+            matrix(k, k) = matrix(k, k) + line(k)
+        end do
+        gaps = gaps + beside
+    end subroutine linearise
+
+    !> Solve for places that carry, and for fewer of them as long as some would pull; whether the
+    !> others stay open then. The state is the one and only, since K is definite.
+    pure subroutine keep_places(matrix, gaps, motion, load_row, load, forces, rotation, solved)
+        !> Symmetric compliance of the places [mm/N], their gaps [mm], and their levers of the
+        !> rotation and of the torque row [mm], shape (n, n) and (n)
+        real(wp), intent(in) :: matrix(:, :)
+        real(wp), intent(in) :: gaps(:)
+        real(wp), intent(in) :: motion(:)
+        real(wp), intent(in) :: load_row(:)
+        !> Torque [N mm]
+        real(wp), intent(in) :: load
+        !> Forces [N], those above 0 may carry; changed if solved
+        real(wp), intent(inout) :: forces(:)
+        !> Rotation [rad]; changed if solved
+        real(wp), intent(inout) :: rotation
+        !> False if others would touch, or K is not definite
+        logical, intent(out) :: solved
+
+        integer :: k, info
+        integer, allocatable :: on(:)
+        real(wp), allocatable :: factor(:, :), x(:, :), carried(:)
+        real(wp) :: turn, found(size(forces))
+
+        solved = .false.
+        on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
+        do
+            if (size(on) == 0) return
+            factor = matrix(on, on)
+            x = reshape([motion(on), gaps(on)], [size(on), 2])
+            call potrf(size(on), factor, info)
+            if (info /= 0) return
+            call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
+            call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
+            ! K F + g = b q and m F = M: F = q K⁻¹b - K⁻¹g
+            turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
+            carried = turn*x(:, 1) - x(:, 2)
+            if (all(carried > 0.0_wp)) exit
+            on = pack(on, carried > 0.0_wp)
+        end do
+        found = 0.0_wp
+        found(on) = carried
+        do k = 1, size(forces)
+            if (found(k) > 0.0_wp) cycle
+            if (.not. dot_product(matrix(:, k), found) + gaps(k) > motion(k)*turn) return
+        end do
+        solved = .true.
+        forces = found
+        rotation = turn
+    end subroutine keep_places
 
     !> A line for what depends on the force: its tangent, or through the origin.
     elemental subroutine straighten(force, value, tangent, through_origin, line, at_zero)

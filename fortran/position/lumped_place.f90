@@ -3,7 +3,7 @@
 module flankload_lumped_place
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
-    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_near_field, only: image_recession, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
@@ -62,22 +62,22 @@ contains
         real(wp), parameter :: tolerance = 1.0e-8_wp
         integer, parameter :: max_steps = 60
         integer :: side, step
-        real(wp) :: sense, room, inner, outer, x, at, next, part, part_slope
+        real(wp) :: sense, room(2), inner, outer, x, at, next, part, part_slope
         type(pair_type) :: pair
         logical :: found, open
 
+        room = [zone%nearest%s_1 - zone%s_1_low, zone%s_1_high - zone%nearest%s_1]
         do side = 1, 2
             sense = merge(-1.0_wp, 1.0_wp, side == 1)
-            room = merge(zone%nearest%s_1 - zone%s_1_low, zone%s_1_high - zone%nearest%s_1, &
-                & side == 1)
             inner = 0.0_wp
-            outer = room
+            outer = room(side)
             open = .true.
-            x = min(room, reach(side))
+            x = min(room(side), reach(side))
             slope(side) = 0.0_wp
             pair = zone%nearest
             do step = 1, max_steps
                 at = x
+                pair%s_2 = guessed_s_2(pair, zone%nearest%s_1 + sense*at)
                 call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
                     & zone%nearest%s_1 + sense*at, [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then
@@ -86,13 +86,13 @@ contains
                     part_slope = sense*(pair%slope - zone%tilt)*zone%lever/growth
                     if (part < 1.0_wp) then
                         slope(side) = 0.0_wp
-                        if (x >= room) exit
+                        if (x >= room(side)) exit
                         inner = x
                     else
                         outer = x
                         open = .false.
                     end if
-                    x = merge(room, 0.5_wp*(inner + outer), open)
+                    x = merge(room(side), 0.5_wp*(inner + outer), open)
                     if (part > 0.0_wp .and. part_slope > 0.0_wp) then
                         slope(side) = 1.0_wp/(part_slope*growth)
                         next = at*part**(-part/(at*part_slope))
@@ -109,7 +109,7 @@ contains
                 end if
                 if (outer - inner <= epsilon(x)*outer) exit
             end do
-            reach(side) = min(x, room)
+            reach(side) = min(x, room(side))
         end do
     end subroutine reach_of
 

@@ -10,7 +10,7 @@ module flankload_lumped_slices
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width
-    use flankload_lumped_pass, only: couple, solve_pass
+    use flankload_lumped_pass, only: couple, keep_places, solve_pass, step_places
     use flankload_lumped_place, only: near_field_of, place_type
     use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
         & look_at_places
@@ -54,7 +54,7 @@ contains
 
         integer :: pass, k
         integer, allocatable :: of(:)
-        logical :: joins(size(position%zones)), stands
+        logical :: joins(size(position%zones)), stands, solved
         real(wp) :: change, since_look
         real(wp), dimension(size(position%zones)) :: forces, last, full
         real(wp), allocatable :: coupling(:, :), rubbing(:, :)
@@ -68,8 +68,7 @@ contains
             if (size(of) /= count(joins)) then
                 of = pack([(k, k=1, size(joins))], joins)
                 call couple(body_1, body_2, position, of, coupling, rubbing)
-                call take_parabolas(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
-                    & places)
+                call take_parabolas(position, of, some_force(forces, full), places)
                 call reserve_pairs(state%pairs, size(of))
                 since_look = huge(1.0_wp)
                 change = huge(1.0_wp)
@@ -81,11 +80,14 @@ contains
                 if (allocated(error)) return
                 since_look = 0.0_wp
             else
-                call follow_places(position, of, merge(forces, least_part*full, forces > 0.0_wp), &
-                    & places, state%pairs)
+                call follow_places(position, of, some_force(forces, full), places, state%pairs)
             end if
             last = forces
-            call solve_pass(position, of, places, coupling, rubbing, torque, &
+            solved = pass <= newton_passes
+            if (solved) call step_places(position, of, places, coupling, torque, forces, &
+                & state%rotation, solved)
+            if (solved) call count_lumped(0, state)
+            if (.not. solved) call solve_pass(position, of, places, coupling, rubbing, torque, &
                 & pass > newton_passes, forces, state, stands, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
@@ -96,16 +98,25 @@ contains
             if (stands) exit
             joins = joins .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. stands) then
-            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
-            return
-        end if
+        if (.not. stands) call fatal_error(error, code_unsettled_widths, &
+            & 'the half-widths do not settle')
+        if (allocated(error)) return
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
             & stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
+
+    !> A force above 0 under which a place is looked at.
+    elemental function some_force(force, full) result(under)
+        !> Last force of the place, and one that would hold its part of the torque alone [N]
+        real(wp), intent(in) :: force
+        real(wp), intent(in) :: full
+        real(wp) :: under
+
+        under = merge(force, least_part*full, force > 0.0_wp)
+    end function some_force
 
     !> Near fields, and forces that are nearly right.
     pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
@@ -153,7 +164,8 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z, first, flanks(size(forces))
-        real(wp) :: width, image, unused(2)
+        logical :: solved
+        real(wp) :: width, image, rotation, unused(2)
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
         type(contact_result) :: contact
 
@@ -171,14 +183,22 @@ contains
         forces = merge(position%part*torque/levers(:, 1), 0.0_wp, flanks == flanks(first))
         joins = position%gap <= position%gap(first) &
             & + dot_product(forces, matmul(matrix, forces))/torque
-        call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, [torque], &
-            & symmetric_matrix, method_single, pack([(z, z=1, size(forces))], joins), contact, &
-            & error)
+        forces = merge(1.0_wp, 0.0_wp, joins)
+        call keep_places(matrix, levers(:, 1)*position%gap, levers(:, 1), levers(:, 1), torque, &
+            & forces, rotation, solved)
+        if (.not. solved) then
+            call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, &
+                & [torque], symmetric_matrix, method_single, pack([(z, z=1, size(forces))], &
+                & joins), contact, error)
+            if (.not. allocated(error)) then
+                forces = contact%forces
+                rotation = contact%motion(1)
+            end if
+        end if
         call count_lumped(contact%pivots, state)
         if (allocated(error)) return
-        forces = contact%forces
-        joins = forces > 0.0_wp .or. position%gap < contact%motion(1) &
-            & + joining*(contact%motion(1) - minval(position%gap))
+        joins = forces > 0.0_wp .or. position%gap < rotation &
+            & + joining*(rotation - minval(position%gap))
     end subroutine estimate_forces
 
     !> Places as contacts of parabolas.

@@ -51,55 +51,92 @@ contains
 
         integer :: t
         logical :: known
-        type(position_type) :: position
+        type(position_type) :: position, whole
         type(error_type), allocatable :: error
 
         known = .false.
         do t = 1, size(torques)
-            if (.not. known) then
-                call look(torques(t))
-                known = .not. (allocated(error) .or. position%conforms)
-                if (present(speeds)) position%speeds = speeds
-            end if
-            if (.not. allocated(error)) then
-                call blank_state(size(body_1%site_angles), states(t))
-                if (torques(t) <= 0.0_wp .and. .not. presses_across(position)) then
-                    call unloaded_state(position, states(t))
-                else if (allocated(body_1%slices)) then
-                    call solve_slices(body_1, body_2, torques(t), position, states(t), error)
-                else if (settings%level == level_lumped) then
-                    call solve_lumped(body_1, body_2, position, torques(t), states(t), error)
-                else
-                    call solve_load(body_1, body_2, position, torques(t), settings, states(t), &
-                        & error)
-                end if
+            if (.not. known) call look(torques(t), .not. allocated(body_1%slices), position)
+            known = .not. (allocated(error) .or. position%conforms)
+            call answer(torques(t), position, states(t))
+            if (may_miss(position, states(t), allocated(error))) then
+                call look(torques(t), .true., whole)
+                call answer(torques(t), whole, states(t))
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
                 deallocate (error)
-            else if (allocated(position%ends)) then
-                call note_ends(position, states(t))
             end if
         end do
 
     contains
 
         !> Find the places of least gap.
-        subroutine look(torque)
+        subroutine look(torque, everywhere, at)
             !> Torque on body 1 [N mm]
             real(wp), intent(in) :: torque
+            !> Whether slices that are far from each other are searched, too
+            logical, intent(in) :: everywhere
+            !> The position
+            type(position_type), intent(out) :: at
 
             if (allocated(body_1%slices)) then
                 call check_slices(body_1, body_2, settings%level == level_lumped, error)
                 if (allocated(error)) return
             end if
-            call look_at_position(body_1, body_2, angle_1, angle_2, torque, position, error)
+            call look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)
             if (allocated(body_1%slices) .and. .not. allocated(error)) then
-                call look_at_slices(body_1, body_2, position)
+                call look_at_slices(body_1, body_2, at)
             end if
+            if (present(speeds)) at%speeds = speeds
         end subroutine look
 
+        !> Solve it for one torque.
+        subroutine answer(torque, at, state)
+            !> Torque on body 1 [N mm]
+            real(wp), intent(in) :: torque
+            !> The position
+            type(position_type), intent(inout) :: at
+            !> What is found
+            type(position_state), intent(out) :: state
+
+            if (allocated(error)) return
+            call blank_state(size(body_1%site_angles), state)
+            if (torque <= 0.0_wp .and. .not. presses_across(at)) then
+                call unloaded_state(at, state)
+            else if (allocated(body_1%slices)) then
+                call solve_slices(body_1, body_2, torque, at, state, error)
+            else if (settings%level == level_lumped) then
+                call solve_lumped(body_1, body_2, at, torque, state, error)
+            else
+                call solve_load(body_1, body_2, at, torque, settings, state, error)
+            end if
+            if (allocated(at%ends) .and. .not. allocated(error)) call note_ends(at, state)
+        end subroutine answer
+
     end subroutine solve_position
+
+    !> Whether a slice that was not searched could touch.
+    !>
+    !> A flank that leans towards its mate by the forces on others comes nearer by less than these
+    !> close: twice as much is enough.
+    pure function may_miss(position, state, failed) result(may)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Its state
+        type(position_state), intent(in) :: state
+        !> There is no state
+        logical, intent(in) :: failed
+        logical :: may
+
+        real(wp), parameter :: enough = 2.0_wp
+        real(wp) :: least
+
+        may = position%unseen < huge(1.0_wp)
+        if (.not. may .or. failed) return
+        least = minval(position%gap)
+        may = .not. position%unseen > least + enough*abs(state%rotation - least)
+    end function may_miss
 
     !> One torque, on cells.
     subroutine solve_load(body_1, body_2, position, torque, settings, state, error)

@@ -10,6 +10,7 @@ module flankload_position_zones
     use flankload_compliance_field, only: compliance_type
     use flankload_slice_field, only: mean_width, shaft_type, slice_of, slices_type
     use flankload_circle_pair, only: flank_type
+    use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width
@@ -57,6 +58,8 @@ module flankload_position_zones
         !> where there are none
         type(zone_type), allocatable :: ends(:)
         real(wp), allocatable :: end_gap(:)
+        !> Gap angle that no site which was not searched falls below [rad]
+        real(wp) :: unseen = huge(1.0_wp)
         !> Compliance of both bodies between the zones, without the near field of a zone itself
         !> [mm/N], shape (zones, zones)
         real(wp), allocatable :: coupling(:, :)
@@ -88,11 +91,16 @@ module flankload_position_zones
     !> Conforming flanks are even where their gap changes by less than this part of what closes
     !> under an equal share of the load: then all of the stretch carries.
     real(wp), parameter :: closed_part = 0.5_wp
+    !> Slices are searched where a bound of their gap exceeds the least one by no more than this
+    !> part of flank 1's length: usual loads close less. It decides on time alone, since others are
+    !> searched where the load closes more.
+    real(wp), parameter :: usual_part = 0.02_wp
 
 contains
 
     !> Find the places of least gap.
-    pure subroutine look_at_position(body_1, body_2, angle_1, angle_2, torque, position, error)
+    pure subroutine look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, &
+            & position, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -101,15 +109,19 @@ contains
         real(wp), intent(in) :: angle_2
         !> Torque on body 1 [N mm]; only flanks that conform ask for it
         real(wp), intent(in) :: torque
+        !> Whether slices that are far from each other are searched, too
+        logical, intent(in) :: everywhere
         !> What is found
         type(position_type), intent(out) :: position
         !> Set if no flanks meet, or a place of least gap could not be made exact
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n_zones
+        logical :: faces(size(body_1%site_angles))
         type(zone_type), allocatable :: zones(:)
 
-        call search_sites(body_1, body_2, angle_1, angle_2, torque, position, zones, error)
+        call place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
+        call search_sites(body_1, body_2, faces, torque, position, zones, error)
         if (allocated(error)) return
         n_zones = size(zones)
         if (n_zones == 0) then
@@ -142,14 +154,68 @@ contains
         end if
     end subroutine look_at_position
 
-    !> Find the places of least gap on all sites, those at ends that are left out among them.
-    pure subroutine search_sites(body_1, body_2, angle_1, angle_2, torque, position, zones, error)
+    !> Place the flanks, and choose the sites that are searched.
+    pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Their turns [rad], and the torque on body 1 [N mm]
+        !> Their turns [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
+        !> Whether slices that are far from each other are searched, too
+        logical, intent(in) :: everywhere
+        !> The frames of the flanks, and the gap of sites that are not searched
+        type(position_type), intent(inout) :: position
+        !> Which sites are searched
+        logical, intent(out) :: faces(:)
+
+        !> Levers are longer than this part of the radius: no flank is that steep.
+        real(wp), parameter :: least_lever = 0.5_wp
+        integer :: site, n_sites, n_working
+        integer :: sides(size(faces))
+        real(wp) :: bounds(size(faces)), radius(2)
+
+        n_sites = size(faces)
+        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        position%flank_length = curve_length(body_1%flank%curve)
+        sides = 1
+        if (allocated(body_1%sides)) sides = body_1%sides
+        n_working = count(sides > 0)
+        faces(:n_working) = sites_that_face(body_1, body_2, angle_1, 1, n_working)
+        if (n_working < n_sites) then
+            faces(n_working + 1:) = sites_that_face(body_1, body_2, -angle_1, n_working + 1, &
+                & n_sites)
+        end if
+        bounds = huge(1.0_wp)
+        do site = 1, n_sites
+            position%frames_1(site) = new_frame(body_1%origin, &
+                & sides(site)*angle_1 + body_1%site_angles(site))
+            position%frames_2(site) = new_frame(body_2%origin, &
+                & sides(site)*angle_2 + body_2%site_angles(site))
+            if (everywhere .or. .not. faces(site)) cycle
+            if (is_same_section(body_1, body_2, site)) then
+                bounds(site) = bounds(site - 1)
+            else
+                bounds(site) = coarse_gap(body_1%flank, position%frames_1(site), body_2%flank, &
+                    & position%frames_2(site))
+            end if
+        end do
+        if (everywhere) return
+        radius = [body_1%flank%radius(body_1%flank%first_rising), maxval(body_1%flank%radius)]
+        bounds = bounds - max(0.0_wp, body_1%deviations + body_2%deviations)/(least_lever &
+            & *radius(1)) - min(0.0_wp, body_1%deviations + body_2%deviations)/radius(2)
+        faces = faces .and. bounds <= minval(bounds) + usual_part*position%flank_length/radius(2)
+        position%unseen = minval(bounds, mask=.not. faces)
+    end subroutine place_flanks
+
+    !> Find the places of least gap on sites, those at ends that are left out among them.
+    pure subroutine search_sites(body_1, body_2, faces, torque, position, zones, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Which sites are searched, shape (sites)
+        logical, intent(in) :: faces(:)
+        !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> The frames of the flanks, and whether flanks conform
         type(position_type), intent(inout) :: position
@@ -158,35 +224,23 @@ contains
         !> Set if a place of least gap could not be made exact, or there are too many
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: site, n_sites, n_working, n_zones, before
+        integer :: site, n_sites, n_zones, before
         real(wp) :: closed_moment
         integer, allocatable :: sides(:)
-        logical, allocatable :: faces(:)
         logical :: lost, conforms
 
-        n_sites = size(body_1%site_angles)
-        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        n_sites = size(faces)
         allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
         n_zones = 0
         before = 0
-        position%flank_length = curve_length(body_1%flank%curve)
         allocate (sides(n_sites), source=1)
         if (allocated(body_1%sides)) sides = body_1%sides
-        n_working = count(sides > 0)
         closed_moment = closed_part*(body_1%compliance%kernel + body_2%compliance%kernel) &
-            & *torque/n_working
+            & *torque/count(sides > 0)
         if (allocated(body_1%slices)) closed_moment = closed_moment/mean_width(body_1%slices)
-        faces = sites_that_face(body_1, body_2, angle_1, 1, n_working)
-        if (n_working < n_sites) then
-            faces = [faces, sites_that_face(body_1, body_2, -angle_1, n_working + 1, n_sites)]
-        end if
         do site = 1, n_sites
-            position%frames_1(site) = new_frame(body_1%origin, &
-                & sides(site)*angle_1 + body_1%site_angles(site))
-            position%frames_2(site) = new_frame(body_2%origin, &
-                & sides(site)*angle_2 + body_2%site_angles(site))
             if (.not. faces(site)) cycle
-            if (is_same_section(body_1, body_2, site)) then
+            if (is_same_section(body_1, body_2, site) .and. faces(max(1, site - 1))) then
                 call repeat_zones(site, before, zones, n_zones)
                 cycle
             end if

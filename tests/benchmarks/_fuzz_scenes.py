@@ -9,8 +9,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.errors import FlankloadError, SceneError
-from flankload.mechanisms.belt.drive import describe_belt
-from flankload.mechanisms.chain.drive import describe_drive
+from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.studies.tolerance import first_scene
 from tests.support.finer_solutions import TooLongError, at_most
@@ -84,7 +83,7 @@ def _try(tally: Tally, tree: Tree, why: str | None, place: str, *, plan: bool) -
 def _check(scene: fl.Scene) -> None:
     """As the command does."""
     if scene.body_2.kind in ("belt", "chain"):
-        (describe_belt if scene.body_2.kind == "belt" else describe_drive)(scene)
+        mechanism_of(scene).describe(scene)
     else:
         build_bodies(first_scene(scene))
 

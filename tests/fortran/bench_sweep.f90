@@ -143,7 +143,8 @@ contains
 
         associate (body_1 => case%bodies(1), body_2 => case%bodies(2), torque => case%torque)
             clock = seconds()
-            call look_at_position(body_1, body_2, angles(1), angles(2), torque, position, error)
+            call look_at_position(body_1, body_2, angles(1), angles(2), torque, .true., &
+                & position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
             call lumped_contact(position%coupling, position%gap, position%zones%lever, &

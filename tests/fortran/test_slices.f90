@@ -2,6 +2,10 @@
 program test_slices
     use flankload, only: wp, slices_type
     use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
+        & symmetric_matrix
+    use flankload_error, only: error_type
+    use flankload_lumped_pass, only: keep_places
     use flankload_line_potential, only: mean_potential, own_potential
     use flankload_near_field, only: image_recession, image_type
     use flankload_position_zones, only: body_type, position_type
@@ -26,6 +30,7 @@ program test_slices
     call test_end_faces_mirror
     call test_image_of_a_long_slice
     call test_shafts_by_hand
+    call test_places_that_carry
     print '(a)', 'all passed'
 
 contains
@@ -323,6 +328,47 @@ contains
         call look_at_slices(bodies(1), bodies(2), position)
         call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
     end subroutine test_shafts_by_hand
+
+    !> Forces of the places that carry are those of the contact loop, or another one is reported.
+    subroutine test_places_that_carry
+        integer, parameter :: n = 12, n_problems = 200
+        real(wp), parameter :: tolerance = 1.0e-9_wp
+        integer :: i, p, n_solved
+        real(wp) :: root(n, n), matrix(n, n), gaps(n), levers(n, 1), forces(n), rotation, fraction
+        logical :: solved
+        type(contact_result) :: contact
+        type(error_type), allocatable :: error
+        integer, allocatable :: seed(:)
+
+        call random_seed(size=i)
+        allocate (seed(i), source=3)
+        call random_seed(put=seed)
+        n_solved = 0
+        do p = 1, n_problems
+            call random_number(root)
+            matrix = 0.3_wp*matmul(root, transpose(root))/n
+            do i = 1, n
+                matrix(i, i) = matrix(i, i) + 1.0_wp
+            end do
+            call random_number(gaps)
+            call random_number(levers)
+            levers = 1.0_wp + 0.1_wp*levers
+            call solve_contact_problem(matrix, gaps, levers, levers, [2.0_wp], symmetric_matrix, &
+                & method_single, [integer ::], contact, error)
+            call expect(.not. allocated(error), 'a problem for the contact loop')
+            ! all of them, or without one that carries
+            call random_number(fraction)
+            forces = 1.0_wp
+            if (modulo(p, 2) == 0) forces(1 + int(fraction*n)) = 0.0_wp
+            call keep_places(matrix, gaps, levers(:, 1), levers(:, 1), 2.0_wp, forces, rotation, &
+                & solved)
+            if (.not. solved) cycle
+            n_solved = n_solved + 1
+            call expect(all(abs(forces - contact%forces) <= tolerance), 'places that carry')
+            call expect(abs(rotation - contact%motion(1)) <= tolerance, 'their rotation')
+        end do
+        call expect(n_solved >= n_problems/2 .and. n_solved < n_problems, 'places that are missed')
+    end subroutine test_places_that_carry
 
     !> A body without modes.
     function body_between(low, high) result(body)

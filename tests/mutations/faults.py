@@ -335,13 +335,17 @@ _PYTHON = (
         "mechanisms/chain/drive.py",
         "unit/mechanisms/test_chain_scene.py",
         ("slack * two) / one", "slack * one) / one"),
+    ),
+    *_in(
+        "mechanisms/chain/description.py",
+        "unit/mechanisms/test_chain_scene.py",
         ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
     ),
     *_in(
         "mechanisms/chain/contact.py",
         "physics/test_chain.py unit/mechanisms/test_chain_scene.py",
-        ("pull[-1] += load.slack_N", "pull[-1] += 0.99 * load.slack_N"),
-        ("load.torque_Nmm + float(drag @ base)", "load.torque_Nmm - float(drag @ base)"),
+        ("pull[-1] += self.slack_N", "pull[-1] += 0.99 * self.slack_N"),
+        ("self.torque_Nmm + float(drag @ base)", "self.torque_Nmm - float(drag @ base)"),
         ("slack_N * two) / one", "slack_N * one) / two"),
         (
             "link_stiffness_N / chain.link_mm * stretch",

@@ -20,7 +20,7 @@ from flankload.mechanisms.belt.belt import Round, Strip
 from flankload.mechanisms.belt.belt_mesh import mesh_strip
 from flankload.mechanisms.belt.contact import SpringRow, solve_belt, spring_row
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends, strip_response
-from flankload.mechanisms.belt.strip import cord_stiffness, solve_piece
+from flankload.mechanisms.belt.strip import Kind, cord_stiffness, solve_piece
 from flankload.meshes.plane_mesh import jacobians
 from tests.support.belts import (
     CORD,
@@ -33,6 +33,7 @@ from tests.support.belts import (
     longer,
     response,
     shares,
+    solved_springs,
 )
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
@@ -94,7 +95,7 @@ def test_row_of_springs_is_the_tridiagonal_system(slack: float, difference: floa
     row = row_of(12, 0.05)
     forces, way = tridiagonal(row, FORCE, slack, difference)
     assert (forces > 0).all()
-    state = row.solve(FORCE, slack, difference)
+    state = solved_springs(row, slack, difference)
     np.testing.assert_allclose(state.normal_forces, forces, rtol=1e-13, atol=1e-13 * FORCE)
     np.testing.assert_allclose(state.rotation, way, rtol=1e-12, atol=0.0)
 
@@ -103,7 +104,7 @@ def test_row_of_springs_is_the_tridiagonal_system(slack: float, difference: floa
 def test_forces_of_a_row_fall_as_a_hyperbolic_cosine(ratio: float) -> None:
     """Without slack tension F_k ~ cosh(lambda (n - k - 1/2)), cosh(lambda) = 1 + k_t/(2 k_c)."""
     teeth = 9
-    forces = row_of(teeth, ratio).solve(FORCE, 0.0, 0.0).normal_forces
+    forces = solved_springs(row_of(teeth, ratio), 0.0, 0.0).normal_forces
     law = np.cosh(np.arccosh(1 + 0.5 * ratio) * (teeth - 0.5 - np.arange(teeth)))
     np.testing.assert_allclose(forces / forces[-1], law / law[-1], rtol=1e-11, atol=0.0)
 
@@ -144,14 +145,15 @@ def test_row_of_springs_stands_for_the_elements(
     strip = longer(T10, difference)
     state = solve_belt(strip, known, FORCE, 20.0)
     row = spring_row(strip, known)
-    springs = row.solve(FORCE, 20.0, strip.pitch_difference_mm)
+    springs = solved_springs(row, 20.0, strip.pitch_difference_mm)
     np.testing.assert_allclose(
         100.0 * springs.normal_forces / FORCE, shares(state), rtol=0.0, atol=points
     )
     # the cord alone is not the spring between two teeth
     stiff = np.diff(row.slack_mm2_per_N).mean() * strip.cord_N_per_mm / strip.pitch_mm
     lone = SpringRow(row.slack_mm2_per_N / stiff, row.tooth_N_per_mm2, strip.cord_N_per_mm)
-    off = 100.0 * lone.solve(FORCE, 20.0, strip.pitch_difference_mm).normal_forces / FORCE
+    alone = solved_springs(lone, 20.0, strip.pitch_difference_mm)
+    off = 100.0 * alone.normal_forces / FORCE
     assert np.abs(off - shares(state)).max() > 4.0
 
 
@@ -226,24 +228,22 @@ def test_forces_hold_each_other() -> None:
 
 
 def test_response_is_symmetric_and_lands_answer_as_flanks_do() -> None:
-    known = response()
-    assert known.lifting is not None
-    scale = np.abs(known.reaction).max()
-    np.testing.assert_allclose(
-        known.lifting.recession, -known.reaction.T, rtol=0, atol=1e-9 * scale
-    )
-    assert (np.linalg.eigvalsh(known.compliance) > 0).all()
+    by = response().by
+    pairs, lifts = by[Kind.PAIR], by[Kind.RADIAL]
+    scale = np.abs(pairs.reaction).max()
+    np.testing.assert_allclose(lifts.displacement, -pairs.reaction.T, rtol=0, atol=1e-9 * scale)
+    assert (np.linalg.eigvalsh(pairs.displacement) > 0).all()
 
 
 @pytest.mark.parametrize(("friction", "other"), [(0.1, 1.3580), (0.3, 2.4999)])
 def test_belt_without_teeth_is_a_rope(friction: float, other: float) -> None:
     """T1/T2 = exp(mu theta r_l/r_p): friction acts on the land, the cord lies on the pitch line."""
     bare = replace(T10, tooth=None)
-    known = whole(bare, 6)
-    assert known.sliding is not None
-    held = np.eye(known.land.size) - friction * known.sliding.reaction
-    push = np.linalg.solve(held, known.reaction_by_slack)
-    tight = known.tight_by_slack + friction * known.sliding.tight @ push
+    by = whole(bare, 6).by
+    sliding, slack = by[Kind.SLIDING], by[Kind.SLACK]
+    held = np.eye(sliding.tight.size) - friction * sliding.reaction
+    push = np.linalg.solve(held, slack.reaction[:, 0])
+    tight = slack.tight[0] + friction * sliding.tight @ push
     rope = np.exp(friction * np.pi * bare.land_radius_mm / bare.pitch_radius_mm)
     np.testing.assert_allclose(tight, rope, rtol=0.003, atol=0.0)
     np.testing.assert_allclose(tight, other, rtol=0.002, atol=0.0)
@@ -306,20 +306,18 @@ SHORT = replace(TAUT, wrapped_teeth=4)
 def test_row_of_cells_is_the_whole_belt(phase: float) -> None:
     ends = strand_ends(SHORT, 3, phase * SHORT.pitch_rad)
     row = BeltRow(SHORT, 3, sliding=True, lifting=True)
-    found, expected = row._put_together(ends), whole(SHORT, 3, ends)
-    for name in ("compliance", "by_slack", "reaction", "reaction_by_slack", "tight"):
-        one, other = (getattr(known, name) for known in (found, expected))
+    found, expected = row._joined(ends, None), whole(SHORT, 3, ends)
+    assert found.by.keys() == set(Kind) - {Kind.TIGHT}
+    compared = [(kind, name) for kind in found.by for name in ("displacement", "reaction")]
+    for kind, name in [*compared, (Kind.PAIR, "tight")]:  # lifts do not change the tension
+        one, other = (getattr(known.by[kind], name) for known in (found, expected))
         np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
-    for part in ("sliding", "lifting"):
-        for name in ("recession", "reaction"):
-            one, other = (getattr(getattr(known, part), name) for known in (found, expected))
-            np.testing.assert_allclose(one, other, rtol=0, atol=ELIMINATION * np.abs(other).max())
     for name in ("places", "normals", "levers_mm", "tooth"):
         one, other = (getattr(known.flanks, name) for known in (found, expected))
         np.testing.assert_allclose(one, other, rtol=0, atol=ROUND_OFF * np.abs(other).max())
     np.testing.assert_array_equal(found.land, expected.land)
     np.testing.assert_allclose(found.land_angle_rad, expected.land_angle_rad, rtol=ROUND_OFF)
-    assert found.tight_by_slack == pytest.approx(1.0, abs=SOLVER)
+    assert found.by[Kind.SLACK].tight[0] == pytest.approx(1.0, abs=SOLVER)
 
 
 @pytest.mark.parametrize("difference", [0.0, -20.0])

@@ -144,6 +144,13 @@ def short(
     return run(cut(edges, (along[0], along[1]), gap), (one, two), **keywords), edges
 
 
+def test_a_large_torque_closes_slices_that_are_far_from_each_other() -> None:
+    """As many slices are loaded as where all of them are searched."""
+    heavy, _ = short(twist=7e-3, torque=40.0 * TORQUE)
+    loaded = (heavy.slice_force_N > 0).sum(axis=(1, 2))
+    np.testing.assert_array_equal(loaded, [21, 22, 20, 20, 20, 20, 20, 21])
+
+
 @pytest.mark.parametrize("twist", [0.0, 7e-3])
 def test_mirrored_bodies_carry_mirrored_forces(twist: float) -> None:
     """z -> -z with the other hand, a helix slope and ends of their own."""

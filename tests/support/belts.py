@@ -8,8 +8,9 @@ from functools import cache
 import numpy as np
 
 from flankload.bodies.body import Material
+from flankload.contact import ContactState, solve_contact_general
 from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
-from flankload.mechanisms.belt.contact import BeltState
+from flankload.mechanisms.belt.contact import BeltState, SpringRow
 from flankload.mechanisms.belt.row import BeltRow, StripResponse
 
 CORD, FORCE = 25e3, 40.0
@@ -41,6 +42,22 @@ def longer(strip: Strip, difference_um: float) -> Strip:
 @cache
 def response(strip: Strip = T10, elements: int = 6, *, lands: bool = True) -> StripResponse:
     return BeltRow(strip, elements, sliding=lands, lifting=lands).at(0.0)
+
+
+def solved_springs(row: SpringRow, slack_N_per_mm: float, difference_mm: float) -> ContactState:
+    """Forces of the teeth under `FORCE`; the rotation is the displacement on the pitch circle, mm.
+
+    K = L of the tooth that is nearer to the tight end, plus 1/k_t on the diagonal and the coupling
+    by an elastic pulley.
+    """
+    slack = row.slack_mm2_per_N
+    order = np.arange(slack.size)
+    matrix = slack[np.minimum.outer(order, order)] + np.eye(slack.size) / row.tooth_N_per_mm2
+    if row.coupling_mm2_per_N.size:
+        apart = np.abs(np.subtract.outer(order, order))
+        matrix = matrix + np.append(0.0, row.coupling_mm2_per_N)[apart]
+    gaps = slack_N_per_mm * slack + difference_mm * order
+    return solve_contact_general(matrix, gaps, np.ones(slack.size), FORCE, positive_definite=True)
 
 
 def shares(state: BeltState) -> np.ndarray:

@@ -56,14 +56,8 @@ def work_in_words(scene: Scene, positions: int, least: str = "") -> str:
 
     Parameters
     ----------
-    scene : Scene
-    positions : int
     least : str
         Text before the number of positions.
-
-    Returns
-    -------
-    str
     """
     torques = len(scene.torques_Nm)
     work = f"{least}{positions} position{'s' * (positions != 1)}"
@@ -79,10 +73,6 @@ def elements_seconds(counters: Counters, unknowns: int, elements: int) -> float:
         Counters of the stage.
     unknowns, elements : int
         Size of the mesh.
-
-    Returns
-    -------
-    float
     """
     cuts = counters.get("cut_columns", 0)
     columns = counters["fe_solutions"] - cuts + CUT_PART * cuts

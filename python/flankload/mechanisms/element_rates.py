@@ -78,10 +78,6 @@ class ElementRates:
             Number of evaluation points in the root fillets of a tooth.
         finer : float
             Unknowns relative to the mesh of the run.
-
-        Returns
-        -------
-        Account
         """
         job, steps = self.job, self.job.seconds
         unknowns = finer * unknowns_of(self.body)

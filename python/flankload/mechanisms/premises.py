@@ -85,15 +85,6 @@ class Broken:
 def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
     """Refuse a scene that violates premises, unless it allows that.
 
-    Parameters
-    ----------
-    scene : Scene
-    broken : sequence of Broken
-
-    Returns
-    -------
-    tuple of Broken
-
     Raises
     ------
     PremiseError
@@ -105,17 +96,7 @@ def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
 
 
 def marked(result: Result, broken: Sequence[Broken]) -> Result:
-    """Mark a result with the premises that it violates, as its first warnings and in its estimate.
-
-    Parameters
-    ----------
-    result : Result
-    broken : sequence of Broken
-
-    Returns
-    -------
-    Result
-    """
+    """Mark a result with the premises that it violates: first warnings, and in its estimate."""
     if not broken:
         return result
     names, estimate = tuple(one.premise.name for one in broken), result.estimate
@@ -129,42 +110,8 @@ def marked(result: Result, broken: Sequence[Broken]) -> Result:
     )
 
 
-def broken_by_drive(
-    scene: Scene, torque_Nm: float, stiffness_Nm_per_rad: Floats, pitch_rad: float, number: int
-) -> Iterator[Broken]:
-    """Premises that a torque violates on a chain or a belt, which assume small displacements.
-
-    Parameters
-    ----------
-    scene : Scene
-    torque_Nm : float
-    stiffness_Nm_per_rad : (P,) array
-        Tangent stiffness at the positions.
-    pitch_rad : float
-    number : int
-        Index of the torque.
-
-    Yields
-    ------
-    Broken
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turned_rad = largest_turn(torque_Nm / stiffness_Nm_per_rad)
-    yield from broken_by_turn(turned_rad, pitch_rad, Torque(scene, number))
-
-
 def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
-    """Violation by a body 1 that turns too far under load.
-
-    Parameters
-    ----------
-    turned_rad, pitch_rad : float
-    torque : Torque
-
-    Yields
-    ------
-    Broken
-    """
+    """Violation by a body 1 that turns too far under load."""
     unit = min(pitch_rad, 1.0)
     if turned_rad > ROTATION.limit * unit:
         of = "a pitch" if unit < 1.0 else "a radian"

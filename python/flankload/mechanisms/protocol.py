@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.duration import Duration
@@ -62,14 +59,6 @@ class MeshFile:
     mesh: SectorMesh | WholeMesh | None
     words: str
     turn_rad: float = 0.0
-
-
-class Assembly(Protocol):
-    """Assembled bodies of a drive, before finite elements are solved."""
-
-    @property
-    def position_rad(self) -> NDArray[np.float64]:
-        """(P,) Angles of body 1 from position zero."""
 
 
 class States(Protocol):

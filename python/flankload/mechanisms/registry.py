@@ -17,16 +17,7 @@ OTHERS = "flank_pair"
 
 
 def mechanism_of(scene: Scene) -> Mechanism:
-    """Kind of drive of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Mechanism
-    """
+    """Kind of drive of a scene."""
     room = REGISTRY.get(scene.body_2.kind, OTHERS)
     mechanism: Mechanism = import_module(f"flankload.mechanisms.{room}.mechanism").MECHANISM
     return mechanism
@@ -34,10 +25,6 @@ def mechanism_of(scene: Scene) -> Mechanism:
 
 def require_flanks(scene: Scene) -> None:
     """Refuse drives whose bodies have no flanks with finite elements.
-
-    Parameters
-    ----------
-    scene : Scene
 
     Raises
     ------

@@ -15,13 +15,13 @@ from flankload.plot.belt import (
     plot_force_through_wrap,
     plot_load_around_wrap,
 )
+from flankload.plot.chain import plot_chain_on_sprocket, plot_tensions
 from flankload.plot.curves import (
     plot_follower_motion,
     plot_load_sharing,
     plot_peak_pressure,
     plot_transmission_error,
 )
-from flankload.plot.drive import plot_chain_on_sprocket, plot_tensions
 from flankload.plot.flank_forces import plot_flank_forces
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation

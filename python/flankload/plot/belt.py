@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import (
-    COLOURS,
-    GREY,
-    SIZE,
-    STEEL,
-    STYLE,
-    draw_forces,
-    new_figure,
-    subtitle,
+from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, draw_forces, new_figure
+from flankload.plot.wheel import (
+    DARK,
+    EDGE,
+    directions,
+    drawn_wheel,
+    number_sites,
+    scaled_alike,
+    set_title,
+    turned,
 )
 from flankload.result.belt import BeltDrive
 
@@ -52,45 +53,28 @@ def plot_belt_on_pulley(result: Result, position: int | None = None) -> Figure:
         Result of a belt.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
-    drive, drawing, p = _drive(result), result.drawing, _shown(result, position)
+    drive, p = _drive(result), _shown(result, position)
     there = np.flatnonzero(np.isfinite(drive.tension_behind_N[p]))
     radius, wrap = result.reference_radius_mm, drive.wrap_angle_rad
-    angles = drawing.angle_1[p] + result.pitch_rad * np.arange(drawing.teeth_1)
     with rc_context(STYLE):
-        figure = new_figure((6.4, 6.0))
-        axes = figure.add_subplot()
-        pulley = np.vstack([drawing.outline_1 @ _turn(angle).T for angle in angles])
-        axes.fill(*pulley.T, color=STEEL[0], ec="#7a8791", lw=0.8)
+        figure, axes, angles = drawn_wheel(result, p)
         for angle in angles[there]:
-            axes.fill(*(drawing.outline_2 @ _turn(angle).T).T, color=STEEL[1], ec="#7a6f57", lw=0.6)
-        turn = np.linspace(0.0, wrap, 200)
+            tooth = turned(result.drawing.outline_2, angle)
+            axes.fill(*tooth.T, color=STEEL[1], ec=EDGE, lw=0.6)
+        around = radius * directions(np.linspace(0.0, wrap, 200))
         reach = STRAND_PITCHES * result.pitch_rad * radius
-        cord = np.vstack(
-            [
-                [radius, -reach],
-                radius * np.column_stack([np.cos(turn), np.sin(turn)]),
-                radius * np.array([np.cos(wrap), np.sin(wrap)])
-                + reach * np.array([-np.sin(wrap), np.cos(wrap)]),
-            ]
-        )
-        axes.plot(*cord.T, color="#404040", lw=1.4)
+        slack = around[-1] + reach * np.array([-np.sin(wrap), np.cos(wrap)])
+        cord = np.vstack([[radius, -reach], around, slack])
+        axes.plot(*cord.T, color=DARK, lw=1.4)
         _forces(axes, result, angles, there, p)
         for (x, y), tension in zip(
             cord[[0, -1]], (drive.tight_tension_N[p], drive.slack_tension_N[p]), strict=True
         ):
             axes.text(x, y, f" {tension:.4g} N", va="top", fontsize=9)
-        axes.set_aspect("equal")
-        axes.margins(0.08)
-        axes.autoscale_view()
-        axes.set_xlabel("mm")
-        axes.grid(visible=False)
+        scaled_alike(axes)
         at = f" at {degrees(result.position_rad[p]):.4g}°" if result.position_rad.size > 1 else ""
-        _title(figure, result, f"Forces on the teeth of the belt{at}")
+        set_title(figure, result, f"Forces on the teeth of the belt{at}")
         return figure
 
 
@@ -103,10 +87,6 @@ def plot_load_around_wrap(result: Result, position: int | None = None) -> Figure
         Result of a belt.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive, p = _drive(result), _shown(result, position)
     there = np.isfinite(drive.tension_behind_N[p])
@@ -134,7 +114,7 @@ def plot_load_around_wrap(result: Result, position: int | None = None) -> Figure
         lower.set_xticks(result.sites)
         lower.legend(ncols=3)
         at = f", at {degrees(result.position_rad[p]):.4g}°" if result.position_rad.size > 1 else ""
-        _title(figure, result, f"Around {degrees(drive.wrap_angle_rad):.4g}° of wrap{at}")
+        set_title(figure, result, f"Around {degrees(drive.wrap_angle_rad):.4g}° of wrap{at}")
         return figure
 
 
@@ -145,10 +125,6 @@ def plot_force_through_wrap(result: Result) -> Figure:
     ----------
     result : Result
         Result of a belt at several positions.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive = _drive(result)
     with rc_context(STYLE):
@@ -166,7 +142,7 @@ def plot_force_through_wrap(result: Result) -> Figure:
         axes.set_ylim(0, None)
         axes.set_xlabel("middle of the tooth behind the tight strand's tangent point, in pitches")
         axes.set_ylabel("force of the tooth in N")
-        _title(figure, result, "A tooth on its way through the wrap")
+        set_title(figure, result, "A tooth on its way through the wrap")
         return figure
 
 
@@ -176,22 +152,8 @@ def _forces(axes: Axes, result: Result, angles: Floats, there: NDArray[np.intp],
     angles, most = angles[there], float(force.max())
     if most <= 0.0:
         return
-    at = (radius + 0.35 * result.pitch_rad * radius) * np.column_stack(
-        [np.cos(angles), np.sin(angles)]
-    )
-    way = np.column_stack([-np.sin(angles), np.cos(angles)])
-    tips = at + 2.0 * result.pitch_rad * radius * (force / most)[:, None] * way
+    at = (1.0 + 0.35 * result.pitch_rad) * radius * directions(angles)
+    size = 2.0 * result.pitch_rad * radius * (force / most)[:, None]
+    tips = at + size * directions(angles + 0.5 * np.pi)
     draw_forces(axes, at[force > 0], tips[force > 0])
-    for site, start, size in zip(result.sites[there], at, force, strict=True):
-        label = 1.12 * start if size > 0 else 1.06 * start
-        axes.text(label[0], label[1], f"{site}", ha="center", va="center", fontsize=8, color=GREY)
-
-
-def _turn(angle: float) -> Floats:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([[cosine, -sine], [sine, cosine]])
-
-
-def _title(figure: Figure, result: Result, title: str) -> None:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+    number_sites(axes, result.sites[there], np.where(force[:, None] > 0, 1.12, 1.06) * at)

@@ -113,10 +113,6 @@ class BeltDrive:
         ----------
         result : Result
             Result of this drive.
-
-        Yields
-        ------
-        str
         """
         p = int(np.argmax(result.site_force_N.max(axis=1)))
         if result.position_rad.size > 1:

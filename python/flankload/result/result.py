@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.result.belt import BeltDrive
+from flankload.result.chain import ChainDrive
 from flankload.result.coast_contact import CoastContact, coast_summary
 from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.cost_table import cost_table
-from flankload.result.drive import ChainDrive
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions

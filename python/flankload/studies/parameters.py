@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies import SPLINE_PART
 from flankload.bodies.imported.given import ModalCompliance
+from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene.discretization import DEFAULT, elements_for_modes
 
@@ -173,9 +174,7 @@ def _of_chain(scene: Scene) -> Parameters:
 
 
 def _of_belt(scene: Scene) -> Parameters:
-    from flankload.mechanisms.belt.drive import default_element_mm
-
-    fixed, length = _named(scene), default_element_mm(scene)
+    fixed, length = _named(scene), mechanism_of(scene).default_element_mm(scene)
     fixed.setdefault("positions", "a belt has positions.count equally spaced positions")
     if length is None:
         fixed.setdefault(ELEMENTS, "rigid flanks have no elements")

@@ -123,12 +123,16 @@ def test_a_pulley_that_yields_has_its_size_and_its_price() -> None:
 
 
 def test_more_work_is_a_higher_price() -> None:
-    """Rates are measured: on a busy machine they scatter by a third."""
+    """The run with 42 elements on a flank takes 170 times as long as the one with 2.
+
+    A cost proportional to the unknowns gave a factor of 30. Rates are measured: on a busy machine
+    they scatter by a third.
+    """
     few, many = (
         fl.plan(scene_of(accuracy={"flank_element_mm": size, "estimate": False}, **POSITIONS))
         for size in (1.25, 0.06)
     )
-    assert many.seconds > 5 * few.seconds
+    assert many.seconds > 60 * few.seconds
     rubs = few.effect("land_friction")
     assert rubs.extra_bytes > 0
     # a difference of measured seconds: on a busy machine it may have either sign

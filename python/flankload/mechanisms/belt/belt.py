@@ -30,6 +30,12 @@ if TYPE_CHECKING:
 SIDE_ANGLE = 0.25 * pi
 
 
+def turn_matrix(angle_rad: float) -> Floats:
+    """Matrix by which places as rows are multiplied from the right to turn them about the axis."""
+    cosine, sine = cos(angle_rad), sin(angle_rad)
+    return np.array([[cosine, sine], [-sine, cosine]])
+
+
 @dataclass(frozen=True)
 class Trapezoid:
     """A tooth, or a groove, with straight sides.
@@ -223,17 +229,9 @@ class Strip:
         half_width = 0.5 * self.tooth.width_mm if self.tooth is not None else 0.0
         return sqrt(self.land_radius_mm**2 - half_width**2)
 
-    def placed(self, places: Floats, tooth_angle_rad: float) -> Floats:
-        """Transform places (…, 2) from the frame of a tooth to axes at the centre of rotation."""
-        cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
-        out = places + np.array([self.foot_radius_mm, 0.0])
-        return np.asarray(out @ np.array([[cosine, sine], [-sine, cosine]]))
-
     def in_tooth(self, places: Floats, tooth_angle_rad: float) -> Floats:
         """Transform places (…, 2) from axes at the centre of rotation to the frame of a tooth."""
-        cosine, sine = cos(tooth_angle_rad), sin(tooth_angle_rad)
-        turned = places @ np.array([[cosine, -sine], [sine, cosine]])
-        return np.asarray(turned - np.array([self.foot_radius_mm, 0.0]))
+        return places @ turn_matrix(-tooth_angle_rad) - np.array([self.foot_radius_mm, 0.0])
 
     def gaps(self, places: Floats) -> Floats:
         """(n,) Gaps between places on the working flank, in its tooth frame, and the groove, mm."""
@@ -243,17 +241,7 @@ class Strip:
 
 
 def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
-    """Make belt and pulley from their validated keys.
-
-    Parameters
-    ----------
-    pulley : scene.Pulley
-    belt : scene.Belt
-
-    Returns
-    -------
-    Strip
-    """
+    """Make belt and pulley from their validated keys."""
     groove_width = pulley.groove_width_mm or belt.tooth_width_mm
     wider = 0.5 * (groove_width - belt.tooth_width_mm)
     tooth: Trapezoid | Round
@@ -262,10 +250,10 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
         assert belt.flank_angle_deg is not None
         angle = radians(belt.flank_angle_deg)
         tooth = Trapezoid(belt.tooth_width_mm, belt.tooth_height_mm, angle)
-        given = pulley.groove_angle_deg
+        cut = pulley.groove_angle_deg
         # flanks meet at the land: the extra width of a groove is rotation of the pulley before
         # contact
-        groove = replace(tooth, angle_rad=radians(given) if given is not None else angle)
+        groove = replace(tooth, angle_rad=radians(cut) if cut is not None else angle)
     else:
         tooth = Round(0.5 * belt.tooth_width_mm, belt.tooth_height_mm)
         # concentric arcs: the extra width of a groove is a gap along the whole flank

@@ -82,11 +82,6 @@ class BeltMesh:
 def half_land(strip: Strip, flank_elements: int) -> Floats:
     """Element boundaries on half a land, rad, beginning at its middle.
 
-    Parameters
-    ----------
-    strip : Strip
-    flank_elements : int
-
     Returns
     -------
     array
@@ -97,36 +92,11 @@ def half_land(strip: Strip, flank_elements: int) -> Floats:
     return even_breaks(0.0, 0.5 * strip.pitch_rad - base, largest, 2)
 
 
-def cord_rows(strip: Strip, flank_elements: int) -> int:
-    """Node rows from the land over the cord to the back.
-
-    Parameters
-    ----------
-    strip : Strip
-    flank_elements : int
-
-    Returns
-    -------
-    int
-    """
-    return _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements).size
-
-
 def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     """The strip with half as many rows, or fewer, and half as many elements on a flank.
 
     At least one row remains. With elements that are already long, only the flanks would become
     coarser, which shows little of the discretization error.
-
-    Parameters
-    ----------
-    strip : Strip
-    flank_elements : int
-
-    Returns
-    -------
-    strip : Strip
-    flank_elements : int
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
     below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
@@ -145,16 +115,10 @@ def mesh_strip(
 
     Parameters
     ----------
-    strip : Strip
-    flank_elements : int
     ends_rad : (float, float)
         Angles at which the belt leaves the pulley, from the middles of the first and the last land.
     places : (int, int), optional
         Ends of the piece, in half pitches; by default the whole belt with the strands of `STRAND`.
-
-    Returns
-    -------
-    BeltMesh
     """
     maker = _Maker(strip, flank_elements, ends_rad)
     for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
@@ -294,7 +258,6 @@ def _half_tooth(strip: Strip, angles: Floats, count: int) -> Floats:
 
     Parameters
     ----------
-    strip : Strip
     angles : (m,) array
         Angles of the nodes of its foot from the middle.
     count : int

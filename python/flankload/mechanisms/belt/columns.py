@@ -6,16 +6,19 @@ distributes forces over the elements, and displacements are averaged with the sa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.sparse import csc_array, hstack
 
 from flankload.elasticity.finite_elements import assembled, degrees_of
+from flankload.mechanisms.belt.belt import turn_matrix
+from flankload.mechanisms.belt.shape_functions import gauss_points, linear, quadratic
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.mechanisms.belt.belt import Strip
@@ -24,8 +27,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Gauss points of the edges.
-GAUSS_POINTS = 4
 #: Moments below this part of a shape function's own moment are roundoff.
 NO_MOMENT = 1e-12
 
@@ -46,6 +47,8 @@ class Flanks:
         Gaps to the groove, along the normals.
     lengths_mm : (n,) array
         Flank length represented by each pair.
+    lines : tuple of (2 c - 1, 2) arrays
+        Places of the nodes of each flank with c pairs, from the land to the tip, mm.
     """
 
     tooth: Numbers
@@ -54,46 +57,45 @@ class Flanks:
     levers_mm: Floats
     gaps_mm: Floats
     lengths_mm: Floats
+    lines: tuple[Floats, ...]
+
+    @classmethod
+    def joined(cls, parts: Sequence[Flanks]) -> Flanks:
+        """All flanks of consecutive pieces."""
+        names = [name for name in cls.__dataclass_fields__ if name != "lines"]
+        return cls(
+            **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names},
+            lines=tuple(line for part in parts for line in part.lines),
+        )
+
+    def turned(self, angle_rad: float) -> Flanks:
+        """The same flanks, turned about the axis."""
+        turn = turn_matrix(angle_rad)
+        return replace(
+            self,
+            places=self.places @ turn,
+            normals=self.normals @ turn,
+            lines=tuple(line @ turn for line in self.lines),
+        )
 
 
-@dataclass(frozen=True)
-class FlankLine:
-    """The working flank of a tooth.
-
-    Attributes
-    ----------
-    tooth : int
-    places : (2 c - 1, 2) array
-        Places of its nodes, from the land to the tip, mm; its c shape functions are pairs.
-    """
-
-    tooth: int
-    places: Floats
-
-
-def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine, ...], csc_array]:
+def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_array]:
     """Contact pairs on all working flanks.
-
-    Parameters
-    ----------
-    strip : Strip
-    mesh : BeltMesh
-        N nodes.
 
     Returns
     -------
     flanks : Flanks
         n pairs.
-    lines : tuple of FlankLine
     columns : (2N, n) csc_array
-        Nodal loads in x and y of a unit force of the pulley on each pair.
+        Nodal loads in x and y of a unit force of the pulley on each pair; N nodes.
     """
-    parts: list[tuple[Floats, ...]] = [(np.zeros(0, dtype=np.int64), *_no_pairs())]
-    lines, columns = [], [csc_array((2 * len(mesh.nodes), 0))]
+    none, nowhere = np.zeros(0), np.zeros((0, 2))
+    parts = [Flanks(none.astype(np.int64), nowhere, nowhere, none, none, none, ())]
+    columns = [csc_array((2 * len(mesh.nodes), 0))]
     for tooth, nodes in sorted(mesh.flanks.items()):
         angle = strip.pitch_rad * (tooth + 0.5)
         places = mesh.nodes[nodes]
-        shapes, hats, along = _hats(places)
+        shapes, hats, along = _on_edges(places)
         size = np.linalg.norm(along, axis=1)
         out = np.column_stack([-along[:, 1], along[:, 0]])
         at = shapes @ places
@@ -103,16 +105,11 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, tuple[FlankLine
         middle = (hats.T @ (size[:, None] * at)) / length[:, None]
         normal = hats.T @ out
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-        parts.append((np.full(length.size, tooth), middle, normal, lever, gap, length))
+        teeth = np.full(length.size, tooth)
+        parts.append(Flanks(teeth, middle, normal, lever, gap, length, (places,)))
         own = -np.einsum("gq,gh,gd->qdh", shapes, hats, out) / length
         columns.append(_at_nodes(own.reshape(-1, length.size), degrees_of(nodes), mesh))
-        lines.append(FlankLine(tooth, places))
-    found = Flanks(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-    return found, tuple(lines), hstack(columns, format="csc")
-
-
-def _no_pairs() -> tuple[Floats, ...]:
-    return tuple(np.zeros(shape) for shape in ((0, 2), (0, 2), 0, 0, 0))
+    return Flanks.joined(parts), hstack(columns, format="csc")
 
 
 @dataclass(frozen=True)
@@ -148,21 +145,12 @@ def land_columns(mesh: BeltMesh) -> Lands:
     held by pressures that its shape functions can represent, and no single node is held further.
     The quadratic functions at the ends of an edge have a moment with their own shape function only,
     so the land displacements replace the displacements there.
-
-    Parameters
-    ----------
-    mesh : BeltMesh
-        N nodes.
-
-    Returns
-    -------
-    Lands
     """
     size = 2 * len(mesh.nodes)
     numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
     forces = [csc_array((size, 0))]
     for number, nodes in sorted(mesh.lands.items()):
-        shapes, hats, along = _hats(mesh.nodes[nodes])
+        shapes, hats, along = _on_edges(mesh.nodes[nodes])
         weighted = np.linalg.norm(along, axis=1)[:, None] * hats
         moments = weighted.T @ shapes
         own = moments[:, ::2].diagonal()[:, None]
@@ -194,8 +182,8 @@ def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
     return assembled(values.ravel(), rows, columns, shape)
 
 
-def _hats(places: Floats) -> tuple[Floats, Floats, Floats]:
-    """Linear shape functions on the ends of quadratic edges, and the edges' quadratic functions.
+def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
+    """Shape functions at the Gauss points of a line of quadratic edges.
 
     Parameters
     ----------
@@ -205,26 +193,13 @@ def _hats(places: Floats) -> tuple[Floats, Floats, Floats]:
     Returns
     -------
     shapes : (g, m) array
-        Quadratic functions of the nodes at the Gauss points of all edges.
+        Quadratic functions of the nodes.
     hats : (g, (m + 1)/2) array
+        Linear functions of the ends of the edges.
     along : (g, 2) array
         Tangents at the points, times the weight of the point and the length of the edge, mm.
     """
-    points, weights = leggauss(GAUSS_POINTS)
-    local = np.column_stack([points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2])
-    slopes = np.column_stack([points - 0.5, -2 * points, points + 0.5])
-    edges = (len(places) - 1) // 2
-    shapes = np.zeros((edges, GAUSS_POINTS, len(places)))
-    hats = np.zeros((edges, GAUSS_POINTS, edges + 1))
-    along = np.zeros((edges, GAUSS_POINTS, 2))
-    for e in range(edges):
-        nodes = slice(2 * e, 2 * e + 3)
-        shapes[e, :, nodes] = local
-        hats[e, :, e] = 0.5 * (1 - points)
-        hats[e, :, e + 1] = 0.5 * (1 + points)
-        along[e] = weights[:, None] * (slopes @ places[nodes])
-    return (
-        shapes.reshape(-1, len(places)),
-        hats.reshape(-1, edges + 1),
-        along.reshape(-1, 2),
-    )
+    line = np.arange(len(places), dtype=np.float64)
+    at, weight = gauss_points(line[::2])
+    shapes, slopes = quadratic(at, line)
+    return shapes, linear(at, line[::2]), weight[:, None] * (slopes @ places)

@@ -20,12 +20,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact import solve_contact_general
+from flankload.mechanisms.belt.strip import Kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.contact import ContactState
     from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.row import StripResponse
 
     Floats = NDArray[np.float64]
@@ -37,6 +39,9 @@ class BeltState:
 
     Attributes
     ----------
+    first_tooth, first_land : int
+        Numbers of the first tooth and the first land.
+    flanks : Flanks
     rotation_rad : float
         Rotation of the pulley while the tight end of the strip is fixed.
     compliance_rad_per_N : float
@@ -53,9 +58,14 @@ class BeltState:
         Largest lift of each land.
     tight_N_per_mm : float
         Reaction at the tight end.
+    degrees_of_freedom : int
+        Of the finite elements.
     contact : ContactState
     """
 
+    first_tooth: int
+    first_land: int
+    flanks: Flanks
     rotation_rad: float
     compliance_rad_per_N: float
     pair_N_per_mm: Floats
@@ -65,6 +75,7 @@ class BeltState:
     land_friction_N_per_mm: Floats
     land_lift_mm: Floats
     tight_N_per_mm: float
+    degrees_of_freedom: int
     contact: ContactState
 
 
@@ -91,39 +102,6 @@ class SpringRow:
     cord_N_per_mm: float
     coupling_mm2_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
-    @property
-    def compliance(self) -> Floats:
-        """(w, w) K = L of the tooth that is nearer to the tight end, plus 1/k_t on the diagonal."""
-        own = np.eye(self.slack_mm2_per_N.size) / self.tooth_N_per_mm2
-        order = np.arange(self.slack_mm2_per_N.size)
-        if self.coupling_mm2_per_N.size:
-            apart = np.abs(np.subtract.outer(order, order))
-            own = own + np.append(0.0, self.coupling_mm2_per_N)[apart]
-        return np.asarray(self.slack_mm2_per_N[np.minimum.outer(order, order)] + own)
-
-    def solve(
-        self, force_N_per_mm: float, slack_N_per_mm: float, pitch_difference_mm: float
-    ) -> ContactState:
-        """Forces of the teeth and displacement of the pulley on the pitch circle.
-
-        Parameters
-        ----------
-        force_N_per_mm : float
-            Sum over all teeth, circumferential.
-        slack_N_per_mm : float
-        pitch_difference_mm : float
-
-        Returns
-        -------
-        ContactState
-            Its rotation is the displacement, mm.
-        """
-        teeth = self.slack_mm2_per_N.size
-        gaps = slack_N_per_mm * self.slack_mm2_per_N + pitch_difference_mm * np.arange(teeth)
-        return solve_contact_general(
-            self.compliance, gaps, np.ones(teeth), force_N_per_mm, positive_definite=True
-        )
-
 
 def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     """Row of springs equivalent to the finite elements.
@@ -132,20 +110,12 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
     A = (Gᵀ K^-1 G)^-1 with the levers divided by the pitch radius in G; L = A Gᵀ K^-1 by_slack.
     These give 1/k_t = A_kk - L_k and p/EA_eff = L_k+1 - L_k, as medians over the teeth; and for an
     elastic pulley A_kl - L_k as medians over all pairs of teeth at the same distance.
-
-    Parameters
-    ----------
-    strip : Strip
-    response : StripResponse
-
-    Returns
-    -------
-    SpringRow
     """
     flanks = response.flanks
     along = np.zeros((flanks.tooth.size, response.teeth))
     along[np.arange(flanks.tooth.size), flanks.tooth] = flanks.levers_mm / strip.pitch_radius_mm
-    solved = np.linalg.solve(response.compliance, np.column_stack([along, response.by_slack]))
+    pairs, by_slack = (response.by[kind].displacement for kind in (Kind.PAIR, Kind.SLACK))
+    solved = np.linalg.solve(pairs, np.column_stack([along, by_slack]))
     reduced = along.T @ solved
     teeth = np.linalg.inv(reduced[:, :-1])
     slack = teeth @ reduced[:, -1]
@@ -155,7 +125,7 @@ def spring_row(strip: Strip, response: StripResponse) -> SpringRow:
         tooth_N_per_mm2=float(1.0 / np.median(teeth.diagonal() - slack)),
         cord_N_per_mm=float(strip.pitch_mm / np.median(stretch)),
     )
-    if not response.pulley_yields:
+    if not response.elastic_pulley:
         return row
     beside = [np.median(teeth.diagonal(d) - slack[:-d]) for d in range(1, slack.size)]
     return replace(row, coupling_mm2_per_N=np.array(beside))
@@ -174,7 +144,6 @@ def solve_belt(
 
     Parameters
     ----------
-    strip : Strip
     response : StripResponse
         With the columns of sliding and lifting lands, if requested.
     force_N_per_mm : float
@@ -187,16 +156,12 @@ def solve_belt(
     land_lift : bool
         Whether lands can lift.
 
-    Returns
-    -------
-    BeltState
-
     Raises
     ------
     ContactError
         If no state exists.
     """
-    problem = _problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
+    problem = contact_problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
         problem = _with_lift(problem, response)
     state = solve_contact_general(
@@ -207,7 +172,7 @@ def solve_belt(
         load_rows=problem.rows,
         # strands that bend at edges of lands press on these, but the reverse effect is zero
         positive_definite=True
-        if land_friction == 0.0 and not ((land_lift or response.pulley_yields) and response.phase)
+        if land_friction == 0.0 and not ((land_lift or response.elastic_pulley) and response.phase)
         else None,
     )
     return _state_of(strip, response, problem, state, slack_N_per_mm, land_friction)
@@ -216,7 +181,7 @@ def solve_belt(
 def _state_of(
     strip: Strip,
     response: StripResponse,
-    problem: _Problem,
+    problem: Problem,
     state: ContactState,
     slack_N_per_mm: float,
     land_friction: float,
@@ -225,18 +190,22 @@ def _state_of(
     n = response.flanks.tooth.size
     force, lift = state.normal_forces[:n], np.zeros(response.land.size)
     pushed = problem.push @ force + problem.push_0
-    tight = response.tight @ force + response.tight_by_slack * slack_N_per_mm
-    if state.normal_forces.size > n and response.lifting is not None:
+    by = response.by
+    tight = by[Kind.PAIR].tight @ force + by[Kind.SLACK].tight[0] * slack_N_per_mm
+    if state.normal_forces.size > n:
         lift = state.normal_forces[n:]
-        pushed = pushed + response.lifting.reaction @ lift
-        tight += response.lifting.tight @ lift
+        pushed = pushed + by[Kind.RADIAL].reaction @ lift
+        tight += by[Kind.RADIAL].tight @ lift
     friction_force = land_friction * pushed
-    if land_friction != 0.0 and response.sliding is not None:
-        tight += response.sliding.tight @ friction_force
+    if land_friction != 0.0:
+        tight += by[Kind.SLIDING].tight @ friction_force
     most = np.zeros(response.lands)
     np.maximum.at(most, response.land, lift)
     radius = strip.pitch_radius_mm
     return BeltState(
+        first_tooth=response.first_tooth,
+        first_land=response.first_land,
+        flanks=replace(response.flanks, lines=()),  # results need no nodes
         rotation_rad=state.rotation,
         compliance_rad_per_N=float(state.tangent[0, 0]),
         pair_N_per_mm=force,
@@ -244,18 +213,19 @@ def _state_of(
         tooth_N_per_mm=_sums(
             response.flanks.tooth, force * response.flanks.levers_mm / radius, response.teeth
         ),
-        land_N_per_mm=_sums(response.land, pushed, most.size),
+        land_N_per_mm=_sums(response.land, pushed, response.lands),
         land_friction_N_per_mm=_sums(
-            response.land, friction_force * strip.land_radius_mm / radius, most.size
+            response.land, friction_force * strip.land_radius_mm / radius, response.lands
         ),
         land_lift_mm=most,
         tight_N_per_mm=float(tight),
+        degrees_of_freedom=response.degrees_of_freedom,
         contact=state,
     )
 
 
 @dataclass(frozen=True)
-class _Problem:
+class Problem:
     """A contact problem with land forces `push` times the forces plus `push_0`."""
 
     matrix: Floats
@@ -267,33 +237,34 @@ class _Problem:
     push_0: Floats
 
 
-def _problem(
+def contact_problem(
     strip: Strip, response: StripResponse, force: float, slack: float, friction: float
-) -> _Problem:
+) -> Problem:
     """The problem with fixed and sliding lands."""
     flanks, radius = response.flanks, strip.pitch_radius_mm
+    pairs, by_slack = response.by[Kind.PAIR], response.by[Kind.SLACK]
     pitches = flanks.tooth + response.first_tooth + response.phase
     turn = strip.clearance_rad + pitches * strip.pitch_difference_mm / radius
-    held = _Problem(
-        matrix=response.compliance,
-        gaps=flanks.gaps_mm + flanks.levers_mm * turn + response.by_slack * slack,
+    held = Problem(
+        matrix=pairs.displacement,
+        gaps=flanks.gaps_mm + flanks.levers_mm * turn + by_slack.displacement[:, 0] * slack,
         levers=flanks.levers_mm,
         rows=flanks.levers_mm,
         torque=force * radius,
-        push=response.reaction,
-        push_0=response.reaction_by_slack * slack,
+        push=pairs.reaction,
+        push_0=by_slack.reaction[:, 0] * slack,
     )
     if friction == 0.0:
         return held
-    assert response.sliding is not None
-    own = np.eye(response.land.size) - friction * response.sliding.reaction
+    sliding = response.by[Kind.SLIDING]
+    own = np.eye(response.land.size) - friction * sliding.reaction
     push, push_0 = (
         np.asarray(np.linalg.solve(own, part), dtype=np.float64)
         for part in (held.push, held.push_0)
     )
-    recedes = friction * response.sliding.recession
+    recedes = friction * sliding.displacement
     helps = friction * strip.land_radius_mm
-    return _Problem(
+    return Problem(
         matrix=held.matrix + recedes @ push,
         gaps=held.gaps + recedes @ push_0,
         levers=held.levers,
@@ -304,15 +275,13 @@ def _problem(
     )
 
 
-def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
+def _with_lift(held: Problem, response: StripResponse) -> Problem:
     """The same problem with lifts of lands as further unknowns, whose gaps are the land forces."""
-    assert response.lifting is not None
+    lifts = response.by[Kind.RADIAL]
     none = np.zeros(response.land.size)
     return replace(
         held,
-        matrix=np.block(
-            [[held.matrix, response.lifting.recession], [held.push, response.lifting.reaction]]
-        ),
+        matrix=np.block([[held.matrix, lifts.displacement], [held.push, lifts.reaction]]),
         gaps=np.concatenate([held.gaps, held.push_0]),
         levers=np.append(held.levers, none),
         rows=np.append(held.rows, none),
@@ -321,4 +290,4 @@ def _with_lift(held: _Problem, response: StripResponse) -> _Problem:
 
 def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
     """Sums of values by index."""
-    return np.asarray(np.bincount(number, values, minlength=count), dtype=np.float64)
+    return np.bincount(number, values, count).astype(np.float64)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.mechanisms.belt.states import lands_in_words
+from flankload.mechanisms.belt.states import lands_in_words, sites_of
 from flankload.result.belt import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
-    from flankload.mechanisms.belt.drive import BeltAssembly, BeltStates, Standing
+    from flankload.mechanisms.belt.drive import BeltAssembly, BeltStates
+    from flankload.mechanisms.wrapped import Sites
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -40,36 +41,18 @@ def result_of_belt(
 
     Parameters
     ----------
-    scene : Scene
-    assembly : BeltAssembly
-    found : BeltStates
     number : int
         Index of the torque.
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-
-    Returns
-    -------
-    Result
-        Its `cost` contains the part of this torque.
     """
     strip, position_rad, pitches = assembly.strip, assembly.position_rad, assembly.pitches
-    standings, states = found.standings, found.found[number]
-    width = strip.width_mm
-    first = min(standing.first_tooth for standing in standings)
-    last = max(
-        standing.first_tooth + state.tooth_N_per_mm.size
-        for standing, state in zip(standings, states, strict=True)
-    )
-    sites = np.arange(first, last)
-    drive = _drive(scene, strip, found.springs, sites, standings, states)
-    force = _over_sites(
-        sites, standings, [width * state.tooth_N_per_mm for state in states], nothing=0.0
-    )
+    states, width = found.found[number], strip.width_mm
+    sites = sites_of(states)
+    drive = _drive(scene, strip, found.springs, sites, states)
+    force = sites.spread([width * state.tooth_N_per_mm for state in states], nothing=0.0)
     return Result(
         name=scene.name,
         torque_Nm=scene.torques_Nm[number],
-        sites=sites,
+        sites=sites.numbers,
         position_rad=position_rad,
         rotation_rad=np.array([state.rotation_rad for state in states]),
         reference_radius_mm=strip.pitch_radius_mm,
@@ -77,39 +60,29 @@ def result_of_belt(
         peak_pressure_MPa=np.zeros_like(force),
         stiffness_tangent_Nm_per_rad=tangent_stiffness(states, strip),
         status=np.array([state.contact.status for state in states]),
-        pair_tables=PairTables(len(states), partial(_pairs, standings, states, width)),
+        pair_tables=PairTables(len(states), partial(_pairs, states, width)),
         corner_contact=np.zeros(force.shape, dtype=bool),
         pitch_rad=strip.pitch_rad,
         period_rad=strip.pitch_rad * (pitches or 1),
         closed=pitches is not None and position_rad.size > 1,
         face_width_mm=width,
         estimate=estimate,
-        cost=_cost(states, standings[0].degrees_of_freedom),
-        warnings=(*question_notes(scene), *_warnings(scene, sites, drive)),
-        drawing=_drawing(strip, sites, position_rad),
+        cost=_cost(states),
+        warnings=(*question_notes(scene), *_warnings(scene, sites.numbers, drive)),
+        drawing=_drawing(strip, sites.numbers, position_rad),
         drive=drive,
     )
 
 
 def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:
-    """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates.
-
-    Parameters
-    ----------
-    states : sequence of BeltState
-    strip : Strip
-
-    Returns
-    -------
-    (P,) array
-    """
+    """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates."""
     compliance = np.array([state.compliance_rad_per_N for state in states])
     stiffness = np.full_like(compliance, np.nan)
     np.divide(1e-3 * strip.width_mm, compliance, out=stiffness, where=compliance > 0.0)
     return stiffness
 
 
-def _cost(states: Sequence[BeltState], degrees_of_freedom: int) -> dict[str, object]:
+def _cost(states: Sequence[BeltState]) -> dict[str, object]:
     """Work of the states of one torque."""
     passes = [state.contact.info for state in states]
     return {
@@ -120,31 +93,14 @@ def _cost(states: Sequence[BeltState], degrees_of_freedom: int) -> dict[str, obj
             "influence_columns": sum(state.pair_N_per_mm.size for state in states),
             "pivots": sum(info.pivots for info in passes),
         },
-        "degrees_of_freedom": degrees_of_freedom,
+        "degrees_of_freedom": states[0].degrees_of_freedom,
         "largest_backward_error": max(info.backward_error for info in passes),
         "largest_condition": max(info.condition for info in passes),
     }
 
 
-def _over_sites(
-    sites: Numbers, standings: Sequence[Standing], values: Sequence[Floats], *, nothing: float
-) -> Floats:
-    """(P, S) Values of the teeth, or of the lands before them, at each position."""
-    found = np.full((len(standings), sites.size), nothing)
-    for row, standing, own in zip(found, standings, values, strict=True):
-        first = standing.first_tooth - sites[0]
-        count = min(own.size, sites.size - first)
-        row[first : first + count] = own[:count]
-    return found
-
-
 def _drive(
-    scene: Scene,
-    strip: Strip,
-    row: SpringRow,
-    sites: Numbers,
-    standings: Sequence[Standing],
-    states: Sequence[BeltState],
+    scene: Scene, strip: Strip, row: SpringRow, sites: Sites, states: Sequence[BeltState]
 ) -> BeltDrive:
     width = strip.width_mm
     slack = scene.load.slack_tension_N
@@ -158,13 +114,8 @@ def _drive(
         for state, friction in zip(states, friction_forces, strict=True)
     ]
     # if it does not precede a site
-    last = np.array(
-        [
-            standing.first_land + land.size - 1
-            for standing, land in zip(standings, lands, strict=True)
-        ]
-    )
-    ends = np.where(last > sites[-1], 0.0, np.nan)
+    last = np.array([state.first_land + state.land_N_per_mm.size - 1 for state in states])
+    ends = np.where(last > sites.numbers[-1], 0.0, np.nan)
     return BeltDrive(
         wrap_angle_rad=strip.wrapped_teeth * strip.pitch_rad,
         tooth_stiffness_N_per_mm=width * row.tooth_N_per_mm2,
@@ -176,9 +127,9 @@ def _drive(
         land_friction_N=np.array([friction.sum() for friction in friction_forces]),
         last_land_N=ends + np.array([land[-1] for land in lands]),
         last_land_lift_um=ends + np.array([lift[-1] for lift in lifts]),
-        tension_behind_N=_over_sites(sites, standings, behind, nothing=np.nan),
-        land_before_N=_over_sites(sites, standings, lands, nothing=np.nan),
-        land_lift_um=_over_sites(sites, standings, lifts, nothing=np.nan),
+        tension_behind_N=sites.spread(behind),
+        land_before_N=sites.spread(lands),
+        land_lift_um=sites.spread(lifts),
         pulley_coupling_um_per_N=UM_PER_MM / width * row.coupling_mm2_per_N,
     )
 
@@ -198,15 +149,13 @@ def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]
     return (note,)
 
 
-def _pairs(
-    standings: Sequence[Standing], states: Sequence[BeltState], width: float, p: int
-) -> PairTable:
+def _pairs(states: Sequence[BeltState], width: float, p: int) -> PairTable:
     """Contact pairs of the flanks that carry load at a position."""
-    flanks, state = standings[p].flanks, states[p]
+    state, flanks = states[p], states[p].flanks
     at = np.flatnonzero(state.pair_N_per_mm > 0.0)
     places, unknown = flanks.places[at], np.full(at.size, np.nan)
     return PairTable(
-        site=flanks.tooth[at] + standings[p].first_tooth,
+        site=flanks.tooth[at] + state.first_tooth,
         radius_mm=np.hypot(*places.T),
         arc_length_1_mm=unknown,
         arc_length_2_mm=unknown,

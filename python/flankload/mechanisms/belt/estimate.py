@@ -20,24 +20,19 @@ positions
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from flankload.mechanisms.belt.contact import BeltState
-    from flankload.mechanisms.belt.row import StripResponse
 
     Floats = NDArray[np.float64]
-    #: Source, and the quantity compared: a response with elements twice as long, with another
-    #: response or, if None, with the state found.
-    Coarser = tuple[str, StripResponse | None, StripResponse]
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.
@@ -52,70 +47,33 @@ SAME = 1e-9
 DOUBT = 0.25
 
 
-@dataclass(frozen=True)
-class Change:
-    """Change by longer elements at a position, relative to the value found there or to the load.
-
-    Attributes
-    ----------
-    rotation_rad : float
-    compliance, share : float
-    largest_share : float
-        Largest share at the position.
-    """
-
-    rotation_rad: float
-    compliance: float
-    share: float
-    largest_share: float
-
-    @classmethod
-    def between(cls, one: BeltState, two: BeltState) -> Change:
-        """Change from one state to another one."""
-        whole = one.tooth_N_per_mm.sum()
-        return cls(
-            two.rotation_rad - one.rotation_rad,
-            _over(two.compliance_rad_per_N - one.compliance_rad_per_N, one.compliance_rad_per_N),
-            _over(float(np.abs(two.tooth_N_per_mm - one.tooth_N_per_mm).max()), whole),
-            _over(float(one.tooth_N_per_mm.max()), whole),
-        )
-
-
 def estimate_belt(
-    tried: Sequence[tuple[BeltState, Sequence[Coarser]]],
+    compared: Sequence[tuple[str, Sequence[tuple[BeltState, BeltState]]]],
     states: Sequence[BeltState],
     phases: Floats | None,
-    solve: Callable[[StripResponse], BeltState],
 ) -> dict[str, object]:
     """Estimated errors under a torque, as a result shows them.
 
     Parameters
     ----------
-    tried : sequence of (BeltState, sequence of Coarser)
-        States at some positions, and the comparisons there, the same at each. The largest change
-        with the same source counts.
+    compared : sequence of (str, sequence of (BeltState, BeltState))
+        Sources, each with states at some positions and the states there with longer elements. The
+        largest change with the same source counts.
     states : sequence of BeltState
         States at all positions.
     phases : (P,) array or None
         Phase of the middle of the first land at each position, beyond the tangent point, from -1/2
         to 1/2 pitch; None for single angles.
-    solve : callable
-        Computes the state from a response.
 
     Returns
     -------
     dict
         Errors of rotation, shares and stiffness, and all contributions by source.
     """
-    changes: dict[tuple[int, str], list[Change]] = {}
-    for state, coarser in tried:
-        for n, (source, as_found, other) in enumerate(coarser):
-            one = solve(as_found) if as_found is not None else state
-            changes.setdefault((n, source), []).append(Change.between(one, solve(other)))
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}
-    for (_, source), row in changes.items():
-        left = {name: LEFT * error for name, error in _of_elements(row, rotation).items()}
+    for source, pairs in compared:
+        left = {name: LEFT * error for name, error in _of_elements(pairs, rotation).items()}
         before = by_source.get(source, left)
         by_source[source] = {name: max(before[name], error) for name, error in left.items()}
     if phases is not None and rotation.size > 1:
@@ -135,23 +93,31 @@ def estimate_belt(
     return {**sums, "dominant_source": dominant, "by_source": by_source}
 
 
-def _of_elements(row: Sequence[Change], rotation: Floats) -> dict[str, float]:
+def _of_elements(
+    pairs: Sequence[tuple[BeltState, BeltState]], rotation: Floats
+) -> dict[str, float]:
     """Change by longer elements in each quantity."""
-    turned = np.array([change.rotation_rad for change in row])
+    turned = np.array([two.rotation_rad - one.rotation_rad for one, two in pairs])
     mean = _over(abs(float(turned.mean())), abs(float(rotation.mean())))
     # an increasing torque deforms the bodies as the whole torque does, on other parts of flanks
-    others = abs(float(np.mean([change.compliance for change in row])))
+    first, second = np.array([[state.compliance_rad_per_N for state in pair] for pair in pairs]).T
+    others = abs(float(np.mean([*map(_over, second - first, first)])))
     largest = _over(float(np.abs(turned).max()), float(np.abs(rotation).max()))
     return {
         "transmission_error": largest,
-        "load_share": max(
-            hypot(change.share, SHARES * largest * change.largest_share) for change in row
-        ),
+        "load_share": max(_of_shares(one, two, SHARES * largest) for one, two in pairs),
         "transmission_error_mean": mean,
         "transmission_error_peak_to_peak": _over(float(np.ptp(turned)), float(np.ptp(rotation))),
         "stiffness_secant": mean,
         "stiffness_tangent": mean + others,
     }
+
+
+def _of_shares(one: BeltState, two: BeltState, least: float) -> float:
+    """Change of a load share; at least a part of the largest share."""
+    force, whole = one.tooth_N_per_mm, float(one.tooth_N_per_mm.sum())
+    change = float(np.abs(two.tooth_N_per_mm - force).max())
+    return hypot(_over(change, whole), least * _over(float(force.max()), whole))
 
 
 def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[str, float]:
@@ -187,20 +153,20 @@ def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[st
 
 def _of_mean(places: Floats, values: Floats) -> float:
     at, through = _to_the_breaks(places, values)
-    missed = float(values.mean() - np.trapezoid(through, at))
+    error = float(values.mean() - np.trapezoid(through, at))
     part = _bend(places, values) * (1.0 / 12.0 + 1.0 / values.size)
-    return _over(abs(missed) + _doubt(values, missed, part), abs(float(values.mean())))
+    return _over(abs(error) + _doubt(values, error, part), abs(float(values.mean())))
 
 
 def _of_peak_to_peak(places: Floats, values: Floats) -> float:
     _, through = _to_the_breaks(places, values)
-    missed = float(np.ptp(values) - np.ptp(through))
-    doubt = _doubt(values, missed, _bend(places, values))
-    return _over(abs(missed) + doubt, float(np.ptp(values)))
+    error = float(np.ptp(values) - np.ptp(through))
+    doubt = _doubt(values, error, _bend(places, values))
+    return _over(abs(error) + doubt, float(np.ptp(values)))
 
 
-def _doubt(values: Floats, missed: float, bend: float) -> float:
-    return abs(missed) if values.size == 2 else float(hypot(DOUBT * missed, bend))
+def _doubt(values: Floats, error: float, bend: float) -> float:
+    return abs(error) if values.size == 2 else float(hypot(DOUBT * error, bend))
 
 
 def _to_the_breaks(places: Floats, values: Floats) -> tuple[Floats, Floats]:

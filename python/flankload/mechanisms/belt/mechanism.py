@@ -4,31 +4,40 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flankload.cost import held_bytes
+from flankload.mechanisms.belt.belt import build_strip
+from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
+from flankload.mechanisms.belt.contact import spring_row
+from flankload.mechanisms.belt.description import rows_of_belt
 from flankload.mechanisms.belt.drive import (
+    BeltStates,
     assemble,
-    compliances_of,
-    default_element_mm,
-    describe_belt,
+    bodies_of,
     error_estimates,
     predicted_work,
     pulley_mesh,
-    states_of,
+    response_at,
+    solved_pulley,
 )
 from flankload.mechanisms.belt.drive_result import result_of_belt, tangent_stiffness
-from flankload.mechanisms.belt.sizes import duration_of
-from flankload.mechanisms.duration import Duration
-from flankload.mechanisms.premises import broken_by_drive
+from flankload.mechanisms.belt.states import state_under
+from flankload.mechanisms.duration import ASSEMBLY_S, Duration, elements_seconds, work_in_words
 from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.mechanisms.registry import require_flanks
+from flankload.mechanisms.wrapped import WrappedMechanism
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from flankload.cost import Account
-    from flankload.mechanisms.belt.drive import BeltAssembly, BeltCompliances, BeltStates
+    from flankload.mechanisms.belt.contact import BeltState
+    from flankload.mechanisms.belt.drive import BeltAssembly
+    from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
     from flankload.mechanisms.parts import Parts
-    from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Mechanism
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
@@ -36,8 +45,11 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
 
+#: CPU seconds of a contact problem.
+STATE_S = 1e-3
 
-class TimingBelt:
+
+class TimingBelt(WrappedMechanism):
     """A pulley and the belt around it."""
 
     without_flanks: str | None = "'belt', which lies on its pulley as a strip"
@@ -54,11 +66,7 @@ class TimingBelt:
 
     def work(self, scene: Scene, assembly: BeltAssembly) -> Counted:
         """Counters of a run by stage, exact."""
-        return predicted_work(scene, assembly.strip, assembly.position_rad)
-
-    def sweeps(self, scene: Scene) -> int:
-        """Number of sweeps: all positions, and the few positions of the estimate."""
-        return 1
+        return predicted_work(scene, assembly)
 
     def compliances(
         self,
@@ -67,42 +75,54 @@ class TimingBelt:
         clock: StageClock,
         kept: Kept,
         parts: Parts | None = None,
-    ) -> tuple[BeltAssembly, BeltCompliances]:
-        """Solve the elements of both bodies."""
-        return assembly, compliances_of(scene, assembly.strip, clock)
+    ) -> tuple[BeltAssembly, PulleyResponse | None]:
+        """Solve the elements of an elastic pulley, and the cell of the belt."""
+        pulley = None
+        if not scene.body_1.rigid:
+            with clock.stage("compliance body 1") as account:
+                pulley = solved_pulley(scene, pulley_mesh(scene), account)
+                account.bytes = held_bytes(pulley)
+        with clock.stage("compliance body 2") as account:
+            assembly.row.solve_cell(account)
+        return assembly, pulley
 
     def states(
         self,
         scene: Scene,
         assembly: BeltAssembly,
-        compliances: BeltCompliances,
+        compliances: PulleyResponse | None,
         clock: StageClock,
     ) -> tuple[BeltAssembly, BeltStates]:
-        """Solve all positions and torques."""
-        return assembly, states_of(scene, assembly, compliances, clock)
+        """Solve all positions and torques; NoContactState if the belt has no state."""
+        strip, torques = assembly.strip, scene.torques_Nm
+        found: tuple[list[BeltState], ...] = tuple([] for _ in torques)
+        springs = None
+        progress = clock.sweep_progress("sweep")
+        for p, angle in enumerate(assembly.position_rad):
+            progress(p, assembly.position_rad.size)
+            with clock.account("compliance body 2") as account:
+                response = response_at(assembly.row, compliances, float(angle), account)
+                springs = springs or spring_row(strip, response)
+                account.bytes = max(account.bytes, held_bytes(response))
+            with clock.account("sweep") as account:
+                for torque, states in zip(torques, found, strict=True):
+                    states.append(state_under(scene, strip, response, torque, account))
+        assert springs is not None
+        clock.account("sweep").bytes = held_bytes(found)
+        return assembly, BeltStates(found, springs)
 
-    def broken_by_geometry(self, assembly: BeltAssembly) -> Iterator[Broken]:
-        """None: the geometry of a belt violates no premise."""
-        yield from ()
-
-    def broken_by_load(
-        self, scene: Scene, assembly: BeltAssembly, states: BeltStates, number: int
-    ) -> Iterator[Broken]:
-        """Premises that a torque violates."""
-        strip = assembly.strip
-        stiffness = tangent_stiffness(states.found[number], strip)
-        torque_Nm = scene.torques_Nm[number]
-        return broken_by_drive(scene, torque_Nm, stiffness, strip.pitch_rad, number)
+    def stiffness(self, assembly: BeltAssembly, states: Sequence[BeltState]) -> NDArray[np.float64]:
+        """Tangent stiffness at the positions."""
+        return tangent_stiffness(states, assembly.strip)
 
     def estimates(
         self,
         scene: Scene,
         assembly: BeltAssembly,
-        compliances: BeltCompliances,
+        compliances: PulleyResponse | None,
         states: BeltStates,
         clock: StageClock,
     ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque."""
         if not any(scene.torques_Nm):
             return [None] * len(states.found)
         with clock.stage("estimate") as account:
@@ -112,11 +132,10 @@ class TimingBelt:
         self,
         scene: Scene,
         assembly: BeltAssembly,
-        compliances: BeltCompliances,
+        compliances: PulleyResponse | None,
         states: BeltStates,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque."""
         return tuple(
             result_of_belt(scene, assembly, states, number, estimate)
             for number, estimate in enumerate(estimates)
@@ -124,7 +143,7 @@ class TimingBelt:
 
     def describe(self, scene: Scene) -> Description:
         """Describe pulley, belt, load and effects."""
-        return Description(describe_belt(scene), question_notes(scene))
+        return Description(rows_of_belt(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""
@@ -136,17 +155,28 @@ class TimingBelt:
 
     def duration(self, scene: Scene, assembly: BeltAssembly) -> Duration:
         """Predict the duration of a run from counted work."""
-        return duration_of(scene, assembly)
+        counted = predicted_work(scene, assembly)
+        sizes = [size.unknowns for size in assembly.row.sizes(assembly.position_rad)]
+        mean, elements = sum(sizes) // len(sizes), sum(sizes) // 8
+        elements_s = sum(
+            len(sizes) * ASSEMBLY_S + elements_seconds(counters, mean, elements)
+            for counters in counted.values()
+            if "fe_factorisations" in counters
+        )
+        states = sum(counters.get("states", 0) for counters in counted.values())
+        work = work_in_words(scene, assembly.position_rad.size)
+        work += f", {assembly.strip.wrapped_teeth} teeth"
+        return Duration(elements_s, STATE_S * states, work)
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.belt.screening import BeltScreening
 
-        return BeltScreening(scene, levels=levels)
+        return BeltScreening(scene)
 
     def default_element_mm(self, scene: Scene) -> float | None:
-        """Length of the elements on the flank of a tooth."""
-        return default_element_mm(scene)
+        """Length of the elements on the flank of a tooth; None without teeth."""
+        strip = build_strip(*bodies_of(scene))
+        return None if strip.tooth is None else strip.tooth.height_mm / FLANK_ELEMENTS
 
 
 MECHANISM: Mechanism = TimingBelt()

@@ -7,13 +7,13 @@ between them is centred on the x axis, and the flank that drives the belt has po
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import asin, cos, pi, sin, sqrt
+from math import asin, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import Material
-from flankload.mechanisms.belt.belt import Round, Trapezoid
+from flankload.mechanisms.belt.belt import Round, Trapezoid, turn_matrix
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,10 +99,8 @@ class ElasticPulley:
     def _placed(self, places: Floats) -> Floats:
         """Transform places from the frame of the groove to that of the sector."""
         assert self.groove is not None
-        cosine, sine = cos(self.half_pitch_rad), sin(self.half_pitch_rad)
         foot = sqrt(self.land_radius_mm**2 - (0.5 * self.groove.width_mm) ** 2)
-        out = places + np.array([foot, 0.0])
-        return np.asarray(out @ np.array([[cosine, sine], [-sine, cosine]]))
+        return (places + np.array([foot, 0.0])) @ turn_matrix(self.half_pitch_rad)
 
 
 def build_pulley(keys: PulleyKeys, strip: Strip, plane: str) -> ElasticPulley:
@@ -110,14 +108,9 @@ def build_pulley(keys: PulleyKeys, strip: Strip, plane: str) -> ElasticPulley:
 
     Parameters
     ----------
-    keys : scene.Pulley
     strip : Strip
         The belt on it.
     plane : {"strain", "stress"}
-
-    Returns
-    -------
-    ElasticPulley
     """
     assert keys.bore_diameter_mm is not None
     assert strip.tooth is not None

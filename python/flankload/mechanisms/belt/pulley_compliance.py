@@ -22,10 +22,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.mechanisms.belt.row import LandColumns
+from flankload.mechanisms.belt.row import Columns, made_symmetric
+from flankload.mechanisms.belt.strip import Kind
 from flankload.mechanisms.belt.touch import Touch, touches_of, unit_forces
 
 if TYPE_CHECKING:
@@ -67,14 +69,8 @@ def solve_pulley(
 
     Parameters
     ----------
-    mesh : PulleyMesh
     sliding : bool
         Whether forces along the lands are included.
-    account : Account, optional
-
-    Returns
-    -------
-    PulleyResponse
     """
     pulley, sector = mesh.pulley, mesh.sector
     loads = unit_forces(mesh, sliding=sliding)
@@ -94,8 +90,6 @@ def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -
 
     Parameters
     ----------
-    known : PulleyResponse
-    touches : list of Touch
     count : int
         Number of shape functions.
 
@@ -120,55 +114,32 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
     ----------
     response : StripResponse
         On a rigid pulley, with the columns of lifting lands, and of sliding lands if requested.
-    strip : Strip
-    known : PulleyResponse
 
     Returns
     -------
     StripResponse
         Its land displacements are relative to the pulley.
     """
-    lifting, sliding = response.lifting, response.sliding
-    assert lifting is not None
     touches, count = touches_of(strip, response, known.mesh, known.response.shape[1])
     whole = pulley_compliance(known, touches, count)
-    n, h = response.flanks.tooth.size, response.land.size
-    by_flank, by_land = whole[:, :n], whole[:, n : n + h]
-    # for forces on flanks, the slack strand, lifts of lands from the pulley, and friction on lands:
-    # `given` is the displacement of the pulley, `push` the contact forces of the lands
-    held = np.eye(h) + lifting.reaction @ by_land[n : n + h]
-    loads = [response.reaction, response.reaction_by_slack[:, None], lifting.reaction]
-    own = [response.compliance, response.by_slack[:, None], lifting.recession]
-    tight = [response.tight, np.array([response.tight_by_slack]), lifting.tight]
-    sunk = [by_flank, np.zeros((count, 1)), np.zeros((count, h))]
-    if sliding is not None:
-        loads.append(sliding.reaction)
-        own.append(sliding.recession)
-        tight.append(sliding.tight)
-        sunk.append(whole[:, n + h :])
-    given = np.hstack(sunk)
-    pushed = np.hstack(loads) - lifting.reaction @ given[n : n + h]
-    push = np.asarray(np.linalg.solve(held, pushed), dtype=np.float64)
-    given = given + by_land @ push
-    seen = np.asarray(np.hstack(own) + given[:n] - lifting.recession @ given[n : n + h])
-    strand = np.asarray(np.concatenate(tight) - lifting.tight @ given[n : n + h])
-    parts = [slice(0, n), slice(n, n + 1), slice(n + 1, n + 1 + h), slice(n + 1 + h, None)]
-    pairs, slack, lifts, sliding_lands = (
-        LandColumns(seen[:, p], push[:, p], strand[p]) for p in parts
-    )
-    compliance, reaction = pairs.recession, lifts.reaction
-    if not response.phase:  # otherwise strands bend at edges of lands
-        compliance, reaction = 0.5 * (compliance + compliance.T), 0.5 * (reaction + reaction.T)
+    n, lift = response.flanks.tooth.size, response.by[Kind.RADIAL]
+    lands = slice(n, n + response.land.size)
+    held = lu_factor(np.eye(response.land.size) + lift.reaction @ whole[lands, lands])
+    sunk = {Kind.PAIR: whole[:, :n], Kind.SLIDING: whole[:, lands.stop :]}
+    by = {}
+    for kind, own in response.by.items():
+        # displacements of the pulley, and contact forces of the lands
+        moved = sunk.get(kind, np.zeros((count, own.tight.size)))
+        push = lu_solve(held, own.reaction - lift.reaction @ moved[lands])
+        moved = moved + whole[:, lands] @ push
+        by[kind] = Columns(
+            own.displacement + moved[:n] - lift.displacement @ moved[lands],
+            push,
+            own.tight - lift.tight @ moved[lands],
+        )
     return replace(
         response,
-        compliance=compliance,
-        by_slack=slack.recession[:, 0],
-        reaction=pairs.reaction,
-        reaction_by_slack=slack.reaction[:, 0],
-        tight=pairs.tight,
-        tight_by_slack=float(slack.tight[0]),
-        lifting=replace(lifts, reaction=reaction),
-        sliding=sliding_lands if sliding is not None else None,
+        by=by if response.phase else made_symmetric(by),  # strands bend at edges of lands
         degrees_of_freedom=response.degrees_of_freedom + known.degrees_of_freedom,
-        pulley_yields=True,
+        elastic_pulley=True,
     )

@@ -61,13 +61,8 @@ def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> 
 
     Parameters
     ----------
-    pulley : ElasticPulley
     flank_elements : int
         On the part that a belt's tooth touches: as many as on the tooth.
-
-    Returns
-    -------
-    PulleyMesh
 
     Raises
     ------

@@ -8,15 +8,16 @@ faces between them.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, sin
-from typing import TYPE_CHECKING
+from math import sin
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from flankload.base.rounding import round_down
+from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.sector_closure import row_response
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, STRAND, half_land, mesh_strip
-from flankload.mechanisms.belt.columns import FlankLine, Flanks
+from flankload.mechanisms.belt.columns import Flanks
 from flankload.mechanisms.belt.strip import Kind, Piece, solve_piece
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
+    from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -36,21 +38,20 @@ SLIVER = 0.3
 
 
 @dataclass(frozen=True)
-class LandColumns:
-    """Response to the h shape functions of the lands under friction, or under lift.
+class Columns:
+    """Response to k unit loads of one kind; n pairs, h shape functions on the lands.
 
     Attributes
     ----------
-    recession : (n, h) array
-        Normal displacements of the flanks under a circumferential force, or per radial
-        displacement.
-    reaction : (h, h) array
-        Reactions of the lands.
-    tight : (h,) array
+    displacement : (n, k) array
+        Normal displacements of the flanks.
+    reaction : (h, k) array
+        Forces of the lands on the belt.
+    tight : (k,) array
         Tension of the tight strand.
     """
 
-    recession: Floats
+    displacement: Floats
     reaction: Floats
     tight: Floats
 
@@ -69,26 +70,17 @@ class StripResponse:
         The same for lands on the pulley; a land has the number of the tooth behind it.
     flanks : Flanks
         Teeth counted from the first one.
-    lines : tuple of FlankLine, one per tooth
-    compliance : (n, n) array
-        K, normal displacements of flanks under forces on flanks, mm²/N.
-    by_slack : (n,) array
-        L, normal displacements of flanks under the tension of the slack strand.
     land : (h,) array
         Land of each shape function, counted from the first land.
     land_angle_rad : (h,) array
         Angle of the end node of each shape function.
-    reaction : (h, n) array
-        P, forces of the lands on the belt under forces on flanks.
-    reaction_by_slack : (h,) array
-    tight, tight_by_slack : (n,) array, float
-        Tension of the tight strand.
-    sliding, lifting : LandColumns or None
-        If requested.
+    by : dict of Kind to Columns
+        Responses to forces on pairs (K and P, mm²/N), to the tension of the slack strand (L and p)
+        and, if requested, to circumferential forces and radial displacements of the lands.
     degrees_of_freedom : int
         Sum over all pieces that were solved.
-    pulley_yields : bool
-        Whether teeth also influence each other through an elastic pulley.
+    elastic_pulley : bool
+        Whether the pulley is elastic: teeth influence each other through it as well.
     """
 
     phase: float
@@ -97,23 +89,87 @@ class StripResponse:
     first_land: int
     lands: int
     flanks: Flanks
-    lines: tuple[FlankLine, ...]
-    compliance: Floats
-    by_slack: Floats
     land: Numbers
     land_angle_rad: Floats
-    reaction: Floats
-    reaction_by_slack: Floats
-    tight: Floats
-    tight_by_slack: float
-    sliding: LandColumns | None
-    lifting: LandColumns | None
+    by: dict[Kind, Columns]
     degrees_of_freedom: int
-    pulley_yields: bool = False
+    elastic_pulley: bool = False
+
+
+@dataclass(frozen=True)
+class PieceSize:
+    """Unknowns and columns of a piece of belt, known from its mesh.
+
+    Attributes
+    ----------
+    pairs, land_functions : int
+        Number of contact pairs on its flanks, and of shape functions on its lands.
+    held, pulled : int
+        Whether the tight strand fixes it, and whether the slack one pulls it: 0 or 1.
+    kept : int
+        Unknowns of its cuts.
+    unknowns : int
+        Unknowns inside.
+    """
+
+    pairs: int
+    land_functions: int
+    held: int
+    pulled: int
+    kept: int
+    unknowns: int
+
+    @classmethod
+    def of(cls, mesh: BeltMesh, cuts: tuple[bool, bool]) -> PieceSize:
+        """Size of a piece with these cuts on its left and its right."""
+        pairs, lands = (
+            sum(nodes.size // 2 + 1 for nodes in lines.values())
+            for lines in (mesh.flanks, mesh.lands)
+        )
+        held, pulled = mesh.tight.size, mesh.slack.size
+        kept = 2 * (cuts[0] * mesh.left.size + cuts[1] * mesh.right.size)
+        return cls(pairs, lands, held, pulled, kept, 2 * len(mesh.nodes) - kept - lands - held)
+
+    def work(self, *, sliding: bool, lifting: bool) -> dict[str, int]:
+        """Counted work of its solution."""
+        normal, along = self.pairs + self.pulled, sliding * self.land_functions
+        columns = normal + along + self.land_functions + self.held
+        return condensation_work(self.kept, columns, normal + lifting * self.land_functions, along)
+
+
+def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[str, int]:
+    """Counted work of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
+
+    Parameters
+    ----------
+    kept : int
+        Unknowns of the cuts: a solution for each, or a second factorisation for many.
+    columns : int
+        Further solutions.
+    normal, along : int
+        Unit loads.
+    """
+    many = kept > MANY_KEPT
+    cuts = 0 if many else kept
+    return {
+        "fe_factorisations": 1 + many,
+        "fe_solutions": cuts + columns,
+        "cut_columns": cuts,
+        "unit_loads_normal": normal,
+        "unit_loads_tangential": along,
+    }
+
+
+def phases(strip: Strip, position_rad: Floats) -> Floats:
+    """(P,) Position of the middle of the first land beyond the tangent point, in pitches."""
+    at = position_rad / strip.pitch_rad
+    return np.asarray(at - round_down(at + 0.5))
 
 
 class BeltRow:
     """A belt whose cell from tooth to tooth is solved once for all positions.
+
+    Pieces are meshed and solved when a position needs them first.
 
     Parameters
     ----------
@@ -123,9 +179,10 @@ class BeltRow:
         On the flank of a tooth.
     sliding, lifting : bool
         Whether the columns of sliding and lifting lands are included.
-    account : Account, optional
-        Account in which the work is counted.
     """
+
+    #: Faces at which other pieces adjoin: left, right.
+    CUTS: ClassVar = {"cell": (True, True), "tight": (False, True), "slack": (True, False)}
 
     def __init__(
         self,
@@ -134,61 +191,91 @@ class BeltRow:
         *,
         sliding: bool = False,
         lifting: bool = False,
-        account: Account | None = None,
     ) -> None:
         assert strip.tooth is not None
-        self._strip, self._elements, self._account = strip, flank_elements, account
-        self._asked = {"sliding": sliding, "lifting": lifting}
-        # from the middle of tooth 0 to that of tooth 1
-        self._cell = self._solved((0, 2), (True, True)) if strip.wrapped_teeth > 1 else None
+        self.strip, self.elements = strip, flank_elements
+        self._columns = {"sliding": sliding, "lifting": lifting}
+        self._meshes: dict[tuple[str, float], BeltMesh] = {}
+        self._pieces: dict[tuple[str, float], Piece] = {}
         # positions with strands that begin at the edges of lands have the same pieces
         self._known: tuple[tuple[float, float], StripResponse] | None = None
-        self._ends: dict[tuple[int, float], Piece] = {}
 
-    def at(self, phase: float) -> StripResponse:
+    def at(self, phase: float, account: Account | None = None) -> StripResponse:
         """Response of the belt.
 
         Parameters
         ----------
         phase : float
             Advance of the teeth, in pitches.
-
-        Returns
-        -------
-        StripResponse
+        account : Account, optional
+            Account in which the work is counted.
         """
         teeth = -round_down(phase + 0.5)
-        on = self._strip.pitch_rad * (phase + teeth)
-        ends = strand_ends(self._strip, self._elements, on)
+        on = self.strip.pitch_rad * (phase + teeth)
+        ends = strand_ends(self.strip, self.elements, on)
         if self._known is None or self._known[0] != ends:
-            self._known = (ends, self._put_together(ends))
-        return standing(self._strip, self._known[1], ends, teeth, on)
+            self._known = ends, self._joined(ends, account)
+        return at_position(self.strip, self._known[1], ends, teeth, on)
 
-    def _put_together(self, ends: tuple[float, float]) -> StripResponse:
-        last = self._strip.wrapped_teeth - 1
-        tight = self._end(0, ends[0], (-STRAND, 0))
-        slack = self._end(1, ends[1], (2 * last, 2 * last + STRAND))
-        inner = [
-            moved_on(self._cell, k, self._strip.pitch_rad * k)
-            for k in range(last)
-            if self._cell is not None
-        ]
-        return strip_response((tight, *inner, slack))
+    def solve_tight_end(self, phase: float, account: Account) -> PieceSize:
+        """Solve the piece with the tight strand; return its size."""
+        on = self.strip.pitch_rad * (phase - round_down(phase + 0.5))
+        end, _ = strand_ends(self.strip, self.elements, on)
+        size = PieceSize.of(self._mesh("tight", end), self.CUTS["tight"])
+        self._piece("tight", end, account)
+        return size
 
-    def _end(self, side: int, end: float, places: tuple[int, int]) -> Piece:
-        if (side, end) not in self._ends:
-            ends = (end, 0.0) if side == 0 else (0.0, end)
-            self._ends[side, end] = self._solved(places, (side == 1, side == 0), ends)
-        return self._ends[side, end]
+    def solve_cell(self, account: Account) -> None:
+        """Solve the cell; a belt of one tooth has none."""
+        if self.strip.wrapped_teeth > 1:
+            self._piece("cell", 0.0, account)
 
-    def _solved(
-        self,
-        places: tuple[int, int],
-        cuts: tuple[bool, bool],
-        ends_rad: tuple[float, float] = (0.0, 0.0),
-    ) -> Piece:
-        mesh = mesh_strip(self._strip, self._elements, ends_rad=ends_rad, places=places)
-        return solve_piece(self._strip, mesh, cuts, account=self._account, **self._asked)
+    @property
+    def pairs(self) -> int:
+        """Number of contact pairs of the whole wrap."""
+        return self.strip.wrapped_teeth * (self.elements + 1)
+
+    def sizes(self, position_rad: Floats) -> list[PieceSize]:
+        """Sizes of all pieces that are solved for these positions."""
+        on = self.strip.pitch_rad * phases(self.strip, position_rad)
+        both = [strand_ends(self.strip, self.elements, float(angle)) for angle in on]
+        tight, slack = map(set, zip(*both, strict=True))
+        keys = [("tight", end) for end in tight] + [("slack", end) for end in slack]
+        if self.strip.wrapped_teeth > 1:
+            keys.append(("cell", 0.0))
+        return [PieceSize.of(self._mesh(*key), self.CUTS[key[0]]) for key in keys]
+
+    def _joined(self, ends: tuple[float, float], account: Account | None) -> StripResponse:
+        last = self.strip.wrapped_teeth - 1
+        cell = self._piece("cell", 0.0, account) if last else None
+        return strip_response(
+            (
+                self._piece("tight", ends[0], account),
+                *(moved_on(cell, k, self.strip.pitch_rad * k) for k in range(last) if cell),
+                self._piece("slack", ends[1], account),
+            )
+        )
+
+    def _piece(self, name: str, end_rad: float, account: Account | None) -> Piece:
+        """A piece, solved once; the end of its strand is that of `strand_ends`."""
+        key = name, end_rad
+        if key not in self._pieces:
+            mesh = self._mesh(*key)
+            self._pieces[key] = solve_piece(
+                self.strip, mesh, self.CUTS[name], account=account, **self._columns
+            )
+            del self._meshes[key]
+        return self._pieces[key]
+
+    def _mesh(self, name: str, end_rad: float) -> BeltMesh:
+        key = name, end_rad
+        if key not in self._meshes:
+            last = 2 * (self.strip.wrapped_teeth - 1)
+            # the cell extends from the middle of tooth 0 to that of tooth 1
+            places = {"cell": (0, 2), "tight": (-STRAND, 0), "slack": (last, last + STRAND)}[name]
+            ends = (0.0, end_rad) if name == "slack" else (end_rad, 0.0)
+            self._meshes[key] = mesh_strip(self.strip, self.elements, ends_rad=ends, places=places)
+        return self._meshes[key]
 
 
 def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float, float]:
@@ -201,15 +288,9 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
 
     Parameters
     ----------
-    strip : Strip
-    flank_elements : int
     on_rad : float
         Position of the middles of both lands beyond the tangent points, in the direction of
         rotation.
-
-    Returns
-    -------
-    tight, slack : float
     """
     land = half_land(strip, flank_elements)
     edge, element = float(land[-1]), float(land[1])
@@ -225,7 +306,7 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     return near(min(max(-on_rad, -edge), inside)), near(min(max(-on_rad, -inside), edge))
 
 
-def standing(
+def at_position(
     strip: Strip, response: StripResponse, ends: tuple[float, float], teeth: int, on_rad: float
 ) -> StripResponse:
     """Response at a position, from the response with strands that begin at the same places.
@@ -236,7 +317,6 @@ def standing(
 
     Parameters
     ----------
-    strip : Strip
     response : StripResponse
         Response with the middle of the first land at angle 0.
     ends : (float, float)
@@ -245,42 +325,32 @@ def standing(
         Added to the numbers.
     on_rad : float
         Angle of the middle of the first land.
-
-    Returns
-    -------
-    StripResponse
     """
-    radius = strip.pitch_radius_mm
-    follow = (
-        response.flanks.levers_mm / radius * (radius * (ends[0] + on_rad) / strip.strand_N_per_mm)
-    )
+    along = response.flanks.levers_mm / strip.pitch_radius_mm
+    follow = along * (strip.pitch_radius_mm * (ends[0] + on_rad) / strip.strand_N_per_mm)
     bent = np.zeros((2, response.land.size))
     bent[0, 0], bent[1, -1] = sin(ends[0] + on_rad), -sin(ends[1] + on_rad)
-
-    def lands(known: LandColumns | None) -> LandColumns | None:
-        if known is None:
-            return None
-        return replace(
-            known,
-            recession=known.recession + np.outer(follow, known.tight),
-            reaction=known.reaction + np.outer(bent[0], known.tight),
+    by = {
+        kind: Columns(
+            columns.displacement + np.outer(follow, columns.tight),
+            columns.reaction + np.outer(bent[0], columns.tight),
+            columns.tight,
         )
-
-    angle = on_rad
+        for kind, columns in response.by.items()
+    }
+    pairs, slack = by[Kind.PAIR], by[Kind.SLACK]
+    # the balance of torque gives the tension exactly, and a symmetric matrix
+    whole = response.by[Kind.PAIR].displacement + np.outer(follow, along)
+    by[Kind.PAIR] = replace(pairs, displacement=whole)
+    by[Kind.SLACK] = replace(slack, reaction=slack.reaction + bent[1][:, None])
     return replace(
         response,
         phase=on_rad / strip.pitch_rad - teeth,
         first_tooth=response.first_tooth + teeth,
         first_land=response.first_land + teeth,
-        flanks=_turned_flanks(response.flanks, angle),
-        lines=_turned_lines(response.lines, teeth, angle),
-        compliance=response.compliance + np.outer(follow, response.flanks.levers_mm / radius),
-        by_slack=response.by_slack + follow * response.tight_by_slack,
-        land_angle_rad=response.land_angle_rad + angle,
-        reaction=response.reaction + np.outer(bent[0], response.tight),
-        reaction_by_slack=response.reaction_by_slack + bent[0] * response.tight_by_slack + bent[1],
-        sliding=lands(response.sliding),
-        lifting=lands(response.lifting),
+        flanks=response.flanks.turned(on_rad),
+        land_angle_rad=response.land_angle_rad + on_rad,
+        by=by,
     )
 
 
@@ -289,50 +359,14 @@ def moved_on(piece: Piece, teeth: int, angle_rad: float) -> Piece:
 
     Parameters
     ----------
-    piece : Piece
     teeth : int
         Added to its numbers.
-    angle_rad : float
-
-    Returns
-    -------
-    Piece
     """
     return replace(
         piece,
-        flanks=replace(_turned_flanks(piece.flanks, angle_rad), tooth=piece.flanks.tooth + teeth),
-        lines=_turned_lines(piece.lines, teeth, angle_rad),
+        flanks=replace(piece.flanks.turned(angle_rad), tooth=piece.flanks.tooth + teeth),
         land=piece.land + teeth,
         land_angle_rad=piece.land_angle_rad + angle_rad,
-    )
-
-
-def _turned_flanks(flanks: Flanks, angle_rad: float) -> Flanks:
-    turn = _turn(angle_rad)
-    return replace(flanks, places=flanks.places @ turn, normals=flanks.normals @ turn)
-
-
-def _turned_lines(
-    lines: tuple[FlankLine, ...], teeth: int, angle_rad: float
-) -> tuple[FlankLine, ...]:
-    turn = _turn(angle_rad)
-    return tuple(
-        replace(line, tooth=line.tooth + teeth, places=line.places @ turn) for line in lines
-    )
-
-
-def _turn(angle_rad: float) -> Floats:
-    """Rotation matrix for places as rows, applied from the right: counter-clockwise."""
-    cosine, sine = cos(angle_rad), sin(angle_rad)
-    return np.array([[cosine, sine], [-sine, cosine]])
-
-
-def _joined_flanks(pieces: Sequence[Piece]) -> Flanks:
-    return Flanks(
-        *(
-            np.concatenate([getattr(piece.flanks, name) for piece in pieces])
-            for name in Flanks.__dataclass_fields__
-        )
     )
 
 
@@ -343,10 +377,6 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     ----------
     pieces : sequence of Piece
         The first contains the tight strand, the last the slack one; both may be the same piece.
-
-    Returns
-    -------
-    StripResponse
     """
     row = row_response([piece.cell for piece in pieces])
     kinds = np.concatenate([piece.kinds for piece in pieces])
@@ -357,19 +387,14 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
     def seen(one: Kind, other: Kind) -> Floats:
         return np.asarray(row[np.ix_(rows[one], columns[other])])
 
-    def lands(kind: Kind) -> LandColumns | None:
-        if not columns[kind].size:
-            return None
-        reaction = -seen(Kind.RADIAL, kind)
-        if kind is Kind.RADIAL:
-            reaction = 0.5 * (reaction + reaction.T)
-        return LandColumns(seen(Kind.PAIR, kind), reaction, seen(Kind.TIGHT, kind)[0])
-
-    flanks = _joined_flanks(pieces)
+    by = {
+        kind: Columns(seen(Kind.PAIR, kind), -seen(Kind.RADIAL, kind), seen(Kind.TIGHT, kind)[0])
+        for kind in Kind
+        if columns[kind].size or kind is Kind.PAIR
+    }
+    flanks = Flanks.joined([piece.flanks for piece in pieces])
     land = np.concatenate([piece.land for piece in pieces])
     first = int(flanks.tooth.min()) if flanks.tooth.size else 0
-    compliance = seen(Kind.PAIR, Kind.PAIR)
-    slack = {kind: seen(kind, Kind.SLACK)[:, 0] for kind in (Kind.PAIR, Kind.RADIAL, Kind.TIGHT)}
     return StripResponse(
         phase=0.0,
         first_tooth=first,
@@ -377,18 +402,20 @@ def strip_response(pieces: Sequence[Piece]) -> StripResponse:
         first_land=int(land.min()),
         lands=int(np.ptp(land)) + 1,
         flanks=replace(flanks, tooth=flanks.tooth - first),
-        lines=tuple(line for piece in pieces for line in piece.lines),
-        compliance=0.5 * (compliance + compliance.T),
-        by_slack=slack[Kind.PAIR],
         land=land - land.min(),
         land_angle_rad=np.concatenate([piece.land_angle_rad for piece in pieces]),
-        reaction=-seen(Kind.RADIAL, Kind.PAIR),
-        reaction_by_slack=-slack[Kind.RADIAL],
-        tight=seen(Kind.TIGHT, Kind.PAIR)[0],
-        tight_by_slack=float(slack[Kind.TIGHT][0]),
-        sliding=lands(Kind.SLIDING),
-        lifting=lands(Kind.RADIAL),
+        by=made_symmetric(by),
         degrees_of_freedom=sum(
             {id(piece.cell): piece.degrees_of_freedom for piece in pieces}.values()
         ),
     )
+
+
+def made_symmetric(by: dict[Kind, Columns]) -> dict[Kind, Columns]:
+    """The same responses without the roundoff in symmetric matrices: K, and that of lifts."""
+    pairs = by[Kind.PAIR].displacement
+    found = by | {Kind.PAIR: replace(by[Kind.PAIR], displacement=0.5 * (pairs + pairs.T))}
+    if Kind.RADIAL in by:
+        lifts = by[Kind.RADIAL].reaction
+        found[Kind.RADIAL] = replace(by[Kind.RADIAL], reaction=0.5 * (lifts + lifts.T))
+    return found

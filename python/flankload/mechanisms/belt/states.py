@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import ContactError, NoContactState
-from flankload.mechanisms.belt.contact import BeltState, solve_belt
+from flankload.mechanisms.belt.contact import BeltState, contact_problem, solve_belt
+from flankload.mechanisms.wrapped import Sites
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.cost import Account
@@ -28,17 +31,10 @@ def state_under(
 
     Parameters
     ----------
-    scene : Scene
-    strip : Strip
     response : StripResponse
         With the columns of sliding and lifting lands, if the scene needs them.
-    torque_Nm : float
     account : Account
         Account in which the work is counted.
-
-    Returns
-    -------
-    BeltState
 
     Raises
     ------
@@ -52,12 +48,14 @@ def state_under(
     try:
         state = _solved(scene, strip, response, torque_Nm, slack)
     except ContactError as error:
-        alone = _torque_of_lands(scene, strip, response, slack)
+        friction, width = scene.effects.land_friction, strip.width_mm
+        # the torque of a problem without load is that of the lands under the slack tension
+        unloaded = contact_problem(strip, response, 0.0, slack / width, friction)
+        alone = -1e-3 * width * unloaded.torque
         if alone > torque_Nm:
             raise NoContactState(
-                f"{where}: lands that all slide with effects.land_friction = "
-                f"{scene.effects.land_friction:g} carry {alone:.4g} N m without any tooth, more "
-                "than the torque: they stick"
+                f"{where}: lands that all slide with effects.land_friction = {friction:g} "
+                f"carry {alone:.4g} N m without any tooth, more than the torque: they stick"
             ) from error
         raise NoContactState(f"{where}: {error}") from error
     account.count(
@@ -77,6 +75,13 @@ def state_under(
     return state
 
 
+def sites_of(states: Sequence[BeltState]) -> Sites:
+    """Teeth at the positions of some states."""
+    return Sites(
+        [state.first_tooth for state in states], [state.tooth_N_per_mm.size for state in states]
+    )
+
+
 def lands_in_words(sites: NDArray[np.int64], some: NDArray[np.bool_]) -> str:
     """Names of some of the lands by their teeth: one before each, and one behind the last.
 
@@ -86,10 +91,6 @@ def lands_in_words(sites: NDArray[np.int64], some: NDArray[np.bool_]) -> str:
         Numbers of the teeth.
     some : (S + 1,) array of bool
         Selected lands, from the tight strand.
-
-    Returns
-    -------
-    str
     """
     before = ", ".join(str(site) for site in sites[some[:-1]])
     words = [f"before tooth {before}"] if before else []
@@ -130,13 +131,3 @@ def _jump_tension(
         else:
             high = middle
     return high
-
-
-def _torque_of_lands(scene: Scene, strip: Strip, response: StripResponse, slack_N: float) -> float:
-    """Torque (N m) of friction on the lands under the slack tension alone."""
-    friction = scene.effects.land_friction
-    if friction == 0.0 or response.sliding is None:
-        return 0.0
-    own = np.eye(response.land.size) - friction * response.sliding.reaction
-    pushed = np.linalg.solve(own, response.reaction_by_slack * slack_N)
-    return float(1e-3 * friction * strip.land_radius_mm * pushed.sum())

@@ -23,7 +23,7 @@ from scipy.sparse import csc_array, hstack
 
 from flankload.elasticity.finite_elements import assembled, condensed, degrees_of, stiffness
 from flankload.elasticity.sector_closure import RowCell
-from flankload.mechanisms.belt.columns import FlankLine, Flanks, flank_columns, land_columns
+from flankload.mechanisms.belt.columns import Flanks, flank_columns, land_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,8 +58,6 @@ class Piece:
         `Kind` of each column; loads come first.
     flanks : Flanks
         n pairs, in the order of their columns.
-    lines : tuple of FlankLine
-        The flanks of these pairs.
     land : (h,) array
         Land of each shape function.
     land_angle_rad : (h,) array
@@ -70,7 +68,6 @@ class Piece:
     cell: RowCell
     kinds: Numbers
     flanks: Flanks
-    lines: tuple[FlankLine, ...]
     land: Numbers
     land_angle_rad: Floats
     degrees_of_freedom: int
@@ -89,20 +86,14 @@ def solve_piece(
 
     Parameters
     ----------
-    strip : Strip
     mesh : BeltMesh
         Mesh of the piece, N nodes.
     cuts : (bool, bool)
         Whether another piece adjoins at its left and its right face.
     sliding, lifting : bool
         Whether the columns of sliding and lifting lands are included.
-    account : Account, optional
-
-    Returns
-    -------
-    Piece
     """
-    flanks, lines, pairs = flank_columns(strip, mesh)
+    flanks, pairs = flank_columns(strip, mesh)
     lands = land_columns(mesh)
     basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
     matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
@@ -130,7 +121,6 @@ def solve_piece(
         cell=_cell(local, carried, complement, degrees_of(left).size),
         kinds=kinds,
         flanks=flanks,
-        lines=lines,
         land=lands.number,
         land_angle_rad=lands.angle_rad,
         degrees_of_freedom=inner.size,
@@ -180,7 +170,6 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
 
     Parameters
     ----------
-    strip : Strip
     mesh : BeltMesh
         N nodes.
 

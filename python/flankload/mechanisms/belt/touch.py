@@ -8,13 +8,15 @@ same columns average displacements.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import asin, cos, sin
+from math import asin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 from flankload.elasticity.finite_elements import degrees_of
+from flankload.mechanisms.belt.belt import turn_matrix
+from flankload.mechanisms.belt.shape_functions import gauss_points, linear, quadratic
+from flankload.mechanisms.belt.strip import Kind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,10 +28,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
-
-#: Gauss points between the ends of shape functions and elements: the integrands are cubic, on round
-#: flanks approximately.
-GAUSS_POINTS = 4
 
 
 @dataclass(frozen=True)
@@ -87,10 +85,8 @@ def touches_of(
 
     Parameters
     ----------
-    strip : Strip
     response : StripResponse
         At any position; it determines whether lands slide.
-    mesh : PulleyMesh
     rows : int
         Number r of unit forces.
 
@@ -101,12 +97,12 @@ def touches_of(
     count : int
         Number of shape functions.
     """
-    pitch, sliding = strip.pitch_rad, response.sliding is not None
+    pitch, sliding = strip.pitch_rad, Kind.SLIDING in response.by
     touches, count = [], 0
-    for line in response.lines:
-        turn = pitch * (line.tooth + response.phase)
-        forces = flank_forces(mesh, _turned_back(line.places, turn), rows)
-        touches.append(Touch(line.tooth, count + np.arange(forces.shape[1]), forces))
+    for tooth, line in enumerate(response.flanks.lines, response.first_tooth):
+        turn = turn_matrix(-pitch * (tooth + response.phase))
+        forces = flank_forces(mesh, line @ turn, rows)
+        touches.append(Touch(tooth, count + np.arange(forces.shape[1]), forces))
         count += forces.shape[1]
     hats = response.land.size
     for number in range(response.lands):
@@ -135,7 +131,6 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
 
     Parameters
     ----------
-    mesh : PulleyMesh
     flank : (2 c - 1, 2) array
         Nodes of the belt's flank in the frame of the sector, from the land on.
     rows : int
@@ -148,12 +143,12 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
     """
     own = _parts(mesh.sector.nodes[mesh.flank])
     parts = _parts(flank)
-    at, weight = _points(parts[::2], own[::2])
-    slopes, hats = _slopes(at, parts), _interpolated(at, parts[::2])
-    along = weight[:, None] * (slopes @ flank)
+    at, weight = gauss_points(_breaks(parts[::2], own[::2]))
+    hats = linear(at, parts[::2])
+    along = weight[:, None] * (quadratic(at, parts)[1] @ flank)
     out = np.column_stack([-along[:, 1], along[:, 0]])
     lengths = hats.T @ np.linalg.norm(along, axis=1)
-    forces = np.einsum("gq,gh,gd->qdh", _shapes(at, own), hats, out) / lengths
+    forces = np.einsum("gq,gh,gd->qdh", quadratic(at, own)[0], hats, out) / lengths
     found = np.zeros((rows, lengths.size))
     found[: 2 * own.size] = forces.reshape(2 * own.size, -1)
     return found
@@ -164,7 +159,6 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
 
     Parameters
     ----------
-    mesh : PulleyMesh
     ends_rad : (c,) array
         End nodes of the shape functions in the frame of the sector, ascending, on its land.
     rows : int
@@ -180,10 +174,10 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
     nodes = np.arctan2(*mesh.sector.nodes[mesh.land].T[::-1])
     first, last = 2 * mesh.flank.size, 2 * mesh.flank.size + nodes.size
     ends = np.clip(ends_rad, nodes[0], nodes[-1])
-    at, weight = _points(ends, nodes[::2])
+    at, weight = gauss_points(_breaks(ends, nodes[::2]))
     weight = weight * mesh.pulley.land_radius_mm
-    hats = _interpolated(at, ends)
-    spread = _shapes(at, nodes).T @ (weight[:, None] * hats)
+    hats = linear(at, ends)
+    spread = quadratic(at, nodes)[0].T @ (weight[:, None] * hats)
     held = np.zeros((rows, ends.size))
     held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T
     if rows == last:
@@ -199,57 +193,7 @@ def _parts(places: Floats) -> Floats:
     return np.asarray(way / way[-1])
 
 
-def _points(ends: Floats, nodes: Floats) -> tuple[Floats, Floats]:
-    """Gauss points between the first and the last of `ends`, and their weights.
-
-    Shape functions have kinks at `ends`, elements have boundaries at `nodes`.
-    """
+def _breaks(ends: Floats, nodes: Floats) -> Floats:
+    """Kinks of shape functions and ends of elements, from the first to the last of `ends`."""
     breaks = np.union1d(ends, nodes)
-    breaks = breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]
-    points, weights = leggauss(GAUSS_POINTS)
-    steps = 0.5 * np.diff(breaks)[:, None]
-    return (breaks[:-1, None] + steps * (1.0 + points)).ravel(), (steps * weights).ravel()
-
-
-def _interpolated(at: Floats, ends: Floats) -> Floats:
-    """(g, c) Linear shape functions with nodes at `ends`, at places between these."""
-    before = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
-    part = (at - ends[before]) / (ends[before + 1] - ends[before])
-    hats = np.zeros((at.size, ends.size))
-    hats[np.arange(at.size), before] = 1.0 - part
-    hats[np.arange(at.size), before + 1] = part
-    return hats
-
-
-def _shapes(at: Floats, nodes: Floats) -> Floats:
-    """(g, m) Functions of quadratic elements along a line; every second node is a mid-side node."""
-    first, x, _ = _local(at, nodes)
-    return _at_nodes(first, (x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2), nodes.size)
-
-
-def _slopes(at: Floats, nodes: Floats) -> Floats:
-    """(g, m) Derivatives of these functions with respect to the place along the line."""
-    first, x, half = _local(at, nodes)
-    return _at_nodes(first, ((x - 0.5) / half, -2 * x / half, (x + 0.5) / half), nodes.size)
-
-
-def _local(at: Floats, nodes: Floats) -> tuple[Numbers, Floats, Floats]:
-    """First node of the element at each place, local coordinate, and half the element length."""
-    ends = nodes[::2]
-    element = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
-    half = 0.5 * (ends[element + 1] - ends[element])
-    return 2 * element, (at - ends[element]) / half - 1.0, half
-
-
-def _at_nodes(first: Numbers, values: tuple[Floats, ...], count: int) -> Floats:
-    """Rows over all nodes from three values each, placed from the first node on."""
-    rows = np.zeros((first.size, count))
-    for k, value in enumerate(values):
-        rows[np.arange(first.size), first + k] = value
-    return rows
-
-
-def _turned_back(places: Floats, angle: float) -> Floats:
-    """Places (n, 2) in a frame that is rotated by an angle."""
-    cosine, sine = cos(angle), sin(angle)
-    return places @ np.array([[cosine, -sine], [sine, cosine]])
+    return breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]

@@ -75,7 +75,7 @@ class WrapState:
         In front of each roller and behind the last: tight strand, links, slack strand.
     status : int
     passes, pivots, planes : int
-    backward_error, condition, margin : float
+    backward_error, condition : float
         For the last contact problem.
     moves_mm : float
         Largest motion of a roller in the last pass; 0 for a linear state and after convergence.
@@ -92,7 +92,6 @@ class WrapState:
     planes: int
     backward_error: float
     condition: float
-    margin: float
     moves_mm: float
 
 
@@ -133,8 +132,6 @@ def solve_wrap(
 
     Parameters
     ----------
-    wrap : Wrap
-    chain : Chain
     torque_Nmm : float
         Torque on the sprocket.
     slack_N : float
@@ -144,31 +141,30 @@ def solve_wrap(
     with_compliance : bool
         Whether to compute the derivative of the rotation with respect to the torque.
 
-    Returns
-    -------
-    WrapState
-
     Raises
     ------
     ContactError
         If the contact problem has no solution.
     """
-    found = _follow(wrap, chain, torque_Nmm, slack_N, large_displacement=large_displacement)
+    found = _follow(
+        _Problem.of(wrap, chain, torque_Nmm, slack_N), large_displacement=large_displacement
+    )
     # the slack tension turns the sprocket, too: its torque is the scale
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
     if with_compliance:
-        start = found if large_displacement else None
         other = _follow(
-            wrap, chain, torque_Nmm + more, slack_N, start, large_displacement=large_displacement
+            _Problem.of(wrap, chain, torque_Nmm + more, slack_N),
+            found if large_displacement else None,
+            large_displacement=large_displacement,
         )
     step = found.step
     polar = wrap.angles_rad + found.turned
     return WrapState(
         rotation_rad=found.turned,
         compliance_rad_per_Nmm=(other.turned - found.turned) / more,
-        force_N=in_pocket(step.force, -polar),
-        place_mm=in_pocket(found.place, -polar) - [0.0, wrap.sprocket.pitch_radius_mm],
+        force_N=in_pocket(step.force, polar),
+        place_mm=in_pocket(found.place, polar) - [0.0, wrap.sprocket.pitch_radius_mm],
         tension_N=np.array([step.tight_N, *step.link_N, slack_N]),
         status=step.state.status,
         passes=found.passes + with_compliance * other.passes,
@@ -176,38 +172,115 @@ def solve_wrap(
         planes=step.planes,
         backward_error=step.state.info.backward_error,
         condition=step.state.info.condition,
-        margin=step.state.info.margin,
         moves_mm=found.moves_mm,
     )
 
 
 @dataclass(frozen=True)
-class _Load:
-    """Load of a contact problem.
+class _Problem:
+    """A wrap under load.
 
     Attributes
     ----------
+    wrap : Wrap
+    chain : Chain
+    torque_Nmm, slack_N, tight_N : float
+        Torque, and tensions of both strands.
     run_mm : float
         Motion of the tight end along its strand.
-    tight_N, slack_N : float
-        Tensions of both strands.
-    torque_Nmm : float
     """
 
-    run_mm: float
-    tight_N: float
-    slack_N: float
+    wrap: Wrap
+    chain: Chain
     torque_Nmm: float
+    slack_N: float
+    tight_N: float
+    run_mm: float
 
+    @classmethod
+    def of(cls, wrap: Wrap, chain: Chain, torque_Nmm: float, slack_N: float) -> _Problem:
+        """Load of a linear state: its tight tension is that of a rigid wrap."""
+        one, two = wrap.levers_mm
+        torque = max(torque_Nmm, LEAST_TORQUE * slack_N * two)
+        tight = (torque + slack_N * two) / one
+        # the tight strand moves uniformly: a pitch of the loaded chain with each tooth
+        run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
+        return cls(wrap, chain, torque, slack_N, tight, run)
 
-def _load(wrap: Wrap, chain: Chain, torque_Nmm: float, slack_N: float) -> _Load:
-    """Load of a linear state: its tight tension is that of a rigid wrap."""
-    one, two = wrap.levers_mm
-    torque = max(torque_Nmm, LEAST_TORQUE * slack_N * two)
-    tight = (torque + slack_N * two) / one
-    # the tight strand moves uniformly: a pitch of the loaded chain with each tooth
-    run = chain.link_mm * (1 + tight / chain.link_stiffness_N) * wrap.advance
-    return _Load(run, tight, slack_N, torque)
+    def linear(self) -> _Pass:
+        """The linear state, on planes tangent to the seats."""
+        centers, half = self.wrap.centers, self.wrap.sprocket.seat_half_angle_rad
+        tensions = np.linspace(self.tight_N, self.slack_N, len(centers) + 1)[1:-1]
+        angles = np.linspace(-half, half, SEAT_PLANES)
+        planes = seat_planes(self.wrap, centers, 0.0, angles)
+        return self.solved(centers, tensions, np.zeros((len(centers), 2, 2)), planes)
+
+    def solved(self, place: Floats, tension: Floats, bend: Floats, planes: Planes) -> _Pass:
+        """One contact problem about places of the rollers."""
+        n = len(place)
+        chain, tight = self.chain, self.wrap.tight
+        stiffness, force = self._truss(place, tension, bend)
+        # the tight end is fixed along its strand: one direction of roller 0 is prescribed
+        known = np.zeros(2 * n)
+        known[:2] = -(self.run_mm + place[0] @ tight) * tight
+        free = np.eye(2 * n)[:, 1:]
+        free[:2, 0] = [-tight[1], tight[0]]
+        parts = np.zeros((planes.gap.size, n, 2))
+        parts[np.arange(planes.gap.size), planes.roller] = planes.normal
+        rows = parts.reshape(-1, 2 * n)
+        # a seat that rotates with the sprocket moves its curvature with it
+        drag = np.einsum("nij,nj->ni", bend, _turning(place)).ravel()
+        solved = free @ np.linalg.solve(
+            free.T @ stiffness @ free,
+            free.T @ np.column_stack([force - stiffness @ known, drag, rows.T]),
+        )
+        base, dragged, moved = solved[:, 0] + known, solved[:, 1], solved[:, 2:]
+        same = planes.roller[:, None] == planes.roller[None, :]
+        alike = planes.normal @ planes.normal.T + OWN_PART * np.eye(planes.gap.size)
+        matrix = rows @ moved + same * alike / chain.contact_stiffness_N_per_mm
+        levers = cross(place[planes.roller], planes.normal) - rows @ dragged
+        state, turn = _solve_turning(
+            0.5 * (matrix + matrix.T),
+            planes.gap + rows @ base,
+            levers,
+            self.torque_Nmm + float(drag @ base),
+            float(drag @ (_turning(place).ravel() - dragged)),
+        )
+        on_planes = state.normal_forces[: planes.gap.size]
+        move = base + moved @ on_planes + dragged * turn
+        pushed = on_planes[:, None] * planes.normal
+        forces = np.zeros((n, 2))
+        np.add.at(forces, planes.roller, pushed)
+        # the reaction at the tight end is its tension
+        held = (stiffness @ move - drag * turn - force - forces.ravel())[:2] @ tight
+        return _Pass(
+            move=move.reshape(n, 2),
+            turn=turn,
+            force=forces,
+            bend=_curvature_stiffness(n, planes, on_planes),
+            tight_N=float(held),
+            link_N=_link_tensions(chain, place, move.reshape(n, 2)),
+            state=state,
+            planes=planes.gap.size,
+        )
+
+    def _truss(self, place: Floats, tension: Floats, bend: Floats) -> tuple[Floats, Floats]:
+        """Stiffness and forces of the links, of both strands and of the curvature of the seats."""
+        n = len(place)
+        stiffness, force = self.chain.truss(place, tension)
+        blocks = stiffness.reshape(n, 2, n, 2)
+        blocks[np.arange(n), :, np.arange(n), :] += bend
+        pull = force.reshape(n, 2)
+        pull[-1] += self.slack_N * self.wrap.slack
+        for k, way, strand in (
+            (0, self.wrap.tight, self.tight_N),
+            (-1, self.wrap.slack, self.slack_N),
+        ):
+            across = np.array([-way[1], way[0]])
+            spring = strand / self.chain.span_mm * np.outer(across, across)
+            blocks[k, :, k, :] += spring
+            pull[k] -= spring @ (place[k] - self.wrap.centers[k])
+        return stiffness, force
 
 
 @dataclass(frozen=True)
@@ -223,25 +296,13 @@ class _Followed:
 
 
 def _follow(
-    wrap: Wrap,
-    chain: Chain,
-    torque: float,
-    slack_N: float,
-    start: _Followed | None = None,
-    *,
-    large_displacement: bool,
+    problem: _Problem, start: _Followed | None = None, *, large_displacement: bool
 ) -> _Followed:
     """One linear state, or passes until convergence, optionally from an earlier result."""
-    centers = wrap.centers
-    load = _load(wrap, chain, torque, slack_N)
+    wrap, chain = problem.wrap, problem.chain
     if start is None:
-        half = wrap.sprocket.seat_half_angle_rad
-        nominal = np.linspace(load.tight_N, slack_N, len(centers) + 1)
-        step = _one_pass(
-            wrap, chain, centers, nominal[1:-1], np.zeros((len(centers), 2, 2)),
-            seat_planes(wrap, centers, 0.0, np.linspace(-half, half, SEAT_PLANES)), load,
-        )  # fmt: skip
-        place, turned = centers + step.move, step.turn
+        step = problem.linear()
+        place, turned = wrap.centers + step.move, step.turn
         passes, pivots, moves = 1, step.state.info.pivots, 0.0
     else:
         step, place, turned = start.step, start.place, start.turned
@@ -251,10 +312,9 @@ def _follow(
     longest, part = LONGEST_STEP * chain.pitch_mm, 1.0
     last = np.zeros_like(place)
     while passes < MOST_PASSES:
-        step = _one_pass(
-            wrap, chain, place, chain.tensions(place), step.bend,
-            nearest_planes(wrap, place, turned), replace(load, tight_N=step.tight_N),
-        )  # fmt: skip
+        planes = nearest_planes(wrap, place, turned)
+        problem = replace(problem, tight_N=step.tight_N)
+        step = problem.solved(place, chain.tensions(place), step.bend, planes)
         passes, pivots = passes + 1, pivots + step.state.info.pivots
         part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
         last, moves = step.move, float(np.abs(step.move).max())
@@ -276,81 +336,6 @@ def _part(part: float, move: Floats, last: Floats) -> float:
     if size == 0.0 or not last.any():
         return part
     return float(np.clip(-part * (last * change).sum() / size, LEAST_PART, LARGEST_PART))
-
-
-def _one_pass(
-    wrap: Wrap,
-    chain: Chain,
-    place: Floats,
-    tension: Floats,
-    bend: Floats,
-    planes: Planes,
-    load: _Load,
-) -> _Pass:
-    """One contact problem about these places."""
-    n = len(place)
-    stiffness, force = _truss_with_strands(wrap, chain, place, tension, bend, load)
-    # the tight end is fixed along its strand: one direction of roller 0 is prescribed
-    known = np.zeros(2 * n)
-    known[:2] = -(load.run_mm + place[0] @ wrap.tight) * wrap.tight
-    free = np.eye(2 * n)[:, 1:]
-    free[:2, 0] = [-wrap.tight[1], wrap.tight[0]]
-    parts = np.zeros((planes.gap.size, n, 2))
-    parts[np.arange(planes.gap.size), planes.roller] = planes.normal
-    rows = parts.reshape(-1, 2 * n)
-    # a seat that rotates with the sprocket moves its curvature with it
-    drag = np.einsum("nij,nj->ni", bend, _turning(place)).ravel()
-    solved = free @ np.linalg.solve(
-        free.T @ stiffness @ free,
-        free.T @ np.column_stack([force - stiffness @ known, drag, rows.T]),
-    )
-    base, dragged, moved = solved[:, 0] + known, solved[:, 1], solved[:, 2:]
-    same = planes.roller[:, None] == planes.roller[None, :]
-    alike = planes.normal @ planes.normal.T + OWN_PART * np.eye(planes.gap.size)
-    matrix = rows @ moved + same * alike / chain.contact_stiffness_N_per_mm
-    levers = cross(place[planes.roller], planes.normal) - rows @ dragged
-    state, turn = _solve_turning(
-        0.5 * (matrix + matrix.T),
-        planes.gap + rows @ base,
-        levers,
-        load.torque_Nmm + float(drag @ base),
-        float(drag @ (_turning(place).ravel() - dragged)),
-    )
-    on_planes = state.normal_forces[: planes.gap.size]
-    move = base + moved @ on_planes + dragged * turn
-    pushed = on_planes[:, None] * planes.normal
-    forces = np.zeros((n, 2))
-    np.add.at(forces, planes.roller, pushed)
-    # the reaction at the tight end is its tension
-    held = (stiffness @ move - drag * turn - force - forces.ravel())[:2] @ wrap.tight
-    return _Pass(
-        move=move.reshape(n, 2),
-        turn=turn,
-        force=forces,
-        bend=_curvature_stiffness(n, planes, on_planes),
-        tight_N=float(held),
-        link_N=_link_tensions(chain, place, move.reshape(n, 2)),
-        state=state,
-        planes=planes.gap.size,
-    )
-
-
-def _truss_with_strands(
-    wrap: Wrap, chain: Chain, place: Floats, tension: Floats, bend: Floats, load: _Load
-) -> tuple[Floats, Floats]:
-    """Stiffness and forces of the links, of both strands and of the curvature of the seats."""
-    n = len(place)
-    stiffness, force = chain.truss(place, tension)
-    blocks = stiffness.reshape(n, 2, n, 2)
-    blocks[np.arange(n), :, np.arange(n), :] += bend
-    pull = force.reshape(n, 2)
-    pull[-1] += load.slack_N * wrap.slack
-    for k, way, strand in ((0, wrap.tight, load.tight_N), (-1, wrap.slack, load.slack_N)):
-        across = np.array([-way[1], way[0]])
-        spring = strand / chain.span_mm * np.outer(across, across)
-        blocks[k, :, k, :] += spring
-        pull[k] -= spring @ (place[k] - wrap.centers[k])
-    return stiffness, force
 
 
 def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> Floats:

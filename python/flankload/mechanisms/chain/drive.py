@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError, NoContactState, SceneError
 from flankload.mechanisms.chain.chain import Chain
 from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
 from flankload.mechanisms.chain.wrap import Wrap, wrap_at
+from flankload.mechanisms.wrapped import positions_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.mechanisms.stage_clock import StageClock
+    from flankload.cost import Account
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -42,6 +42,7 @@ class ChainAssembly:
     ----------
     sprocket : Sprocket
     chain : Chain
+    wrap_angle_rad : float
     wraps : list of Wrap
         One entry per position.
     position_rad : (P,) array
@@ -52,9 +53,15 @@ class ChainAssembly:
 
     sprocket: Sprocket
     chain: Chain
+    wrap_angle_rad: float
     wraps: list[Wrap]
     position_rad: Floats
     pitches: int | None
+
+    @property
+    def pitch_rad(self) -> float:
+        """Angle between adjacent teeth."""
+        return self.sprocket.pitch_rad
 
 
 @dataclass(frozen=True)
@@ -71,70 +78,15 @@ class ChainStates:
 
 
 def assemble(scene: Scene) -> ChainAssembly:
-    """Sprocket, chain and positions of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    ChainAssembly
-
-    Raises
-    ------
-    SceneError
-        If the rollers do not fit the sprocket.
-    """
-    sprocket, chain = build_drive(scene)
-    wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-    position_rad, pitches = positions_of(scene, sprocket)
+    """Sprocket, chain and positions of a scene; a SceneError if the rollers do not fit."""
+    sprocket, chain, wrap_angle = build_drive(scene)
+    position_rad, pitches = positions_of(scene, sprocket.pitch_rad)
     wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
-    return ChainAssembly(sprocket, chain, wraps, position_rad, pitches)
-
-
-def states_of(scene: Scene, assembly: ChainAssembly, clock: StageClock) -> ChainStates:
-    """States at all positions under all torques.
-
-    Parameters
-    ----------
-    scene : Scene
-    assembly : ChainAssembly
-    clock : StageClock
-
-    Returns
-    -------
-    ChainStates
-
-    Raises
-    ------
-    NoContactState
-        If a position has no state; the message names the tension below which the chain jumps.
-    """
-    progress = clock.sweep_progress("sweep")
-    found: list[list[WrapState]] = []
-    with clock.stage("sweep") as account:
-        for torque in scene.torques_Nm:
-            states = []
-            for p, wrap in enumerate(assembly.wraps):
-                progress(
-                    len(found) * len(assembly.wraps) + p,
-                    len(assembly.wraps) * len(scene.torques_Nm),
-                )
-                states.append(solve_position(scene, wrap, assembly.chain, torque, p))
-            found.append(states)
-            account.count(**work_of(states))
-        account.bytes = held_bytes(found)
-    return ChainStates(tuple(found))
+    return ChainAssembly(sprocket, chain, wrap_angle, wraps, position_rad, pitches)
 
 
 def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
     """Count what a run will do.
-
-    Parameters
-    ----------
-    scene : Scene
-    positions : int
 
     Returns
     -------
@@ -151,8 +103,7 @@ def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
 
 def error_estimate(
     scene: Scene,
-    chain: Chain,
-    wraps: list[Wrap],
+    assembly: ChainAssembly,
     states: list[WrapState],
     torque_Nm: float,
     account: Account,
@@ -163,12 +114,8 @@ def error_estimate(
 
     Parameters
     ----------
-    scene : Scene
-    chain : Chain
-    wraps : list of Wrap
     states : list of WrapState
         State at each position.
-    torque_Nm : float
     account : Account
         Account in which the work is counted.
 
@@ -184,10 +131,10 @@ def error_estimate(
     assert slack is not None
     turn, share = 0.0, 0.0
     scale = max(abs(state.rotation_rad) for state in states)
-    for p in sorted({0, len(wraps) // 2}):
+    for p in sorted({0, len(states) // 2}):
         other = solve_wrap(
-            wraps[p],
-            chain,
+            assembly.wraps[p],
+            assembly.chain,
             1000.0 * torque_Nm,
             slack,
             large_displacement=True,
@@ -201,17 +148,8 @@ def error_estimate(
     return {**found, "by_source": {"one solution": found}}
 
 
-def build_drive(scene: Scene) -> tuple[Sprocket, Chain]:
-    """Sprocket and chain of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    sprocket : Sprocket
-    chain : Chain
+def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
+    """Sprocket, chain and wrap angle (rad) of a scene.
 
     Raises
     ------
@@ -235,81 +173,29 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain]:
         contact_stiffness_N_per_mm=spec_2.contact_stiffness_N_per_mm,
         span_mm=spec_2.span_length_mm or SPAN_PITCHES * spec_2.pitch_mm,
     )
-    return sprocket, chain
+    return sprocket, chain, radians(spec_2.wrap_angle_deg)
 
 
-def describe_drive(scene: Scene) -> dict[str, list[tuple[str, str]]]:
-    """Rows of `flankload check` for a sprocket and its chain.
+def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nm: float, p: int) -> WrapState:
+    """State of a position.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to list of (str, str)
-        Name and value of each row, by title.
+    Raises
+    ------
+    NoContactState
+        If there is none; the message names the tension below which the chain jumps.
     """
-    sprocket, chain = build_drive(scene)
-    angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-    count = angle / (2 * sprocket.half_pitch_rad)
-    ball = 0.5 * sprocket.roller_diameter_mm
-    slack = scene.load.slack_tension_N or 0.0
-    tight = np.array(scene.torques_Nmm) / sprocket.pitch_radius_mm + slack
-    limits = ", ".join(f"{limit:.4g} N" for limit in sprocket.jump_tension(tight, angle))
-    worn = f", worn {chain.link_mm:.4f} mm" if chain.elongation else ""
-    large = scene.effects.large_displacement
-    key = f"effects.large_displacement {'= true' if large else 'absent'}"
-    looser = 1000 * sprocket.seat_radius_mm
-    return {
-        "body_1: sprocket": [
-            ("teeth", f"{sprocket.teeth}"),
-            ("pitch diameter", f"{2 * sprocket.pitch_radius_mm:.4f} mm"),
-            ("tip diameter", f"{2 * sprocket.tip_radius_mm:.4f} mm"),
-            (
-                "roller seat radius",
-                f"{sprocket.seat_radius_mm + ball:.4f} mm, {looser:.1f} um more than the roller's",
-            ),
-            ("seating angle", f"{2 * np.degrees(sprocket.seat_half_angle_rad):.2f} deg"),
-            ("flank radius", f"{sprocket.flank_radius_mm - ball:.4f} mm"),
-            ("tension ratio q", f"{sprocket.tension_ratio:.4f} per roller on the flanks"),
-        ],
-        "body_2: chain": [
-            ("pitch", f"{chain.pitch_mm:g} mm{worn}"),
-            ("wrap", f"{np.degrees(angle):g} deg, {count:.4g} pitches"),
-            ("free strands", f"{chain.span_mm:g} mm"),
-        ],
-        "load": [
-            ("slack tension", f"{slack:g} N"),
-            ("chain jumps below about", limits),
-        ],
-        "effects": [
-            ("large displacements of the rollers", f"{'yes' if large else 'no'} ({key})"),
-        ],
-    }
-
-
-def positions_of(scene: Scene, sprocket: Sprocket) -> tuple[Floats, int | None]:
-    wanted = scene.positions
-    if wanted.angles_deg is not None:
-        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
-    pitches = 1 if wanted.pitches == "hunting" else int(wanted.pitches)
-    pitch = 2 * sprocket.half_pitch_rad
-    return pitch * np.arange(wanted.count * pitches) / wanted.count, pitches
-
-
-def solve_position(scene: Scene, wrap: Wrap, chain: Chain, torque_Nm: float, p: int) -> WrapState:
     slack = scene.load.slack_tension_N
     assert slack is not None
-    large = scene.effects.large_displacement
-    angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
+    wrap, large = assembly.wraps[p], scene.effects.large_displacement
     one, two = wrap.levers_mm
     tight = (1000.0 * torque_Nm + slack * two) / one
-    limit = float(wrap.sprocket.jump_tension(np.array(tight), angle))
+    limit = float(wrap.sprocket.jump_tension(np.array(tight), assembly.wrap_angle_rad))
     where = f"position {p} at {torque_Nm:g} N m"
     needed = f"chains of this wrap jump below a slack tension of about {limit:.3g} N"
     try:
-        state = solve_wrap(wrap, chain, 1000.0 * torque_Nm, slack, large_displacement=large)
+        state = solve_wrap(
+            wrap, assembly.chain, 1000.0 * torque_Nm, slack, large_displacement=large
+        )
     except ContactError as error:
         raise NoContactState(f"{where}: {error}; {needed}, it is {slack:g} N") from error
     if not large:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from math import pi, radians
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.mechanisms.chain.contact import WrapState, work_of
-from flankload.result.drive import ChainDrive
+from flankload.mechanisms.wrapped import Sites
+from flankload.result.chain import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.scene.usual import question_notes
@@ -42,28 +43,20 @@ def result_of_chain(
 
     Parameters
     ----------
-    scene : Scene
-    assembly : ChainAssembly
     states : sequence of WrapState
         One entry per position.
     number : int
         Index of the torque.
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-
-    Returns
-    -------
-    Result
-        Its `cost` contains the part of this torque.
     """
     wraps, position_rad, pitches = assembly.wraps, assembly.position_rad, assembly.pitches
-    sprocket = wraps[0].sprocket
-    sites, force, drive = _chain_drive(scene, wraps, states)
-    pitch = 2 * sprocket.half_pitch_rad
+    sprocket, pitch = assembly.sprocket, assembly.pitch_rad
+    sites = Sites([wrap.first for wrap in wraps], [wrap.angles_rad.size for wrap in wraps])
+    force = sites.spread([np.hypot(*state.force_N.T) for state in states], nothing=0.0)
+    drive = _drive(scene, assembly, sites, states)
     return Result(
         name=scene.name,
         torque_Nm=scene.torques_Nm[number],
-        sites=sites,
+        sites=sites.numbers,
         position_rad=position_rad,
         rotation_rad=np.array([state.rotation_rad for state in states]),
         reference_radius_mm=sprocket.pitch_radius_mm,
@@ -90,53 +83,33 @@ def result_of_chain(
     )
 
 
-def _chain_drive(
-    scene: Scene, wraps: Sequence[Wrap], states: Sequence[WrapState]
-) -> tuple[NDArray[np.int64], Floats, ChainDrive]:
-    """Numbers of all rollers on the sprocket, their forces (P, S), and the chain's own results."""
-    sprocket = wraps[0].sprocket
-    first = min(wrap.first for wrap in wraps)
-    last = max(wrap.first + len(wrap.angles_rad) for wrap in wraps)
-    sites = np.arange(first, last)
-    force, angle, behind, height = (
-        np.full((len(wraps), sites.size), value) for value in (0.0, np.nan, np.nan, np.nan)
-    )
-    for p, (wrap, state) in enumerate(zip(wraps, states, strict=True)):
-        at = slice(wrap.first - first, wrap.first - first + len(wrap.angles_rad))
-        force[p, at] = np.hypot(*state.force_N.T)
-        loaded = force[p, at] > 0
-        angle[p, at][loaded] = np.degrees(np.arctan2(*state.force_N[loaded].T))
-        behind[p, at] = state.tension_N[:-1]
-        height[p, at] = 1000.0 * state.place_mm[:, 1]
-    tight = np.array([state.tension_N[0] for state in states])
-    slack = np.array([state.tension_N[-1] for state in states])
-    wrap_angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-    drive = ChainDrive(
+def _drive(
+    scene: Scene, assembly: ChainAssembly, sites: Sites, states: Sequence[WrapState]
+) -> ChainDrive:
+    tight, slack = np.array([state.tension_N[[0, -1]] for state in states]).T
+    angle, sprocket = assembly.wrap_angle_rad, assembly.sprocket
+    return ChainDrive(
         mode="large displacement" if scene.effects.large_displacement else "linear",
-        wrap_angle_rad=wrap_angle,
+        wrap_angle_rad=angle,
         tension_ratio=sprocket.tension_ratio,
         tight_tension_N=tight,
         slack_tension_N=slack,
-        jump_margin_N=slack - sprocket.jump_tension(tight, wrap_angle),
+        jump_margin_N=slack - sprocket.jump_tension(tight, angle),
         passes=np.array([state.passes for state in states]),
-        tension_behind_N=behind,
-        roller_height_um=height,
-        force_angle_deg=angle,
+        tension_behind_N=sites.spread([state.tension_N[:-1] for state in states]),
+        roller_height_um=sites.spread([1000.0 * state.place_mm[:, 1] for state in states]),
+        force_angle_deg=sites.spread([_force_angles_deg(state) for state in states]),
     )
-    return sites, force, drive
+
+
+def _force_angles_deg(state: WrapState) -> Floats:
+    """(n,) Angles of the forces from the outward direction; NaN without force."""
+    angles = np.degrees(np.arctan2(*state.force_N.T))
+    return np.where(np.hypot(*state.force_N.T) > 0, angles, np.nan)
 
 
 def tangent_stiffness(states: Sequence[WrapState]) -> Floats:
-    """(P,) Tangent stiffness, N m/rad.
-
-    Parameters
-    ----------
-    states : sequence of WrapState
-
-    Returns
-    -------
-    (P,) array
-    """
+    """(P,) Tangent stiffness, N m/rad."""
     return 1e-3 / np.array([state.compliance_rad_per_Nmm for state in states])
 
 

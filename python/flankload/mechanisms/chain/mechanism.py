@@ -4,24 +4,31 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flankload.cost import held_bytes
+from flankload.mechanisms.chain.contact import work_of
+from flankload.mechanisms.chain.description import rows_of_chain
 from flankload.mechanisms.chain.drive import (
+    ChainStates,
     assemble,
-    describe_drive,
     error_estimate,
     predicted_work,
-    states_of,
+    solve_position,
 )
 from flankload.mechanisms.chain.drive_result import result_of_chain, tangent_stiffness
-from flankload.mechanisms.premises import broken_by_drive
 from flankload.mechanisms.protocol import Description
 from flankload.mechanisms.registry import require_flanks
+from flankload.mechanisms.wrapped import WrappedMechanism
 from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from flankload.cost import Account
-    from flankload.mechanisms.chain.drive import ChainAssembly, ChainStates
+    from flankload.mechanisms.chain.contact import WrapState
+    from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
@@ -32,7 +39,7 @@ if TYPE_CHECKING:
     from flankload.scene.discretization import Discretization
 
 
-class ChainOnSprocket:
+class ChainOnSprocket(WrappedMechanism):
     """A sprocket and the chain around it."""
 
     without_flanks: str | None = "'chain', whose sprocket has pockets and which is a truss"
@@ -51,10 +58,6 @@ class ChainOnSprocket:
         """Counters of a run by stage, as far as they are known before it."""
         return predicted_work(scene, assembly.position_rad.size)
 
-    def sweeps(self, scene: Scene) -> int:
-        """Number of sweeps: all positions, and two positions of the estimate."""
-        return 1
-
     def compliances(
         self,
         scene: Scene,
@@ -70,21 +73,30 @@ class ChainOnSprocket:
         self, scene: Scene, assembly: ChainAssembly, compliances: None, clock: StageClock
     ) -> tuple[ChainAssembly, ChainStates]:
         """Solve all positions and torques."""
-        return assembly, states_of(scene, assembly, clock)
+        progress, count = clock.sweep_progress("sweep"), len(assembly.wraps)
+        found: list[list[WrapState]] = []
+        with clock.stage("sweep") as account:
+            for torque in scene.torques_Nm:
+                found.append([])
+                for p in range(count):
+                    progress((len(found) - 1) * count + p, count * len(scene.torques_Nm))
+                    found[-1].append(solve_position(scene, assembly, torque, p))
+                account.count(**work_of(found[-1]))
+            account.bytes = held_bytes(found)
+        return assembly, ChainStates(tuple(found))
 
-    def broken_by_geometry(self, assembly: ChainAssembly) -> Iterator[Broken]:
-        """None: the geometry of a chain violates no premise."""
-        yield from ()
+    def stiffness(
+        self, assembly: ChainAssembly, states: Sequence[WrapState]
+    ) -> NDArray[np.float64]:
+        """Tangent stiffness at the positions."""
+        return tangent_stiffness(states)
 
     def broken_by_load(
         self, scene: Scene, assembly: ChainAssembly, states: ChainStates, number: int
     ) -> Iterator[Broken]:
         """Premises that a torque violates; with large displacements rollers may move far."""
-        if scene.effects.large_displacement:
-            return
-        stiffness = tangent_stiffness(states.found[number])
-        pitch_rad = 2 * assembly.sprocket.half_pitch_rad
-        yield from broken_by_drive(scene, scene.torques_Nm[number], stiffness, pitch_rad, number)
+        if not scene.effects.large_displacement:
+            yield from super().broken_by_load(scene, assembly, states, number)
 
     def estimates(
         self,
@@ -94,10 +106,9 @@ class ChainOnSprocket:
         states: ChainStates,
         clock: StageClock,
     ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque."""
         with clock.stage("estimate") as account:
             return [
-                error_estimate(scene, assembly.chain, assembly.wraps, found, torque, account)
+                error_estimate(scene, assembly, found, torque, account)
                 for torque, found in zip(scene.torques_Nm, states.found, strict=True)
             ]
 
@@ -109,7 +120,6 @@ class ChainOnSprocket:
         states: ChainStates,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
-        """Results, one per torque."""
         return tuple(
             result_of_chain(scene, assembly, states.found[number], number, estimate)
             for number, estimate in enumerate(estimates)
@@ -117,7 +127,7 @@ class ChainOnSprocket:
 
     def describe(self, scene: Scene) -> Description:
         """Describe sprocket, chain, load and effects."""
-        return Description(describe_drive(scene), question_notes(scene))
+        return Description(rows_of_chain(scene), question_notes(scene))
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Neither body has finite elements: a SceneError."""
@@ -128,10 +138,9 @@ class ChainOnSprocket:
         """None: the duration for a chain is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.chain.screening import ChainScreening
 
-        return ChainScreening(scene, levels=levels)
+        return ChainScreening(scene)
 
     def default_element_mm(self, scene: Scene) -> None:
         """None: a truss has no finite elements."""

@@ -29,15 +29,14 @@ class Planes:
 
 
 def in_pocket(vectors: Floats, angles: Floats) -> Floats:
-    """Transform global vectors (n, 2) to circumferential and outward ones at angles -angles."""
+    """Circumferential and outward components of vectors (n, 2) at polar angles."""
     cosine, sine = np.cos(angles), np.sin(angles)
-    x = cosine * vectors[:, 0] - sine * vectors[:, 1]
-    y = sine * vectors[:, 0] + cosine * vectors[:, 1]
-    return np.column_stack([y, x])
+    x, y = vectors.T
+    return np.column_stack([cosine * y - sine * x, cosine * x + sine * y])
 
 
 def in_world(local: Floats, angles: Floats) -> Floats:
-    """Inverse transformation: vectors (…, 2) from circumferential and outward components."""
+    """Vectors (…, 2) from their circumferential and outward components."""
     cosine, sine = np.cos(angles), np.sin(angles)
     along, out = local[..., 0], local[..., 1]
     return np.stack([out * cosine - along * sine, out * sine + along * cosine], axis=-1)
@@ -46,7 +45,7 @@ def in_world(local: Floats, angles: Floats) -> Floats:
 def seat_planes(wrap: Wrap, place: Floats, turned: float, angles: Floats) -> Planes:
     """Planes tangent to the seats at angles (m,), for all rollers."""
     polar = wrap.angles_rad + turned
-    local = in_pocket(place, -polar) - [0.0, wrap.sprocket.pitch_radius_mm]
+    local = in_pocket(place, polar) - [0.0, wrap.sprocket.pitch_radius_mm]
     normals, gaps = wrap.sprocket.seat_planes(angles, local)
     n, m = gaps.shape
     return Planes(
@@ -65,7 +64,7 @@ def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
     """
     sprocket = wrap.sprocket
     polar = wrap.angles_rad + turned
-    local = in_pocket(place, -polar) - [0.0, sprocket.pitch_radius_mm]
+    local = in_pocket(place, polar) - [0.0, sprocket.pitch_radius_mm]
     away = local - [0.0, sprocket.seat_radius_mm]
     half = sprocket.seat_half_angle_rad
     nearest = np.arctan2(-away[:, 0], -away[:, 1])

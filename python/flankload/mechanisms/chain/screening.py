@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import radians
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -12,21 +11,20 @@ from flankload.cost import Account, held_bytes
 from flankload.mechanisms.chain.contact import solve_wrap, work_of
 from flankload.mechanisms.chain.drive import (
     LINEAR_PASSES,
-    build_drive,
-    positions_of,
+    assemble,
     predicted_work,
     solve_position,
 )
-from flankload.mechanisms.chain.wrap import wrap_at
-from flankload.mechanisms.effect_size import States
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles
+from flankload.mechanisms.wrapped import Sites
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.mechanisms.chain.contact import WrapState
+    from flankload.mechanisms.effect_size import States
     from flankload.scene import Scene
 
 #: Positions of the screening, and those at which a run estimates its errors.
@@ -38,65 +36,61 @@ class ChainScreening(Screening):
 
     rows = ("several_torques", "large_displacement")
 
-    def __init__(self, scene: Scene, *, levels: bool = False) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.toggles: dict[str, Toggle] = toggles(scene, self.rows)
         self._large, self._torque_Nm = scene.effects.large_displacement, max(scene.torques_Nm)
-        slack = scene.load.slack_tension_N or 0.0
-        with Account() as bodies:
-            sprocket, chain = build_drive(scene)
-            positions, _ = positions_of(scene, sprocket)
-            every = max(1, -(-positions.size // POSITIONS))
-            angle = radians(scene.body_2.wrap_angle_deg)  # type: ignore[union-attr]
-            wraps = [wrap_at(sprocket, angle, float(each)) for each in positions[::every]]
-        self.reference_radius_mm, self._positions = sprocket.pitch_radius_mm, positions.size
-        part = positions.size / len(wraps)
-        self._bodies = Account(cpu_s=part * bodies.cpu_s, bytes=round(part * held_bytes(wraps)))
-        spent: dict[bool, float] = {}
-
-        def timed(large: bool, solve: Callable[[int], WrapState]) -> list[WrapState]:
-            found, shortest = [], np.inf
-            for p in range(len(wraps)):
-                start = process_time()
-                found.append(solve(p))
-                shortest = min(shortest, (process_time() - start) / found[-1].passes)
-            spent[large] = shortest
-            return found
-
-        mine = timed(
-            self._large,
-            lambda p: solve_position(scene, wraps[p], chain, self._torque_Nm, every * p),
+        with Account() as self._bodies:
+            self._assembly = assemble(scene)
+        self._bodies.bytes = held_bytes(self._assembly)
+        sprocket, self._positions = self._assembly.sprocket, self._assembly.position_rad.size
+        self.reference_radius_mm = sprocket.pitch_radius_mm
+        self._at = range(0, self._positions, max(1, -(-self._positions // POSITIONS)))
+        self._pass_s: dict[bool, float] = {}
+        mine = self._timed(
+            self._large, lambda p: solve_position(scene, self._assembly, self._torque_Nm, p)
         )
         if not self._large:
             turned = max(state.compliance_rad_per_Nmm for state in mine) * 1000.0 * self._torque_Nm
             torque = Torque(scene, scene.torques_Nm.index(self._torque_Nm))
-            held(scene, tuple(broken_by_turn(turned, 2.0 * sprocket.half_pitch_rad, torque)))
+            held(scene, tuple(broken_by_turn(turned, sprocket.pitch_rad, torque)))
+        slack = scene.load.slack_tension_N or 0.0
 
         def solved(p: int, torque_Nm: float, *, large: bool) -> WrapState:
-            torque = 1000.0 * torque_Nm
             return solve_wrap(
-                wraps[p], chain, torque, slack, large_displacement=large, with_compliance=False
+                self._assembly.wraps[p],
+                self._assembly.chain,
+                1000.0 * torque_Nm,
+                slack,
+                large_displacement=large,
+                with_compliance=False,
             )
 
-        unloaded = [solved(p, 0.0, large=self._large) for p in range(len(wraps))]
-        self.unloaded_rad = np.array([state.rotation_rad for state in unloaded])
+        self.unloaded_rad = np.array(
+            [solved(p, 0.0, large=self._large).rotation_rad for p in self._at]
+        )
         other = not self._large
-        followed = timed(other, lambda p: solved(p, self._torque_Nm, large=other))
-        self._found, self._pass_s = {self._large: mine, other: followed}, spent
-        self._first = [wrap.first for wrap in wraps]
+        followed = self._timed(other, lambda p: solved(p, self._torque_Nm, large=other))
+        self._found = {self._large: mine, other: followed}
         self.base = self.states(scene)
 
-    def states(self, scene: Scene) -> list[States]:
-        """With rollers that are followed, or not."""
-        return [self._states(self._found[scene.effects.large_displacement])]
+    def _timed(self, large: bool, solve: Callable[[int], WrapState]) -> list[WrapState]:
+        """States at the positions of the screening; the shortest time of a pass is kept."""
+        found: list[WrapState] = []
+        self._pass_s[large] = np.inf
+        for p in self._at:
+            start = process_time()
+            found.append(solve(p))
+            spent = (process_time() - start) / found[-1].passes
+            self._pass_s[large] = min(self._pass_s[large], spent)
+        return found
 
-    def _states(self, found: list[WrapState]) -> States:
-        first = min(self._first)
-        last = max(at + len(state.force_N) for at, state in zip(self._first, found, strict=True))
-        force = np.zeros((len(found), last - first))
-        for row, at, state in zip(force, self._first, found, strict=True):
-            row[at - first : at - first + len(state.force_N)] = np.hypot(*state.force_N.T)
-        rotation = np.array([state.rotation_rad for state in found])
-        return States.of(self._torque_Nm, np.arange(first, last), rotation, force)
+    def states(self, scene: Scene) -> list[States]:
+        """With large displacements, or without."""
+        found = self._found[scene.effects.large_displacement]
+        force = [np.hypot(*state.force_N.T) for state in found]
+        sites = Sites([self._assembly.wraps[p].first for p in self._at], [f.size for f in force])
+        rotation = [state.rotation_rad for state in found]
+        return [sites.effect_states(self._torque_Nm, rotation, force)]
 
     def price(self, scene: Scene) -> dict[str, Account]:
         """Number of contact problems times the cost of one."""
@@ -120,9 +114,8 @@ class ChainScreening(Screening):
             stages["estimate"] = Account()
             if not large:  # by an iteration at some positions
                 states = torques * min(POSITIONS, self._positions)
-                followed = self._found[True]
-                seconds = states * _passes(followed) * self._pass_s[True]
-                stages["estimate"].cpu_s = seconds
+                passes = states * _passes(self._found[True])
+                stages["estimate"].cpu_s = passes * self._pass_s[True]
         for name, account in stages.items():
             account.counters |= counted[name]
         return stages

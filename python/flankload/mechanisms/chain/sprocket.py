@@ -61,6 +61,11 @@ class Sprocket:
         return pi / self.teeth
 
     @property
+    def pitch_rad(self) -> float:
+        """Angle between adjacent teeth."""
+        return 2 * self.half_pitch_rad
+
+    @property
     def pitch_radius_mm(self) -> float:
         """Radius of the circle of roller centres."""
         return 0.5 * self.pitch_mm / sin(self.half_pitch_rad)
@@ -195,13 +200,8 @@ def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
 
     Parameters
     ----------
-    spec : scene.Sprocket
     key : str
         Key of its table, for messages.
-
-    Returns
-    -------
-    Sprocket
 
     Raises
     ------

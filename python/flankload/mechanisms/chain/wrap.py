@@ -68,15 +68,10 @@ def wrap_at(sprocket: Sprocket, wrap_angle_rad: float, position_rad: float) -> W
 
     Parameters
     ----------
-    sprocket : Sprocket
     wrap_angle_rad : float
         Angle between the places where both strands leave.
     position_rad : float
         Rotation of the sprocket.
-
-    Returns
-    -------
-    Wrap
     """
     beta = sprocket.half_pitch_rad
     pitches = position_rad / (2 * beta)

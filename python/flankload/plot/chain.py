@@ -8,21 +8,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import (
-    COLOURS,
-    GREY,
-    SIZE,
-    STEEL,
-    STYLE,
-    draw_forces,
-    new_figure,
-    subtitle,
+from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, draw_forces, new_figure
+from flankload.plot.wheel import (
+    DARK,
+    EDGE,
+    directions,
+    drawn_wheel,
+    number_sites,
+    scaled_alike,
+    set_title,
 )
-from flankload.result.drive import ChainDrive
+from flankload.result.chain import ChainDrive
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from flankload.result import Result
 
@@ -44,51 +43,35 @@ def plot_chain_on_sprocket(result: Result, position: int | None = None) -> Figur
         Result of a chain.
     position : int, optional
         Index of the position; by default the one with the largest tight tension.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
-    drive, drawing = _drive(result), result.drawing
+    drive = _drive(result)
     p = int(np.argmax(drive.tight_tension_N)) if position is None else position
-    pitch = 2 * np.pi / drawing.teeth_1
     there = np.flatnonzero(np.isfinite(drive.roller_height_um[p]))
-    radius = result.reference_radius_mm + drive.roller_height_um[p, there] / 1000.0
-    polar = drawing.angle_1[p] + pitch * np.arange(there.size) + result.rotation_rad[p]
-    centers = radius[:, None] * np.column_stack([np.cos(polar), np.sin(polar)])
+    wrap, pitch_mm = drive.wrap_angle_rad, result.pitch_rad * result.reference_radius_mm
     with rc_context(STYLE):
-        figure = new_figure((6.4, 6.0))
-        axes = figure.add_subplot()
-        turns = drawing.angle_1[p] + pitch * np.arange(drawing.teeth_1)
-        points = np.vstack([drawing.outline_1 @ _turn(turn).T for turn in turns])
-        axes.fill(*points.T, color=STEEL[0], ec="#7a8791", lw=0.8)
-        length = 4.0 * float(result.pitch_rad) * result.reference_radius_mm
-        wrap = drive.wrap_angle_rad
+        figure, axes, angles = drawn_wheel(result, p)
+        polar = angles[: there.size] + result.rotation_rad[p]
+        radius = result.reference_radius_mm + drive.roller_height_um[p, there] / 1000.0
+        centers = radius[:, None] * directions(polar)
         strands = np.array([[0.0, -1.0], [-np.sin(wrap), np.cos(wrap)]])
         for end, along in zip(centers[[0, -1]], strands, strict=True):
-            axes.plot(*np.column_stack([end, end + length * along]), color="#404040", lw=1.2)
-        axes.plot(*centers.T, color="#404040", lw=1.2)
+            axes.plot(*np.column_stack([end, end + 4.0 * pitch_mm * along]), color=DARK, lw=1.2)
+        axes.plot(*centers.T, color=DARK, lw=1.2)
         for center in centers:
-            axes.fill(*(center + drawing.outline_2).T, color=STEEL[1], ec="#7a6f57", lw=0.8)
+            axes.fill(*(center + result.drawing.outline_2).T, color=STEEL[1], ec=EDGE, lw=0.8)
         force = result.site_force_N[p, there]
         angle = np.radians(np.nan_to_num(drive.force_angle_deg[p, there]))
-        way = np.column_stack([np.cos(polar + angle), np.sin(polar + angle)])
-        scale = 2.2 * pitch * result.reference_radius_mm / max(float(force.max()), 1e-300)
-        tips = centers + scale * force[:, None] * way
+        scale = 2.2 * pitch_mm / max(float(force.max()), 1e-300)
+        tips = centers + scale * force[:, None] * directions(polar + angle)
         draw_forces(axes, centers[force > 0], tips[force > 0])
-        for site, center in zip(result.sites[there], centers, strict=True):
-            x, y = center * (1 - 1.1 * pitch)
-            axes.text(x, y, f"{site}", ha="center", va="center", fontsize=8, color=GREY)
+        number_sites(axes, result.sites[there], centers * (1 - 1.1 * result.pitch_rad))
         most = int(np.argmax(force))
         x, y = tips[most]
         axes.text(x, y, f"{force[most]:.4g} N", ha="center", va="bottom", color=COLOURS[1])
-        axes.set_aspect("equal")
-        axes.margins(0.08)
-        axes.autoscale_view()
-        axes.set_xlabel("mm")
-        axes.grid(visible=False)
+        scaled_alike(axes)
         second = f"tight {drive.tight_tension_N[p]:.4g} N, slack {drive.slack_tension_N[p]:.4g} N"
-        _title(figure, result, f"Forces on the rollers at {degrees(result.position_rad[p]):.4g}°")
+        at = f"{degrees(result.position_rad[p]):.4g}°"
+        set_title(figure, result, f"Forces on the rollers at {at}")
         axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
         return figure
 
@@ -100,10 +83,6 @@ def plot_tensions(result: Result) -> Figure:
     ----------
     result : Result
         Result of a chain.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     drive = _drive(result)
     count = result.position_rad.size
@@ -139,15 +118,5 @@ def plot_tensions(result: Result) -> Figure:
         axes.set_xlabel("link, from the tight strand (0) to the slack one")
         axes.set_ylabel("tension in N")
         axes.legend(title="position", ncols=2)
-        _title(figure, result, "Tension around the sprocket")
+        set_title(figure, result, "Tension around the sprocket")
         return figure
-
-
-def _turn(angle: float) -> NDArray[np.float64]:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([[cosine, -sine], [sine, cosine]])
-
-
-def _title(figure: Figure, result: Result, title: str) -> None:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)

@@ -95,10 +95,6 @@ class ChainDrive:
         ----------
         result : Result
             Result of this drive.
-
-        Yields
-        ------
-        str
         """
         yield from _rows_of_chain(result, self)
 

@@ -1,0 +1,65 @@
+"""Common parts of the plots of belts and chains: a wheel with teeth, its title."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.plot.style import GREY, STEEL, new_figure, subtitle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+    Floats = NDArray[np.float64]
+
+
+#: Colours of strands, and of the edges of body 2.
+DARK, EDGE = "#404040", "#7a6f57"
+
+
+def directions(angles: Floats) -> Floats:
+    """(n, 2) Unit vectors at polar angles."""
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def turned(places: Floats, angle: float) -> Floats:
+    """Places (n, 2), rotated about the axis."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return places @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def drawn_wheel(result: Result, p: int) -> tuple[Figure, Axes, Floats]:
+    """Figure with body 1 at a position, and the angles of its teeth from the tight strand on."""
+    drawing = result.drawing
+    angles = drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * np.arange(drawing.teeth_1)
+    figure = new_figure((6.4, 6.0))
+    axes = figure.add_subplot()
+    wheel = np.vstack([turned(drawing.outline_1, angle) for angle in angles])
+    axes.fill(*wheel.T, color=STEEL[0], ec="#7a8791", lw=0.8)
+    axes.set_xlabel("mm")
+    axes.grid(visible=False)
+    return figure, axes, angles
+
+
+def scaled_alike(axes: Axes) -> None:
+    """Fit the axes of a complete drawing to it, with the same scale in both directions."""
+    axes.set_aspect("equal")
+    axes.margins(0.08)
+    axes.autoscale_view()
+
+
+def number_sites(axes: Axes, sites: NDArray[np.int64], places: Floats) -> None:
+    """Write the number of each site at its place (n, 2)."""
+    for site, (x, y) in zip(sites, places, strict=True):
+        axes.text(x, y, f"{site}", ha="center", va="center", fontsize=8, color=GREY)
+
+
+def set_title(figure: Figure, result: Result, title: str) -> None:
+    """Title on the left, name and torque on the right."""
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)

@@ -1,0 +1,124 @@
+!> The bound of the gap by which slices are chosen that are searched: no zone of random involute
+!> flanks, with sharp and with rounded tips, has a smaller gap. Stops with an error where one has.
+program test_coarse_gap
+    use flankload, only: wp
+    use flankload_coarse_gap, only: coarse_gap
+    use flankload_flank_curve, only: flank_curve_type, frame_type, new_flank_curve, new_frame
+    use flankload_circle_pair, only: flank_type, new_flank
+    use flankload_contact_zones, only: find_zones, zone_type
+    implicit none
+
+    integer, parameter :: n_pairs = 40, n_places = 60
+    real(wp), parameter :: half_turn = acos(-1.0_wp)
+    !> Several times what loads close [rad]
+    real(wp), parameter :: leaning = 0.02_wp
+    integer :: i, k, n_zones, n_seen, n_far
+    real(wp) :: bases(2), rounding(2), distance, bound, least, turn, draws(8)
+    logical :: conforms, lost
+    type(flank_type) :: flank_1, flank_2
+    type(frame_type) :: frame_1, frame_2
+    type(zone_type) :: zones(8)
+    integer, allocatable :: seed(:)
+
+    call random_seed(size=k)
+    allocate (seed(k), source=7)
+    call random_seed(put=seed)
+    n_seen = 0
+    n_far = 0
+    do i = 1, n_pairs
+        call random_number(draws)
+        bases = 20.0_wp + 60.0_wp*draws(:2)
+        rounding = merge(0.0_wp, 0.2_wp + 0.3_wp*draws(3:4), modulo(i, 2) == 0)
+        distance = sum(bases)/cos(0.3_wp + 0.15_wp*draws(5))
+        ! from near the base circle, or from higher up as on a tooth with a large fillet
+        flank_1 = new_flank(involute(bases(1), 0.04_wp + 0.2_wp*draws(6), 0.72_wp, rounding(1)))
+        flank_2 = new_flank(involute(bases(2), 0.04_wp + 0.2_wp*draws(7), 0.72_wp, rounding(2)))
+        do k = 1, n_places
+            call random_number(draws)
+            turn = 1.2_wp*(draws(1) - 0.5_wp)
+            frame_1 = new_frame([0.0_wp, 0.0_wp], turn)
+            frame_2 = new_frame([distance, 0.0_wp], half_turn - turn*bases(1)/bases(2) &
+                & + 0.1_wp*(draws(2) - 0.3_wp))
+            bound = coarse_gap(flank_1, frame_1, flank_2, frame_2)
+            n_zones = 0
+            call find_zones(flank_1, frame_1, flank_2, frame_2, 1, 0.0_wp, zones, n_zones, &
+                & conforms, lost)
+            if (n_zones == 0) then
+                n_far = n_far + 1
+                cycle
+            end if
+            n_seen = n_seen + n_zones
+            least = minval(zones(:n_zones)%gap_angle)
+            ! farther flanks lean over and stand off their polygons a little more
+            if (least < min(bound, leaning)) call stop_with('a zone below the bound')
+            ! searches are saved only if the bound is near the gap
+            if (min(least, leaning) > bound + 0.3_wp/bases(1)) then
+                call stop_with('a bound far from the gap')
+            end if
+        end do
+    end do
+    if (n_seen < n_pairs*n_places/4 .or. n_far == 0) call stop_with('too few zones')
+    print '(a)', 'all passed'
+
+contains
+
+    !> An involute between two roll angles with a rounded or sharp tip.
+    function involute(base, first, last, radius) result(curve)
+        !> Radius of the base circle [mm]
+        real(wp), intent(in) :: base
+        !> Roll angles [rad]
+        real(wp), intent(in) :: first
+        real(wp), intent(in) :: last
+        !> Radius of the rounding [mm]; 0: a sharp tip
+        real(wp), intent(in) :: radius
+        type(flank_curve_type) :: curve
+
+        integer, parameter :: n_flank = 24, n_tip = 6
+        real(wp), parameter :: over = 1.0_wp
+        integer :: j, n
+        real(wp) :: t, turned, s(0:n_flank + n_tip), point(2, 0:n_flank + n_tip)
+        real(wp) :: tangent(2, 0:n_flank + n_tip), along(2), c(4, 2, n_flank + n_tip)
+        integer :: corners(0:n_flank + n_tip)
+
+        do j = 0, n_flank
+            t = first + (last - first)*j/n_flank
+            ! arc lengths grow from the root to the tip, with the material on the right
+            point(:, j) = base*[cos(t) + t*sin(t), t*cos(t) - sin(t)]
+            tangent(:, j) = [cos(t), -sin(t)]
+            s(j) = 0.5_wp*base*(t**2 - first**2)
+        end do
+        n = n_flank
+        if (radius > 0.0_wp) then
+            n = n_flank + n_tip
+            do j = 1, n_tip
+                turned = over*j/n_tip
+                along = tangent(:, n_flank)
+                point(:, n_flank + j) = point(:, n_flank) + radius*(sin(turned)*along &
+                    & + (1.0_wp - cos(turned))*[along(2), -along(1)])
+                tangent(:, n_flank + j) = cos(turned)*along + sin(turned)*[along(2), -along(1)]
+                s(n_flank + j) = s(n_flank) + radius*turned
+            end do
+        end if
+        do j = 1, n
+            associate (h => s(j) - s(j - 1), step => point(:, j) - point(:, j - 1))
+                c(1, :, j) = point(:, j - 1)
+                c(2, :, j) = tangent(:, j - 1)
+                c(3, :, j) = (3.0_wp*step/h - 2.0_wp*tangent(:, j - 1) - tangent(:, j))/h
+                c(4, :, j) = (tangent(:, j - 1) + tangent(:, j) - 2.0_wp*step/h)/h**2
+            end associate
+        end do
+        corners = 0
+        corners(n) = 1
+        curve = new_flank_curve(s(:n), c(:, :, :n), corners(:n))
+    end function involute
+
+    !> Stop with words.
+    subroutine stop_with(what)
+        !> The words
+        character(len=*), intent(in) :: what
+
+        print '(2a, 2es24.16)', 'failed: ', what, minval(zones(:n_zones)%gap_angle), bound
+        error stop 1
+    end subroutine stop_with
+
+end program test_coarse_gap
