@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from flankload.base.digest import digest_of
@@ -44,9 +45,11 @@ class Parts:
         object or None
         """
         key = digest_of(call)
-        if key in self._held:
-            self._held.move_to_end(key)
-        return key, self._held.get(key)
+        found = self._held.get(key)
+        if found is not None:
+            with suppress(KeyError):  # dropped by another thread in the meantime
+                self._held.move_to_end(key)
+        return key, found
 
     def add(self, key: bytes, part: object) -> None:
         """Hold the result of a call with this key."""

@@ -58,7 +58,8 @@ def prepare(scene: Scene, parts: Parts) -> None:
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.sweeps(scene), {})
     built = mechanism.build(scene, None, clock.account("bodies"), parts)
-    mechanism.compliances(scene, built, clock, {}, parts)
+    if mechanism.without_flanks is None:  # the other drives reuse nothing
+        mechanism.compliances(scene, built, clock, {}, parts)
 
 
 def run_once(

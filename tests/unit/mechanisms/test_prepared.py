@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from flankload.base.digest import digest_of
 from flankload.bodies import Body
 from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.parts import MOST_PARTS, Parts
+from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
 from tests.support.gear_scenes import SCENE, example
 from tests.support.paths import SCENES
 from tests.support.scene_walk import BESIDE, other_values
@@ -253,10 +254,14 @@ def test_held_fits_of_profiles_have_the_bits_of_new_ones() -> None:
 
 def test_parts_are_dropped_in_the_order_of_their_last_use() -> None:
     parts = Parts()
-    keys = [bytes([k]) for k in range(MOST_PARTS + 1)]
-    for key in keys:
-        parts.add(key, key)
+    calls = [partial(math.sqrt, float(k)) for k in range(1, MOST_PARTS + 2)]
+    for call in calls[:-1]:
+        made_once(call, parts)
+    assert parts.find(calls[0])[1] == 1.0  # used: the next one is the oldest
+    made_once(calls[-1], parts)
     assert len(parts) == MOST_PARTS
+    assert parts.find(calls[0])[1] == 1.0
+    assert parts.find(calls[1])[1] is None
 
 
 def test_digests_are_those_of_bits() -> None:
